@@ -1,0 +1,44 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace shearwake {
+
+/// What the program says to the shell when it ends; the numbers are part of the user's contract.
+enum class ExitCode : int {
+    done = 0,
+    internal = 1,
+    usage = 2,
+    bad_job = 3,
+    some_cases_failed = 4,
+    differs_from_baseline = 5,
+    environment = 6,
+    stopped_early = 75, // saved: start the same command again (EX_TEMPFAIL of sysexits.h)
+};
+
+/// Anything that is neither the user's nor a case's fault. Ends the whole run.
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// The user can mend it; thrown identically on all ranks. Carries the exit code it deserves.
+class UsageError : public Error {
+public:
+    explicit UsageError(const std::string& what, ExitCode code = ExitCode::usage)
+        : Error(what), code_(code) {}
+    ExitCode code() const { return code_; }
+
+private:
+    ExitCode code_;
+};
+
+/// One case cannot be computed or written; thrown by all ranks of its team together.
+/// The sweep records the reason and goes on.
+class CaseFailure : public Error {
+public:
+    using Error::Error;
+};
+
+} // namespace shearwake

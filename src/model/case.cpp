@@ -1,0 +1,234 @@
+#include "model/case.hpp"
+
+#include "base/hash.hpp"
+#include "base/overloaded.hpp"
+#include "base/text.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+/// Lines of TOML. Infinity and nan never occur in a valid case.
+class TomlText {
+public:
+    void table(std::string_view name) { text_ += fmt::format("\n[{}]\n", name); }
+    void element(std::string_view name) { text_ += fmt::format("\n[[{}]]\n", name); }
+    void put(std::string_view key, std::string_view value) {
+        text_ += fmt::format("{} = \"{}\"\n", key, escaped(value));
+    }
+    void put(std::string_view key, const char* value) { put(key, std::string_view(value)); }
+    void put(std::string_view key, double value) {
+        text_ += fmt::format("{} = {}\n", key, number(value));
+    }
+    void put(std::string_view key, std::ptrdiff_t value) {
+        text_ += fmt::format("{} = {}\n", key, value);
+    }
+    void put_flag(std::string_view key, bool value) {
+        text_ += fmt::format("{} = {}\n", key, value);
+    }
+    void put(std::string_view key, const std::vector<double>& values) {
+        text_ += fmt::format("{} = [", key);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            text_ += (i ? ", " : "") + number(values[i]);
+        text_ += "]\n";
+    }
+    void put(std::string_view key, Vec2 v) { put(key, std::vector<double>{v.x, v.y}); }
+    std::string take() { return std::move(text_); }
+
+private:
+    static std::string number(double value) {
+        std::string text = exact(value + 0.0); // -0 and 0 are the same case
+        if (text == "-0") text = "0";
+        if (text.find_first_of(".e") == std::string::npos) text += ".0"; // a TOML float
+        return text;
+    }
+    static std::string escaped(std::string_view value) {
+        std::string out;
+        for (const char c : value) {
+            if (c == '"' || c == '\\') out += '\\';
+            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+                out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+            else
+                out += c;
+        }
+        return out;
+    }
+    std::string text_;
+};
+
+void put_loss(TomlText& t, const ShearLoss& loss) {
+    std::visit(overloaded{
+                   [&](const Lossless&) { t.put("loss", "none"); },
+                   [&](const KelvinVoigt& law) {
+                       t.put("loss", "kelvin-voigt");
+                       t.put("viscosity_Pa_s", law.viscosity_Pa_s);
+                   },
+                   [&](const FractionalKelvinVoigt& law) {
+                       t.put("loss", "fractional");
+                       t.put("tau_s", law.tau_s);
+                       t.put("exponent", law.exponent);
+                   },
+                   [&](const StandardLinearSolid& law) {
+                       t.put("loss", "standard-linear");
+                       t.put("tau_s", law.tau_s);
+                       t.put("strength", law.strength);
+                   },
+               },
+               loss);
+}
+
+void put_medium(TomlText& t, const Medium& medium) {
+    t.table("medium");
+    t.put("base", medium.base == Base::rigid ? "rigid" : "half-space");
+    for (const Layer& layer : medium.layers) {
+        t.element("medium.layer");
+        t.put("name", layer.name);
+        t.put("thickness_m", layer.thickness_m);
+        t.put("density_kg_m3", layer.density_kg_m3);
+        t.put("c_p_m_s", layer.c_p_m_s);
+        t.put("c_s_m_s", layer.c_s_m_s);
+        put_loss(t, layer.loss);
+    }
+}
+
+void put_mover(TomlText& t, const Mover& mover) {
+    t.element("load.modulation.trajectory");
+    std::visit(overloaded{
+                   [&](const Hold& hold) {
+                       t.put("mover", "hold");
+                       t.put("at_m", hold.at_m);
+                   },
+                   [&](const Travel& travel) {
+                       t.put("mover", "line");
+                       t.put("from_m", travel.path.from_m);
+                       t.put("to_m", travel.path.to_m);
+                       t.put("at_end", travel.at_end == AtEnd::off ? "off" : "hold");
+                       std::visit(
+                           overloaded{
+                               [&](const ConstantSpeed& m) { t.put("speed_m_s", m.speed_m_s); },
+                               [&](const OscillatingSpeed& m) {
+                                   t.put("speed_mean_m_s", m.mean_m_s);
+                                   t.put("speed_deviation_m_s", m.deviation_m_s);
+                                   t.put("speed_frequency_Hz", m.frequency_Hz);
+                                   t.put("speed_phase_rad", m.phase_rad);
+                               },
+                           },
+                           travel.motion);
+                   },
+               },
+               mover);
+}
+
+void put_gain(TomlText& t, const Gain& gain) {
+    t.element("load.modulation.envelope");
+    std::visit(overloaded{
+                   [&](const SineGain& g) {
+                       t.put("gain", "sine");
+                       t.put("frequency_Hz", g.frequency_Hz);
+                       t.put("depth", g.depth);
+                       t.put("phase_rad", g.phase_rad);
+                       t.put("on", g.on == GainOn::force ? "force" : "pressure");
+                   },
+                   [&](const RampGain& g) {
+                       t.put("gain", "ramp");
+                       t.put("duration_s", g.duration_s);
+                   },
+               },
+               gain);
+}
+
+void put_load(TomlText& t, const Load& load) {
+    t.table("load");
+    t.put("peak_Pa", load.peak_Pa);
+    std::visit(
+        [&](const GaussianFootprint& g) {
+            t.put("footprint", "gaussian");
+            t.put("fwhm_m", g.fwhm_m);
+        },
+        load.footprint);
+    std::visit(overloaded{
+                   [&](const AveragedCarrier&) { t.put("carrier", "averaged"); },
+                   [&](const ResolvedCarrier& c) {
+                       t.put("carrier", "resolved");
+                       t.put("carrier_Hz", c.frequency_Hz);
+                   },
+               },
+               load.carrier);
+    t.table("load.modulation");
+    t.put("kind", load.modulation.kind);
+    for (const Mover& mover : load.modulation.trajectory.parts)
+        put_mover(t, mover);
+    for (const Gain& gain : load.modulation.envelope.gains)
+        put_gain(t, gain);
+}
+
+void put_record(TomlText& t, const RecordOptions& record) {
+    t.table("record");
+    std::vector<double> xs, ys;
+    for (const Vec2& p : record.traces_m) {
+        xs.push_back(p.x);
+        ys.push_back(p.y);
+    }
+    t.put("traces_x_m", xs);
+    t.put("traces_y_m", ys);
+    t.put("snapshots_s", record.snapshots_s);
+    t.put_flag("frames", record.frames);
+}
+
+void put_solver(TomlText& t, const SolverOptions& solver) {
+    t.table("solver");
+    t.put("engine", engine_name(solver));
+    std::visit(
+        [&](const LayeredOptions& o) {
+            if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
+            t.put("window_factor", o.window_factor);
+            t.put("wrap_suppression", o.wrap_suppression);
+            t.put("interpolation_tolerance", o.interpolation_tolerance);
+        },
+        solver);
+}
+
+} // namespace
+
+std::string engine_name(const SolverOptions& solver) {
+    return std::visit([](const LayeredOptions&) { return std::string("layered"); }, solver);
+}
+
+std::ptrdiff_t good_even_length(std::ptrdiff_t n) {
+    for (std::ptrdiff_t length = n + n % 2;; length += 2) {
+        std::ptrdiff_t rest = length;
+        for (const std::ptrdiff_t prime : {2, 3, 5, 7})
+            while (rest > 1 && rest % prime == 0)
+                rest /= prime;
+        if (rest <= 1) return length;
+    }
+}
+
+std::string canonical_text(const Case& c) {
+    TomlText t;
+    put_medium(t, c.medium);
+    put_load(t, c.load);
+    t.table("domain");
+    t.put("nx", c.domain.nx);
+    t.put("ny", c.domain.ny);
+    t.put("spacing_m", c.domain.spacing_m);
+    t.put("sponge_m", c.domain.sponge_m);
+    t.table("time");
+    t.put("frames", c.time.frames);
+    t.put("interval_s", c.time.interval_s);
+    t.table("measure");
+    t.put("at_s", c.measure.at_s);
+    t.put("settled_after_s", c.measure.settled_after_s);
+    t.put("focal_radius_m", c.measure.focal_radius_m);
+    t.put("depths_m", c.measure.depths_m);
+    put_record(t, c.record);
+    put_solver(t, c.solver);
+    return t.take();
+}
+
+std::string case_id(const Case& c) {
+    return hex(stable_hash(canonical_text(c)));
+}
+
+} // namespace shearwake

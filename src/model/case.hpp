@@ -1,0 +1,90 @@
+#pragma once
+
+#include "model/load.hpp"
+#include "model/medium.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// Periodic rectangle centred on the origin, and its points x_i = (i - nx/2) spacing, likewise y.
+/// nx, ny are even products of 2, 3, 5 and 7, at least extent / spacing.
+struct Domain {
+    std::ptrdiff_t nx = 0;
+    std::ptrdiff_t ny = 0;
+    double spacing_m = 0.0;
+    double sponge_m = 0.0; // width of the margin on each side that is not measured
+    bool operator==(const Domain&) const = default;
+
+    double extent_x_m() const { return static_cast<double>(nx) * spacing_m; }
+    double extent_y_m() const { return static_cast<double>(ny) * spacing_m; }
+    double x_m(std::ptrdiff_t i) const { return static_cast<double>(i - nx / 2) * spacing_m; }
+    double y_m(std::ptrdiff_t j) const { return static_cast<double>(j - ny / 2) * spacing_m; }
+};
+
+/// Frames stand at t = interval, 2 interval, ..., frames interval; at t = 0 nothing has moved.
+struct TimeAxis {
+    std::ptrdiff_t frames = 0;
+    double interval_s = 0.0;
+    bool operator==(const TimeAxis&) const = default;
+
+    double duration_s() const { return static_cast<double>(frames) * interval_s; }
+    double frame_s(std::ptrdiff_t n) const { return static_cast<double>(n + 1) * interval_s; }
+};
+
+/// What is measured, where and when.
+struct MeasureOptions {
+    double at_s = 0.0;            // the instant, and the end of the period reading
+    double settled_after_s = 0.0; // the period reading begins after this
+    double focal_radius_m = 0.0;
+    std::vector<double> depths_m = {0.0};
+    bool operator==(const MeasureOptions&) const = default;
+};
+
+/// What is kept besides the measures.
+struct RecordOptions {
+    std::vector<Vec2> traces_m;
+    std::vector<double> snapshots_s;
+    bool frames = false;
+    bool operator==(const RecordOptions&) const = default;
+};
+
+/// Engine `layered`: exact for stratified media.
+struct LayeredOptions {
+    std::optional<double> time_step_s;     // of the load; none: chosen from the load's bandwidth
+    double window_factor = 2.0;            // period of the time transform over the duration
+    double wrap_suppression = 1e6;         // what wraps around in time is divided by this
+    double interpolation_tolerance = 1e-8; // of H in |k|, relative to H nearby
+    bool operator==(const LayeredOptions&) const = default;
+};
+using SolverOptions = std::variant<LayeredOptions>;
+
+/// Everything one simulation needs, in SI units: one comparable value.
+struct Case {
+    Medium medium;
+    Load load;
+    Domain domain;
+    TimeAxis time;
+    MeasureOptions measure;
+    RecordOptions record;
+    SolverOptions solver;
+    bool operator==(const Case&) const = default;
+};
+
+/// The engine's name in job files and tables.
+std::string engine_name(const SolverOptions& solver);
+
+/// The smallest even product of 2, 3, 5 and 7 that is at least `n`: a length FFTs like.
+std::ptrdiff_t good_even_length(std::ptrdiff_t n);
+
+/// The whole case as TOML in SI units, defaults included, numbers exact, keys in fixed order.
+/// Equal cases give equal text and unequal ones do not.
+std::string canonical_text(const Case& c);
+
+/// Sixteen hexadecimal digits: the hash of the canonical text.
+std::string case_id(const Case& c);
+
+} // namespace shearwake

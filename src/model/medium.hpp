@@ -1,0 +1,70 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// Shear-loss laws mu(omega) with mu0 = rho c_s^2, for the time convention e^{+i omega t}.
+struct Lossless {
+    bool operator==(const Lossless&) const = default;
+};
+/// mu0 + i omega viscosity.
+struct KelvinVoigt {
+    double viscosity_Pa_s = 0.0;
+    bool operator==(const KelvinVoigt&) const = default;
+};
+/// mu0 (1 + (i omega tau)^exponent), 0 < exponent < 1: a spring beside a "spring-pot".
+struct FractionalKelvinVoigt {
+    double tau_s = 0.0;
+    double exponent = 0.5;
+    bool operator==(const FractionalKelvinVoigt&) const = default;
+};
+/// mu0 (1 + strength i omega tau / (1 + i omega tau)): relaxed modulus mu0, unrelaxed
+/// mu0 (1 + strength).
+struct StandardLinearSolid {
+    double tau_s = 0.0;
+    double strength = 0.0;
+    bool operator==(const StandardLinearSolid&) const = default;
+};
+using ShearLoss = std::variant<Lossless, KelvinVoigt, FractionalKelvinVoigt, StandardLinearSolid>;
+
+/// One homogeneous layer. The last layer over a half-space has no thickness (0).
+struct Layer {
+    std::string name;
+    double thickness_m = 0.0;
+    double density_kg_m3 = 0.0;
+    double c_p_m_s = 0.0;
+    double c_s_m_s = 0.0;
+    ShearLoss loss = Lossless{};
+    bool operator==(const Layer&) const = default;
+};
+
+enum class Base { rigid, half_space };
+
+/// Layers from the surface z = 0 downward, on a rigid base or ending in a half-space.
+struct Medium {
+    std::vector<Layer> layers;
+    Base base = Base::rigid;
+    bool operator==(const Medium&) const = default;
+};
+
+/// mu(omega) [Pa]; omega [rad/s] may be complex with Im omega <= 0.
+std::complex<double> shear_modulus(const Layer& layer, std::complex<double> omega_rad_s);
+
+/// Re mu at omega = 0 [Pa].
+double static_shear_modulus(const Layer& layer);
+
+/// lambda + 2 mu with the lambda of the lossless layer, which viscosity leaves alone [Pa].
+std::complex<double> p_wave_modulus(const Layer& layer, std::complex<double> omega_rad_s);
+
+/// Poisson's ratio of the lossless layer.
+double poisson_ratio(const Layer& layer);
+
+/// Speed of the Rayleigh wave over a lossless half-space of this layer [m/s]: the root of the
+/// Rayleigh equation below c_s. Throws Error when there is none.
+double rayleigh_speed_m_s(const Layer& layer);
+
+} // namespace shearwake
