@@ -1,0 +1,55 @@
+#pragma once
+
+#include "base/view.hpp"
+#include "model/case.hpp"
+#include "parallel/comm.hpp"
+
+#include <memory>
+
+namespace shearwake {
+
+/// Rows of the surface grid that this rank holds: global rows x_start ... x_start + x_count - 1.
+struct Slab {
+    std::ptrdiff_t x_start = 0;
+    std::ptrdiff_t x_count = 0;
+};
+
+/// One output time at one depth.
+struct Frame {
+    std::ptrdiff_t number = 0; // 0 .. TimeAxis::frames - 1, at TimeAxis::frame_s(number)
+    std::size_t depth = 0;     // index into MeasureOptions::depths_m
+    View2<const double> u_z_m; // x_count rows of ny values
+};
+
+/// Receives the field of a case as the engine produces it. Called on every rank of the team, in
+/// the same order, also where the slab is empty; an observer must not throw on one rank only.
+class Observer {
+public:
+    virtual ~Observer() = default;
+    virtual void begin(const Slab& slab) = 0;
+    virtual void frame(const Frame& frame) = 0;
+};
+
+/// What a case needs.
+struct Estimate {
+    double memory_per_rank_B = 0.0;
+    double seconds = 0.0;        // on one rank, everything shared already there
+    double shared_seconds = 0.0; // once per medium and grid, on one rank
+    int useful_ranks = 1;        // more have no slab
+};
+
+/// Turns a case into frames of u_z. Keeps nothing between cases but what may be shared on purpose.
+class Engine {
+public:
+    virtual ~Engine() = default;
+    /// Not collective. `ranks`: of the team that would run it.
+    virtual Estimate estimate(const Case& c, int ranks) const = 0;
+    /// Collective over the team; always the same team for one engine.
+    /// Throws CaseFailure on all ranks together.
+    virtual void run(const Case& c, const Comm& team, Observer& observer) = 0;
+};
+
+/// The engine that the case's solver options name.
+std::unique_ptr<Engine> make_engine(const SolverOptions& solver);
+
+} // namespace shearwake

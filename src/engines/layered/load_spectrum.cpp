@@ -1,0 +1,121 @@
+#include "engines/layered/load_spectrum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+/// Part of the hat function of width `step` about t that lies before `end`.
+double covered(double t, double step, double end) {
+    const double x = std::clamp((end - t) / step, -1.0, 1.0);
+    return x < 0.0 ? 0.5 * (1.0 + x) * (1.0 + x) : 1.0 - 0.5 * (1.0 - x) * (1.0 - x);
+}
+
+double band_Hz(const Load& load) {
+    double carrier = 0.0;
+    if (const auto* resolved = std::get_if<ResolvedCarrier>(&load.carrier))
+        carrier = resolved->frequency_Hz;
+    const double scan = bandwidth_rad_m(load.footprint, 1e-6) *
+                        greatest_speed_m_s(load.modulation.trajectory) / two_pi;
+    return scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier;
+}
+
+} // namespace
+
+TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
+    double longest_step_s = 1.0 / (2.5 * std::max(band_Hz(c.load), 1.0));
+    if (options.time_step_s) longest_step_s = *options.time_step_s;
+    const double ratio = c.time.interval_s / longest_step_s;
+    const auto per_frame =
+        std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
+    const std::ptrdiff_t coarse = good_even_length(static_cast<std::ptrdiff_t>(
+        std::ceil(options.window_factor * static_cast<double>(c.time.frames))));
+    TimeTransform time;
+    time.samples = coarse * per_frame;
+    time.step_s = c.time.interval_s / static_cast<double>(per_frame);
+    time.decay_rad_s =
+        std::log(options.wrap_suppression) / (static_cast<double>(time.samples) * time.step_s);
+    return time;
+}
+
+std::ptrdiff_t samples_per_frame(const Case& c, const TimeTransform& time) {
+    return static_cast<std::ptrdiff_t>(std::llround(c.time.interval_s / time.step_s));
+}
+
+std::vector<double> sample_weights(const Case& c, const TimeTransform& time) {
+    std::vector<double> weights(static_cast<std::size_t>(time.samples), 1.0);
+    const double gregory[] = {3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0};
+    for (std::size_t i = 0; i < std::min<std::size_t>(3, weights.size()); ++i)
+        weights[i] = gregory[i];
+    const double duration_s = c.time.duration_s();
+    const double period_s = static_cast<double>(time.samples) * time.step_s;
+    const double taper_s = 0.5 * (period_s - duration_s);
+    const double off_s = off_time_s(c.load.modulation.trajectory);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const double t = static_cast<double>(i) * time.step_s;
+        if (off_s < duration_s - 0.5 * time.step_s) weights[i] *= covered(t, time.step_s, off_s);
+        if (t > duration_s) {
+            const double x = std::min(1.0, (t - duration_s) / taper_s);
+            weights[i] *= std::pow(std::cos(0.5 * std::numbers::pi * x), 2);
+        }
+    }
+    return weights;
+}
+
+LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time)
+    : nx_(c.domain.nx), ny_(c.domain.ny), samples_(time.samples),
+      forward_(time.samples, Direction::forward), weighted_(static_cast<std::size_t>(time.samples)),
+      buffer_(static_cast<std::size_t>(time.samples)) {
+    const auto n = static_cast<std::size_t>(samples_);
+    const std::vector<double> weights = sample_weights(c, time);
+    std::vector<Vec2> focus(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const double t = static_cast<double>(i) * time.step_s;
+        weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.load, t);
+        // From the corner of the grid, where the transform has its origin.
+        focus[i] =
+            position(c.load.modulation.trajectory, t) - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
+    }
+    y_rests_ =
+        std::all_of(focus.begin(), focus.end(), [&](Vec2 p) { return p.y == focus.front().y; });
+
+    const double dkx = two_pi / c.domain.extent_x_m(), dky = two_pi / c.domain.extent_y_m();
+    const auto signed_mode = [](std::ptrdiff_t i, std::ptrdiff_t count) {
+        return static_cast<double>(2 * i < count ? i : i - count);
+    };
+    x_phases_.resize(static_cast<std::size_t>(nx_) * n);
+    for (std::ptrdiff_t i = 0; i < nx_; ++i) {
+        Complex* line = x_phases_.data() + static_cast<std::size_t>(i) * n;
+        const double kx = signed_mode(i, nx_) * dkx;
+        for (std::size_t t = 0; t < n; ++t)
+            line[t] = weighted_[t] * std::polar(1.0, -kx * focus[t].x);
+        if (y_rests_) forward_.execute(line);
+    }
+    const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
+    for (std::size_t j = 0; j < modes; ++j)
+        for (std::size_t t = 0; t < (y_rests_ ? 1 : n); ++t)
+            y_phases_.push_back(std::polar(1.0, -static_cast<double>(j) * dky * focus[t].y));
+}
+
+std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
+    const auto n = static_cast<std::size_t>(samples_);
+    const Complex* x = x_phases_.data() + static_cast<std::size_t>(kx) * n;
+    if (y_rests_) {
+        const Complex phase = y_phases_[static_cast<std::size_t>(ky)];
+        for (std::size_t t = 0; t < n; ++t)
+            buffer_[t] = phase * x[t];
+    } else {
+        const Complex* y = y_phases_.data() + static_cast<std::size_t>(ky) * n;
+        for (std::size_t t = 0; t < n; ++t)
+            buffer_[t] = x[t] * y[t];
+        forward_.execute(buffer_.data());
+    }
+    return buffer_;
+}
+
+} // namespace shearwake

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "engines/layered/transfer_table.hpp"
+#include "fft/aligned.hpp"
+#include "fft/line_transform.hpp"
+#include "model/case.hpp"
+
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace shearwake {
+
+/// How the load of a case is sampled in time: sample spacing and period of the transform.
+/// The step divides the output interval; it resolves 1.25 times the band of footprint, scan,
+/// envelope and carrier together (where the footprint's spectrum has fallen to 1e-6).
+TimeTransform time_transform(const Case& c, const LayeredOptions& options);
+
+/// Output intervals per sample of the transform.
+std::ptrdiff_t samples_per_frame(const Case& c, const TimeTransform& time);
+
+/// Weights of the time samples that integrate a load against a smooth response:
+/// Gregory's 3/8, 7/6, 23/24 at the step at t = 0 (error of fourth order in the step; a plain half
+/// would leave second order, a full sample first order), the covered part of the hat functions at a
+/// path's end, and, after the last frame, where nothing can matter any more, a cos^2 taper over
+/// half of what is left of the period, so that the transform sees no edge.
+std::vector<double> sample_weights(const Case& c, const TimeTransform& time);
+
+/// Time transforms of w_n e^{-decay t_n} e(t_n) c(t_n) e^{-i k . (x_f(t_n) - corner)}, the load at
+/// wave vector k without footprint and peak, seen from the grid's corner. Not collective.
+class LoadSpectrum {
+public:
+    LoadSpectrum(const Case& c, const TimeTransform& time);
+
+    /// All `samples` frequencies in FFT order. Valid until the next call.
+    std::span<const std::complex<double>> line(std::ptrdiff_t kx, std::ptrdiff_t ky);
+
+private:
+    std::ptrdiff_t nx_, ny_, samples_;
+    LineTransform forward_;
+    bool y_rests_ = false;
+    std::vector<std::complex<double>> weighted_;   // per sample
+    AlignedVector<std::complex<double>> x_phases_; // (kx, sample): transformed if y rests
+    std::vector<std::complex<double>> y_phases_;   // (ky, sample), or (ky) if y rests
+    AlignedVector<std::complex<double>> buffer_;
+};
+
+} // namespace shearwake

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <type_traits>
+
+#include <fftw3.h>
+
+namespace shearwake {
+
+enum class Direction { forward, backward };
+
+/// In-place complex transform of one contiguous aligned line, unnormalised:
+/// forward sum x_n e^{-2 pi i m n / N}, backward with +. Not collective.
+class LineTransform {
+public:
+    LineTransform(std::ptrdiff_t length, Direction direction);
+    void execute(std::complex<double>* line) const;
+    std::ptrdiff_t length() const { return length_; }
+
+private:
+    struct Destroy {
+        void operator()(fftw_plan p) const { fftw_destroy_plan(p); }
+    };
+    std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy> plan_;
+    std::ptrdiff_t length_;
+};
+
+} // namespace shearwake
