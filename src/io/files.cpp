@@ -1,0 +1,118 @@
+#include "io/files.hpp"
+
+#include "base/error.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <sstream>
+#include <sys/statvfs.h>
+#include <unistd.h>
+#include <utility>
+
+namespace shearwake {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(std::string_view what, const fs::path& path, int error) {
+    throw UsageError(fmt::format("{} {}: {}", what, path.string(), std::strerror(error)),
+                     ExitCode::environment);
+}
+
+/// An open file descriptor.
+class Descriptor {
+public:
+    Descriptor(const fs::path& path, int flags)
+        : fd_(::open(path.c_str(), flags, 0666)), path_(path) {
+        if (fd_ < 0) refuse("cannot open", path, errno);
+    }
+    ~Descriptor() {
+        if (fd_ >= 0) ::close(fd_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    void write(std::string_view text) const {
+        while (!text.empty()) {
+            const ssize_t written = ::write(fd_, text.data(), text.size());
+            if (written < 0 && errno == EINTR) continue;
+            if (written < 0) refuse("cannot write", path_, errno);
+            text.remove_prefix(static_cast<std::size_t>(written));
+        }
+    }
+    void flush() const {
+        if (::fsync(fd_) != 0) refuse("cannot flush", path_, errno);
+    }
+    void commit() {
+        const int fd = std::exchange(fd_, -1);
+        if (::close(fd) != 0) refuse("cannot close", path_, errno);
+    }
+
+private:
+    int fd_;
+    fs::path path_;
+};
+
+void flush_directory(const fs::path& path) {
+    const fs::path parent = path.parent_path();
+    Descriptor(parent.empty() ? fs::path(".") : parent, O_RDONLY | O_DIRECTORY).flush();
+}
+
+} // namespace
+
+std::string read_file(const fs::path& path) {
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    if (!file || fs::is_directory(path)) refuse("cannot read", path, errno ? errno : EISDIR);
+    text << file.rdbuf();
+    if (file.bad()) refuse("cannot read", path, errno ? errno : EIO);
+    return text.str();
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+    const fs::path part = path.string() + ".part";
+    try {
+        Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);
+        file.write(text);
+        file.flush();
+        file.commit();
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove(part, ignored);
+        throw;
+    }
+    publish(part, path);
+}
+
+void append_line(const fs::path& path, std::string_view line) {
+    Descriptor file(path, O_WRONLY | O_CREAT | O_APPEND);
+    file.write(std::string(line) + "\n");
+    file.flush();
+    file.commit();
+}
+
+void make_directory(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) refuse("cannot make the folder", path, error.value());
+}
+
+void publish(const fs::path& part, const fs::path& path) {
+    Descriptor(part, O_RDONLY).flush();
+    std::error_code error;
+    fs::rename(part, path, error);
+    if (error) refuse("cannot rename to", path, error.value());
+    flush_directory(path);
+}
+
+double free_bytes(const fs::path& path) {
+    struct statvfs info {};
+    if (::statvfs(path.c_str(), &info) != 0) refuse("cannot look at", path, errno);
+    return static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize);
+}
+
+} // namespace shearwake

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// A quantity over named dimensions, row-major, SI or as `units` says. A variable that has the name
+/// of its only dimension is that dimension's coordinate. NaN: no value; `note` says why.
+struct Variable {
+    std::string name;
+    std::vector<std::string> dimensions; // none: a scalar
+    std::vector<double> values;
+    std::string units; // "1" for pure numbers
+    std::string long_name;
+    std::string note;
+};
+
+struct Attribute {
+    std::string name;
+    std::variant<std::string, double, long> value;
+};
+
+/// Variables that share their dimensions: one group of a case file.
+struct VariableGroup {
+    std::string name; // empty: the root
+    std::vector<Variable> variables;
+};
+
+} // namespace shearwake
