@@ -1,0 +1,42 @@
+#pragma once
+
+#include "measures/period_sums.hpp"
+#include "measures/surface_sums.hpp"
+
+namespace shearwake {
+
+// Over how much of the surface a displacement is spread. Counts of samples; times spacing^2 they
+// are areas that do not depend on the grid. All grow with spread. NaN: nothing has moved.
+
+/// (sum u)^2 / sum u^2: the literal inverse participation ratio. In nearly incompressible tissue
+/// sum u is almost 0 (volume is conserved): it measures compressibility rather than spread.
+inline double ipr(const SurfaceSums& sums) {
+    return sums.u * sums.u / sums.u2;
+}
+
+/// (sum |u|)^2 / sum u^2: the same of the size of the displacement.
+inline double ipr_abs(const SurfaceSums& sums) {
+    return sums.abs_u * sums.abs_u / sums.u2;
+}
+
+/// (sum u^2)^2 / sum u^4: the participation of the squared displacement.
+inline double participation(const SurfaceSums& sums) {
+    return sums.u2 * sums.u2 / sums.u4;
+}
+
+/// sum_t (sum u)^2 / sum_t sum u^2.
+inline double ipr(const PeriodSums& sums) {
+    return sums.u_squared / sums.u2;
+}
+
+/// sum_t (sum |u|)^2 / sum_t sum u^2.
+inline double ipr_abs(const PeriodSums& sums) {
+    return sums.abs_u_squared / sums.u2;
+}
+
+/// sum_t (sum u^2)^2 / sum_t sum u^4.
+inline double participation(const PeriodSums& sums) {
+    return sums.u2_squared / sums.u4;
+}
+
+} // namespace shearwake

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "measures/surface_sums.hpp"
+
+#include <span>
+
+namespace shearwake {
+
+/// What the period readings are made of: numerators and denominators of the surface measures,
+/// each summed over time with the weights of the window (window.hpp) BEFORE they are divided.
+/// Angle brackets: the weighted sum over frames.
+struct PeriodSums {
+    double u_squared = 0.0;     // < (sum u)^2 >
+    double abs_u_squared = 0.0; // < (sum |u|)^2 >
+    double u2 = 0.0;            // < sum u^2 >
+    double u2_squared = 0.0;    // < (sum u^2)^2 >
+    double u4 = 0.0;            // < sum u^4 >
+    double focal_u2 = 0.0;      // < sum w u^2 >
+    double focal_mean_u2 = 0.0; // < sum w u^2 / sum w >; NaN where the disc is empty in the window
+    double weight = 0.0;        // < 1 >, in frames
+};
+
+/// `weights` has one entry per frame; frames of weight 0 are not looked at.
+PeriodSums period_sums(std::span<const SurfaceSums> frames, std::span<const double> weights);
+
+} // namespace shearwake

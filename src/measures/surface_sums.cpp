@@ -1,0 +1,150 @@
+#include "measures/surface_sums.hpp"
+
+#include "measures/disc_fraction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace shearwake {
+namespace {
+
+/// A sum with the rounding errors of its additions carried along (Neumaier 1974).
+class CompensatedSum {
+public:
+    void add(double value) {
+        const double total = sum_ + value;
+        lost_ +=
+            std::abs(sum_) >= std::abs(value) ? (sum_ - total) + value : (value - total) + sum_;
+        sum_ = total;
+    }
+    double value() const { return sum_ + lost_; }
+
+private:
+    double sum_ = 0.0;
+    double lost_ = 0.0;
+};
+
+/// Independent partial sums, so that the compiler may add several samples at a time.
+constexpr std::size_t lanes = 8;
+using Lanes = std::array<double, lanes>;
+
+double total(const Lanes& a) {
+    return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
+}
+
+struct RowSums {
+    double u = 0.0, abs_u = 0.0, u2 = 0.0, u4 = 0.0, peak = 0.0;
+};
+
+RowSums row_sums(const double* row, std::size_t length) {
+    Lanes u{}, abs_u{}, u2{}, u4{}, peak{};
+    const std::size_t whole = length - length % lanes;
+    for (std::size_t j = 0; j < whole; j += lanes) {
+        for (std::size_t l = 0; l < lanes; ++l) {
+            const double value = row[j + l], size = std::abs(value), square = value * value;
+            u[l] += value;
+            abs_u[l] += size;
+            u2[l] += square;
+            u4[l] += square * square;
+            peak[l] = size > peak[l] ? size : peak[l];
+        }
+    }
+    for (std::size_t j = whole; j < length; ++j) {
+        const std::size_t l = j - whole;
+        const double value = row[j], size = std::abs(value), square = value * value;
+        u[l] += value;
+        abs_u[l] += size;
+        u2[l] += square;
+        u4[l] += square * square;
+        peak[l] = size > peak[l] ? size : peak[l];
+    }
+    return {total(u), total(abs_u), total(u2), total(u4),
+            *std::max_element(peak.begin(), peak.end())};
+}
+
+/// First index whose cell reaches beyond `from`, and one after the last that reaches below `to`,
+/// on a grid of n samples centred on the origin; one cell more on each side costs nothing.
+std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_between(double from, double to, double spacing,
+                                                        std::ptrdiff_t n) {
+    const double middle = static_cast<double>(n / 2), last = static_cast<double>(n);
+    const double first = std::clamp(std::floor(from / spacing + middle - 0.5), 0.0, last);
+    const double end = std::clamp(std::ceil(to / spacing + middle + 1.5), first, last);
+    return {static_cast<std::ptrdiff_t>(first), static_cast<std::ptrdiff_t>(end)};
+}
+
+} // namespace
+
+Region measured_region(const Domain& domain) {
+    // A millionth of a cell of slack: a sponge of a whole number of cells is that many cells.
+    const auto margin =
+        static_cast<std::ptrdiff_t>(std::ceil(domain.sponge_m / domain.spacing_m - 1e-6));
+    const auto inside = [&](std::ptrdiff_t n) {
+        const std::ptrdiff_t low = std::min(margin, n / 2);
+        return std::pair{low, std::max(low, n - margin)};
+    };
+    const auto [x0, x1] = inside(domain.nx);
+    const auto [y0, y1] = inside(domain.ny);
+    return {.x0 = x0, .x1 = x1, .y0 = y0, .y1 = y1};
+}
+
+SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
+                         const Region& region, Vec2 focus_m, double focal_radius_m) {
+    const std::ptrdiff_t begin = std::max(region.x0, x_start);
+    const std::ptrdiff_t end = std::min(region.x1, x_start + slab.rows());
+
+    SurfaceSums sums;
+    CompensatedSum u, abs_u, u2, u4;
+    for (std::ptrdiff_t i = begin; i < end; ++i) {
+        const auto row = slab.row(i - x_start)
+                             .subspan(static_cast<std::size_t>(region.y0),
+                                      static_cast<std::size_t>(region.y1 - region.y0));
+        const RowSums of_row = row_sums(row.data(), row.size());
+        u.add(of_row.u);
+        abs_u.add(of_row.abs_u);
+        u2.add(of_row.u2);
+        u4.add(of_row.u4);
+        sums.peak = std::max(sums.peak, of_row.peak);
+    }
+    sums.u = u.value();
+    sums.abs_u = abs_u.value();
+    sums.u2 = u2.value();
+    sums.u4 = u4.value();
+
+    const double h = domain.spacing_m;
+    const auto [x_first, x_end] =
+        cells_between(focus_m.x - focal_radius_m, focus_m.x + focal_radius_m, h, domain.nx);
+    const auto [y_first, y_end] =
+        cells_between(focus_m.y - focal_radius_m, focus_m.y + focal_radius_m, h, domain.ny);
+    CompensatedSum focal_u2, focal_weight;
+    for (std::ptrdiff_t i = std::max(begin, x_first); i < std::min(end, x_end); ++i) {
+        double row_u2 = 0.0, row_weight = 0.0;
+        for (std::ptrdiff_t j = std::max(region.y0, y_first); j < std::min(region.y1, y_end); ++j) {
+            const double w =
+                disc_fraction(domain.x_m(i), domain.y_m(j), h, focus_m, focal_radius_m);
+            if (w == 0.0) continue;
+            const double value = slab(i - x_start, j);
+            row_u2 += w * value * value;
+            row_weight += w;
+            sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
+        }
+        focal_u2.add(row_u2);
+        focal_weight.add(row_weight);
+    }
+    sums.focal_u2 = focal_u2.value();
+    sums.focal_weight = focal_weight.value();
+    return sums;
+}
+
+SurfaceSums combine(const SurfaceSums& a, const SurfaceSums& b) {
+    return {.u = a.u + b.u,
+            .abs_u = a.abs_u + b.abs_u,
+            .u2 = a.u2 + b.u2,
+            .u4 = a.u4 + b.u4,
+            .focal_u2 = a.focal_u2 + b.focal_u2,
+            .focal_weight = a.focal_weight + b.focal_weight,
+            .peak = std::max(a.peak, b.peak),
+            .focal_peak = std::max(a.focal_peak, b.focal_peak)};
+}
+
+} // namespace shearwake

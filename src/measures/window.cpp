@@ -1,0 +1,64 @@
+#include "measures/window.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake {
+
+std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s) {
+    std::vector<double> weights(static_cast<std::size_t>(time.frames), 0.0);
+    // In units of the interval: frame n stands at n + 1, and nothing has moved at 0.
+    const double from = from_s / time.interval_s, to = to_s / time.interval_s;
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+        const double left = static_cast<double>(n); // segment [n, n + 1] ends at frame n
+        const double a = std::clamp(from - left, 0.0, 1.0);
+        const double b = std::clamp(to - left, 0.0, 1.0);
+        if (!(b > a)) continue;
+        // f = (1 - s) f_left + s f_right, s from a to b.
+        const double right_part = 0.5 * (b - a) * (b + a);
+        weights[n] += right_part;
+        if (n > 0) weights[n - 1] += (b - a) - right_part;
+    }
+    return weights;
+}
+
+PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
+                           std::optional<double> modulation_frequency_Hz) {
+    // A billionth of slack: 14 ms made of 280 frames of 50 us is 14 ms, and ten periods are ten.
+    constexpr double slack = 1e-9;
+    const double at = measure.at_s, settled = measure.settled_after_s;
+    PeriodWindow window{.from_s = settled, .to_s = at};
+    if (at > time.duration_s() * (1.0 + slack)) {
+        window.reason = fmt::format("the instant, {:g} ms, lies beyond the run of {:g} ms",
+                                    at * 1e3, time.duration_s() * 1e3);
+        return window;
+    }
+    if (!(at > settled)) {
+        window.reason =
+            fmt::format("nothing is settled: the instant, {:g} ms, does not lie after {:g} ms",
+                        at * 1e3, settled * 1e3);
+        return window;
+    }
+    if (!modulation_frequency_Hz) return window;
+
+    const double frequency = *modulation_frequency_Hz;
+    const double periods = std::floor((at - settled) * frequency * (1.0 + slack));
+    if (!(periods >= 1.0)) {
+        window.reason = fmt::format(
+            "a period of {:g} Hz takes {:.3g} ms and does not fit into the settled {:g} to {:g} ms",
+            frequency, 1e3 / frequency, settled * 1e3, at * 1e3);
+        return window;
+    }
+    if (frequency * time.interval_s * fewest_frames_a_period > 1.0 + slack) {
+        window.reason = fmt::format("frames every {:g} us do not follow a period of {:.3g} us",
+                                    time.interval_s * 1e6, 1e6 / frequency);
+        return window;
+    }
+    window.periods = static_cast<int>(periods);
+    window.from_s = std::max(settled, at - periods / frequency);
+    return window;
+}
+
+} // namespace shearwake

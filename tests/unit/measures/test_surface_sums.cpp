@@ -1,0 +1,133 @@
+#include "measures/surface_sums.hpp"
+
+#include "measures/disc_fraction.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+using namespace shearwake;
+
+namespace {
+
+const Domain thesis_domain{.nx = 256, .ny = 192, .spacing_m = 0.75e-3, .sponge_m = 12e-3};
+
+/// Like a wake of nearly incompressible tissue: a spot and wavelets over the whole plane, shifted
+/// so that next to nothing is left of the sum.
+std::vector<double> realistic_frame(const Domain& d) {
+    std::vector<double> u;
+    std::mt19937 random(7);
+    std::normal_distribution<double> noise(0.0, 1e-9);
+    for (std::ptrdiff_t i = 0; i < d.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < d.ny; ++j) {
+            const double r = std::hypot(d.x_m(i) - 20e-3, d.y_m(j));
+            u.push_back(3e-6 * std::exp(-r * r / 8e-6) +
+                        4e-7 * std::cos(r / 2e-3) / (1 + r / 5e-3) + noise(random));
+        }
+    const Region region = measured_region(d);
+    double sum = 0.0;
+    for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
+        for (std::ptrdiff_t j = region.y0; j < region.y1; ++j)
+            sum += u[static_cast<std::size_t>(i * d.ny + j)];
+    const double mean =
+        sum / static_cast<double>((region.x1 - region.x0) * (region.y1 - region.y0));
+    for (double& value : u)
+        value -= 0.999 * mean; // leaves 1/1000 of what a positive field has
+    return u;
+}
+
+SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
+                          const std::vector<std::ptrdiff_t>& cuts, Vec2 focus) {
+    SurfaceSums sums;
+    for (std::size_t s = 0; s + 1 < cuts.size(); ++s) {
+        const View2<const double> slab(u.data() + cuts[s] * d.ny, cuts[s + 1] - cuts[s], d.ny);
+        sums = combine(sums, surface_sums(slab, cuts[s], d, measured_region(d), focus, 3e-3));
+    }
+    return sums;
+}
+
+} // namespace
+
+TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]") {
+    CHECK(measured_region(thesis_domain) == Region{16, 240, 16, 176});
+    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 0.0}) ==
+          Region{0, 10, 0, 8});
+    // A sponge of two cells and a bit covers three; one wider than the domain leaves nothing.
+    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 2.1e-3}) ==
+          Region{3, 7, 3, 5});
+    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 9e-3}) ==
+          Region{5, 5, 4, 4});
+}
+
+TEST_CASE("surface sums agree with sums taken one sample at a time", "[surface_sums]") {
+    // 37 columns inside the sponge: not a multiple of the lanes.
+    const Domain d{.nx = 30, .ny = 41, .spacing_m = 1e-3, .sponge_m = 2e-3};
+    const std::vector<double> u = realistic_frame(d);
+    const Region region = measured_region(d);
+    const Vec2 focus{1.3e-3, -2.2e-3};
+    long double sum = 0, abs = 0, u2 = 0, u4 = 0, focal = 0, weight = 0;
+    double peak = 0, focal_peak = 0;
+    for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
+        for (std::ptrdiff_t j = region.y0; j < region.y1; ++j) {
+            const double v = u[static_cast<std::size_t>(i * d.ny + j)];
+            const double w = disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 3e-3);
+            sum += v;
+            abs += std::abs(v);
+            u2 += v * v;
+            u4 += v * v * v * v;
+            focal += w * v * v;
+            weight += w;
+            peak = std::max(peak, std::abs(v));
+            if (w > 0) focal_peak = std::max(focal_peak, std::abs(v));
+        }
+    const SurfaceSums sums = surface_sums({u.data(), d.nx, d.ny}, 0, d, region, focus, 3e-3);
+    // A thousand additions in double, most of them compensated.
+    CHECK(sums.u == Approx(static_cast<double>(sum)).margin(1e-14 * static_cast<double>(abs)));
+    CHECK(sums.abs_u == Approx(static_cast<double>(abs)).epsilon(1e-14));
+    CHECK(sums.u2 == Approx(static_cast<double>(u2)).epsilon(1e-14));
+    CHECK(sums.u4 == Approx(static_cast<double>(u4)).epsilon(1e-14));
+    CHECK(sums.focal_u2 == Approx(static_cast<double>(focal)).epsilon(1e-14));
+    CHECK(sums.focal_weight == Approx(static_cast<double>(weight)).epsilon(1e-14));
+    CHECK(sums.peak == peak);
+    CHECK(sums.focal_peak == focal_peak);
+    CHECK(sums.focal_weight == Approx(std::numbers::pi * 9.0).epsilon(1e-12)); // r = 3 cells
+}
+
+TEST_CASE("surface sums do not depend on how the rows are cut", "[surface_sums]") {
+    const std::vector<double> u = realistic_frame(thesis_domain);
+    const Vec2 focus{20e-3, 0.0};
+    const SurfaceSums whole = sums_of_slabs(u, thesis_domain, {0, 256}, focus);
+    REQUIRE(std::abs(whole.u) < 2e-3 * whole.abs_u);
+    using Cuts = std::vector<std::ptrdiff_t>;
+    // Through the focus (row 155), inside the sponge only (0 to 9), and an empty slab.
+    const Cuts cuts = GENERATE(Cuts{0, 155, 256}, Cuts{0, 9, 154, 256}, Cuts{0, 128, 128, 256},
+                               Cuts{0, 50, 103, 153, 205, 256});
+    const SurfaceSums cut = sums_of_slabs(u, thesis_domain, cuts, focus);
+    // Positive sums: a rounding error per slab. The signed sum: 1e-16 of the partial sums, which
+    // are up to a thousand times what is left.
+    CHECK(cut.abs_u == Approx(whole.abs_u).epsilon(1e-14));
+    CHECK(cut.u2 == Approx(whole.u2).epsilon(1e-14));
+    CHECK(cut.u4 == Approx(whole.u4).epsilon(1e-14));
+    CHECK(cut.focal_u2 == Approx(whole.focal_u2).epsilon(1e-14));
+    CHECK(cut.focal_weight == Approx(whole.focal_weight).epsilon(1e-14));
+    CHECK(cut.u == Approx(whole.u).epsilon(1e-12));
+    CHECK(cut.peak == whole.peak);
+    CHECK(cut.focal_peak == whole.focal_peak);
+}
+
+TEST_CASE("a focal disc outside the measured region has no weight", "[surface_sums]") {
+    const std::vector<double> u = realistic_frame(thesis_domain);
+    const SurfaceSums sums = sums_of_slabs(u, thesis_domain, {0, 256}, {-95e-3, 71e-3});
+    CHECK(sums.focal_weight == 0.0);
+    CHECK(sums.focal_u2 == 0.0);
+    CHECK(sums.u2 > 0.0);
+}
+
+TEST_CASE("a NaN in the frame shows in the sums", "[surface_sums]") {
+    std::vector<double> u = realistic_frame(thesis_domain);
+    u[static_cast<std::size_t>(100 * thesis_domain.ny + 100)] = std::nan("");
+    CHECK(std::isnan(sums_of_slabs(u, thesis_domain, {0, 100, 256}, {}).u2));
+}

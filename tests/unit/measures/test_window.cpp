@@ -1,0 +1,87 @@
+#include "measures/window.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <numeric>
+
+using namespace shearwake;
+
+namespace {
+
+const TimeAxis thesis_time{.frames = 280, .interval_s = 50e-6};
+
+double integral(const TimeAxis& time, double from_s, double to_s,
+                const std::function<double(double)>& f) {
+    const std::vector<double> weights = window_weights(time, from_s, to_s);
+    double sum = 0.0;
+    for (std::ptrdiff_t n = 0; n < time.frames; ++n)
+        sum += weights[static_cast<std::size_t>(n)] * f(time.frame_s(n)) * time.interval_s;
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("between frames the window's weights are those of the trapezoidal rule", "[window]") {
+    const std::vector<double> weights = window_weights({.frames = 6, .interval_s = 0.5}, 1.0, 2.5);
+    const std::vector<double> expected = {0.0, 0.5, 1.0, 1.0, 0.5, 0.0};
+    for (std::size_t n = 0; n < 6; ++n)
+        CHECK(weights[n] == Approx(expected[n]).margin(1e-15));
+}
+
+TEST_CASE("a window integrates straight lines exactly wherever its ends are", "[window]") {
+    const double from = GENERATE(0.0, 0.03, 0.2, 1.01, 1.5);
+    const double to = GENERATE(1.51, 1.6, 1.77, 2.0);
+    // f(t) = 3 t has f(0) = 0, as the window assumes.
+    CHECK(integral({.frames = 20, .interval_s = 0.1}, from, to, [](double t) { return 3 * t; }) ==
+          Approx(1.5 * (to * to - from * from)).epsilon(1e-13)); // rounding
+}
+
+TEST_CASE("a window within one interval integrates the line across it", "[window]") {
+    CHECK(integral({.frames = 4, .interval_s = 1.0}, 1.25, 1.5, [](double t) { return t; }) ==
+          Approx(0.5 * (2.25 - 1.5625)).epsilon(1e-14));
+}
+
+TEST_CASE("a window over whole periods integrates a tone exactly", "[window]") {
+    // 200 Hz: 100 frames a period. The trapezoidal rule is exact for a sampled periodic tone.
+    const auto f = [](double t) { return 1.0 + std::cos(2 * std::numbers::pi * 200 * t + 0.4); };
+    CHECK(integral(thesis_time, 4e-3, 14e-3, f) == Approx(10e-3).epsilon(1e-12));
+}
+
+TEST_CASE("the weights of a window add up to its length", "[window]") {
+    const std::vector<double> weights = window_weights(thesis_time, 4.0123e-3, 13.987e-3);
+    CHECK(std::accumulate(weights.begin(), weights.end(), 0.0) ==
+          Approx((13.987e-3 - 4.0123e-3) / 50e-6).epsilon(1e-12)); // 280 rounded additions
+}
+
+TEST_CASE("the period window takes as many whole periods as are settled", "[window]") {
+    const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
+    const auto window = [&](std::optional<double> f) {
+        return period_window(measure, thesis_time, f);
+    };
+    CHECK(window(100.0).fits());
+    CHECK(window(100.0).periods == 1);
+    CHECK(window(100.0).from_s == Approx(4e-3).epsilon(1e-12));
+    CHECK(window(100.0).to_s == 14e-3);
+    CHECK(window(300.0).periods == 3);
+    CHECK(window(300.0).from_s == Approx(4e-3).epsilon(1e-9));
+    CHECK(window(250.0).periods == 2);
+    CHECK(window(250.0).from_s == Approx(6e-3).epsilon(1e-12));
+    CHECK(window(std::nullopt).fits());
+    CHECK(window(std::nullopt).periods == 0);
+    CHECK(window(std::nullopt).from_s == 4e-3);
+}
+
+TEST_CASE("a period that does not fit has a reason and no window", "[window]") {
+    const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
+    const PeriodWindow slow = period_window(measure, thesis_time, 99.0);
+    CHECK_FALSE(slow.fits());
+    CHECK(slow.reason ==
+          "a period of 99 Hz takes 10.1 ms and does not fit into the settled 4 to 14 ms");
+    CHECK_FALSE(period_window({.at_s = 4e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
+    CHECK_FALSE(period_window({.at_s = 15e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
+    CHECK_FALSE(period_window(measure, thesis_time, 8000.0).fits());
+    CHECK(period_window(measure, thesis_time, 5000.0).fits()); // four frames a period
+}
