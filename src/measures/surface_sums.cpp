@@ -3,8 +3,10 @@
 #include "measures/disc_fraction.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
+#include <span>
+#include <utility>
 
 namespace shearwake {
 namespace {
@@ -25,42 +27,50 @@ private:
     double lost_ = 0.0;
 };
 
-/// Independent partial sums, so that the compiler may add several samples at a time.
+/// Eight independent partial sums that the compiler adds several at a time (a vector of g++ and
+/// clang; plain arrays stay in memory and take four times as long).
 constexpr std::size_t lanes = 8;
-using Lanes = std::array<double, lanes>;
+using Lanes = double __attribute__((vector_size(lanes * sizeof(double))));
 
 double total(const Lanes& a) {
     return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
 struct RowSums {
-    double u = 0.0, abs_u = 0.0, u2 = 0.0, u4 = 0.0, peak = 0.0;
+    Lanes u{}, abs_u{}, u2{}, u4{}, peak{};
+
+    void add(const Lanes& value) {
+        const Lanes size = value > -value ? value : -value;
+        const Lanes square = value * value;
+        u += value;
+        abs_u += size;
+        u2 += square;
+        u4 += square * square;
+        peak = size > peak ? size : peak;
+    }
 };
 
-RowSums row_sums(const double* row, std::size_t length) {
-    Lanes u{}, abs_u{}, u2{}, u4{}, peak{};
-    const std::size_t whole = length - length % lanes;
-    for (std::size_t j = 0; j < whole; j += lanes) {
-        for (std::size_t l = 0; l < lanes; ++l) {
-            const double value = row[j + l], size = std::abs(value), square = value * value;
-            u[l] += value;
-            abs_u[l] += size;
-            u2[l] += square;
-            u4[l] += square * square;
-            peak[l] = size > peak[l] ? size : peak[l];
-        }
+RowSums row_sums(std::span<const double> row) {
+    RowSums sums;
+    Lanes value;
+    std::size_t j = 0;
+    for (; j + lanes <= row.size(); j += lanes) {
+        std::memcpy(&value, row.data() + j, sizeof value);
+        sums.add(value);
     }
-    for (std::size_t j = whole; j < length; ++j) {
-        const std::size_t l = j - whole;
-        const double value = row[j], size = std::abs(value), square = value * value;
-        u[l] += value;
-        abs_u[l] += size;
-        u2[l] += square;
-        u4[l] += square * square;
-        peak[l] = size > peak[l] ? size : peak[l];
+    if (j < row.size()) { // zeros add nothing
+        value = Lanes{};
+        std::memcpy(&value, row.data() + j, (row.size() - j) * sizeof(double));
+        sums.add(value);
     }
-    return {total(u), total(abs_u), total(u2), total(u4),
-            *std::max_element(peak.begin(), peak.end())};
+    return sums;
+}
+
+double greatest(const Lanes& a) {
+    double result = a[0];
+    for (std::size_t l = 1; l < lanes; ++l)
+        result = std::max(result, a[l]);
+    return result;
 }
 
 /// First index whose cell reaches beyond `from`, and one after the last that reaches below `to`,
@@ -99,12 +109,12 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
         const auto row = slab.row(i - x_start)
                              .subspan(static_cast<std::size_t>(region.y0),
                                       static_cast<std::size_t>(region.y1 - region.y0));
-        const RowSums of_row = row_sums(row.data(), row.size());
-        u.add(of_row.u);
-        abs_u.add(of_row.abs_u);
-        u2.add(of_row.u2);
-        u4.add(of_row.u4);
-        sums.peak = std::max(sums.peak, of_row.peak);
+        const RowSums of_row = row_sums(row);
+        u.add(total(of_row.u));
+        abs_u.add(total(of_row.abs_u));
+        u2.add(total(of_row.u2));
+        u4.add(total(of_row.u4));
+        sums.peak = std::max(sums.peak, greatest(of_row.peak));
     }
     sums.u = u.value();
     sums.abs_u = abs_u.value();

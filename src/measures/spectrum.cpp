@@ -1,0 +1,104 @@
+#include "measures/spectrum.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double highest_drawn_Hz = 2000.0;
+constexpr double coarsest_step_Hz = 10.0;
+
+/// sum_n u_n e^{-i 2 pi f t_n}, t_n = (n + 1) dt.
+std::complex<double> transform(std::span<const double> trace, double dt_s, double frequency_Hz) {
+    // The phasor turns by multiplication: its error grows by 1e-16 a step, and is set right at the
+    // start of each block.
+    constexpr std::size_t block = 64;
+    const std::complex<double> turn = std::polar(1.0, -two_pi * frequency_Hz * dt_s);
+    std::complex<double> sum, phasor;
+    for (std::size_t n = 0; n < trace.size(); ++n) {
+        if (n % block == 0)
+            phasor = std::polar(1.0, -two_pi * frequency_Hz * dt_s * static_cast<double>(n + 1));
+        sum += trace[n] * phasor;
+        phasor *= turn;
+    }
+    return sum;
+}
+
+} // namespace
+
+std::vector<double> amplitude_spectrum(std::span<const double> trace, double dt_s,
+                                       std::span<const double> frequencies_Hz) {
+    const double nyquist_Hz = 0.5 / dt_s, samples = static_cast<double>(trace.size());
+    std::vector<double> amplitudes;
+    amplitudes.reserve(frequencies_Hz.size());
+    for (const double f : frequencies_Hz) {
+        const double sides = f == 0.0 ? 1.0 : 2.0;
+        amplitudes.push_back(f <= nyquist_Hz * (1.0 + 1e-12)
+                                 ? sides / samples * std::abs(transform(trace, dt_s, f))
+                                 : nan);
+    }
+    return amplitudes;
+}
+
+std::vector<double> spectrum_frequencies_Hz(double duration_s) {
+    const double limit = std::min(coarsest_step_Hz, 0.25 / duration_s) * (1.0 + 1e-12);
+    const double decade = std::pow(10.0, std::floor(std::log10(limit)));
+    double step = decade;
+    for (const double digit : {2.0, 5.0, 10.0})
+        if (digit * decade <= limit) step = digit * decade;
+    std::vector<double> frequencies;
+    for (int i = 0; step * i <= highest_drawn_Hz * (1.0 + 1e-12); ++i)
+        frequencies.push_back(step * i);
+    return frequencies;
+}
+
+double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const double> amplitudes,
+                         double lowest_Hz) {
+    assert(frequencies_Hz.size() == amplitudes.size());
+    std::size_t peak = frequencies_Hz.size();
+    double largest = 0.0;
+    for (std::size_t i = 0; i < frequencies_Hz.size(); ++i)
+        if (frequencies_Hz[i] >= lowest_Hz && amplitudes[i] > largest) {
+            largest = amplitudes[i];
+            peak = i;
+        }
+    if (peak == 0 || peak + 1 >= frequencies_Hz.size()) return nan;
+    const double below = amplitudes[peak - 1], above = amplitudes[peak + 1];
+    if (!(largest >= below && largest >= above)) return nan;
+
+    // Vertex of the parabola through three points at distances l and r, in Newton's form.
+    const double l = frequencies_Hz[peak] - frequencies_Hz[peak - 1];
+    const double r = frequencies_Hz[peak + 1] - frequencies_Hz[peak];
+    const double left = (largest - below) / l, right = (above - largest) / r;
+    const double curvature = (right - left) / (l + r); // half the second derivative
+    if (!(curvature < 0.0)) return frequencies_Hz[peak];
+    const double slope = (left * r + right * l) / (l + r);
+    return frequencies_Hz[peak] - 0.5 * slope / curvature;
+}
+
+double band_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz) {
+    // |U|^2 = dt^2 sum_lag r_lag cos(2 pi f lag dt), lags of both signs, r the autocorrelation.
+    const std::size_t samples = trace.size();
+    if (samples == 0) return nan;
+    double integral = 0.0;
+    for (std::size_t lag = 0; lag < samples; ++lag) {
+        double r = 0.0;
+        for (std::size_t n = lag; n < samples; ++n)
+            r += trace[n] * trace[n - lag];
+        const double omega = two_pi * static_cast<double>(lag) * dt_s;
+        integral += lag == 0
+                        ? r * (high_Hz - low_Hz)
+                        : 2.0 * r * (std::sin(omega * high_Hz) - std::sin(omega * low_Hz)) / omega;
+    }
+    const double mean_square = 2.0 * dt_s / static_cast<double>(samples) * integral;
+    return std::sqrt(std::max(0.0, mean_square)); // rounding may leave -1e-17 of an empty band
+}
+
+} // namespace shearwake

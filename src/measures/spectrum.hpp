@@ -1,0 +1,33 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace shearwake {
+
+// Spectra of a trace u_n = u(t_n), t_n = (n + 1) dt, n = 0 .. N-1, zero at t = 0, of duration
+// T = N dt. The transform is the sum U(f) = dt sum_n u_n e^{-i 2 pi f t_n}: it is exact for tones
+// of whole periods, and Parseval's theorem holds for it to rounding.
+
+/// One-sided amplitude 2/T |U(f)|, at f = 0 1/T |U|, in the unit of u: a tone of amplitude a shows
+/// as a. NaN above the Nyquist frequency 1/(2 dt), about which the trace says nothing.
+std::vector<double> amplitude_spectrum(std::span<const double> trace, double dt_s,
+                                       std::span<const double> frequencies_Hz);
+
+/// 0 to 2000 Hz in steps of 1, 2 or 5 times a power of ten, at most a quarter of 1/T and 10 Hz:
+/// fine enough to be drawn as a line.
+std::vector<double> spectrum_frequencies_Hz(double duration_s);
+
+/// Where the largest amplitude at or above lowest_Hz stands, refined by the parabola through it and
+/// its neighbours. NaN when the amplitude is largest at the edge of the range, so that no peak
+/// stands in it, or is zero. Callers pass 1/T, below which all is drift.
+double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const double> amplitudes,
+                         double lowest_Hz);
+
+/// Root mean square over the run of the part of u between two frequencies,
+///     sqrt( 2/T integral_low^high |U(f)|^2 df ),
+/// integrated in closed form: |U|^2 is the cosine series of the trace's autocorrelation. From 0 to
+/// 1/(2 dt) it is the rms of the samples. The cost grows with N^2: 0.1 ms for N = 280.
+double band_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz);
+
+} // namespace shearwake

@@ -1,0 +1,44 @@
+#pragma once
+
+#include "base/vec2.hpp"
+#include "measures/mach_angle.hpp"
+#include "measures/surface_sums.hpp"
+#include "model/case.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// One scalar of the table. A value of NaN is an empty cell and `note` says why; a note beside a
+/// number qualifies it.
+struct Column {
+    std::string name; // with its unit: "peak_um"
+    std::string unit; // as in files: "1", "mm2", "um", "mN ms", "Hz", "degree"
+    std::string long_name;
+    double value = 0.0;
+    std::string note;
+};
+
+/// The sums of every frame of the case's time axis, at one recorded depth.
+struct DepthSeries {
+    double depth_m = 0.0;
+    std::vector<SurfaceSums> frames;
+};
+
+/// u_z at one point, at every frame of the case's time axis.
+struct TraceSeries {
+    Vec2 at_m;
+    std::vector<double> u_m;
+};
+
+/// Every scalar of the table for one case, always the same columns for the same numbers of depths.
+/// The surface columns are those of the first depth; further depths add eta_period, focal_rms and
+/// peak with their depth in the name (focal_rms_um_z1.5mm). The spectrum is that of the first trace
+/// at the origin, or of the first trace. Not collective.
+std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& depths,
+                              const std::vector<TraceSeries>& traces,
+                              const std::optional<MachFit>& mach);
+
+} // namespace shearwake
