@@ -104,8 +104,13 @@ void add_spread(Columns& columns, const Case& c, const Readings& r, const std::s
 
 void add_peak(Columns& columns, const Readings& r, const std::string& suffix,
               const std::string& where) {
+    std::string note;
+    if (!r.instant)
+        note = r.instant_note;
+    else if (std::isnan(r.peak_m))
+        note = "no frame up to the instant";
     columns.add("peak_um" + suffix, "um", "largest |u_z| of any frame up to the instant" + where,
-                r.peak_m * 1e6, std::isnan(r.peak_m) ? "no frame up to the instant" : "");
+                r.instant ? r.peak_m * 1e6 : nan, note);
 }
 
 void add_focal_rms(Columns& columns, const Readings& r, const std::string& suffix,

@@ -1,0 +1,212 @@
+#include "measures/summary.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+using namespace shearwake;
+
+namespace {
+
+/// AM-STM at 200 Hz and 7 m/s over 14 ms, frames every 50 us.
+Case thesis_case() {
+    Case c;
+    c.medium = {
+        .layers = {
+            {.thickness_m = 0.02, .density_kg_m3 = 1000.0, .c_p_m_s = 1500.0, .c_s_m_s = 5.0}}};
+    c.load = {.peak_Pa = 100.0, .footprint = GaussianFootprint{.fwhm_m = 3e-3}};
+    c.load.modulation = {.kind = "AM-STM",
+                         .trajectory = {{Travel{.path = {{-49e-3, 0.0}, {49e-3, 0.0}},
+                                                .motion = ConstantSpeed{7.0}}}},
+                         .envelope = {{SineGain{.frequency_Hz = 200.0}}}};
+    c.domain = {.nx = 256, .ny = 192, .spacing_m = 0.75e-3, .sponge_m = 12e-3};
+    c.time = {.frames = 280, .interval_s = 50e-6};
+    c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};
+    return c;
+}
+
+/// Frame n: 100 samples of n nm, 20 of them in the focal disc of 50 samples.
+DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
+    DepthSeries series{.depth_m = depth_m};
+    for (std::ptrdiff_t n = 0; n < frames; ++n) {
+        const double u = scale * 1e-9 * static_cast<double>(n + 1), u2 = u * u;
+        series.frames.push_back({.u = 100 * u,
+                                 .abs_u = 100 * u,
+                                 .u2 = 100 * u2,
+                                 .u4 = 100 * u2 * u2,
+                                 .focal_u2 = 20 * u2,
+                                 .focal_weight = 50,
+                                 .peak = u,
+                                 .focal_peak = u});
+    }
+    return series;
+}
+
+TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
+    TraceSeries trace{.at_m = at_m};
+    for (int n = 1; n <= 280; ++n)
+        trace.u_m.push_back(1e-6 * std::sin(2 * std::numbers::pi * frequency_Hz * 50e-6 * n));
+    return trace;
+}
+
+Column find(const std::vector<Column>& columns, const std::string& name) {
+    const auto found = std::find_if(columns.begin(), columns.end(),
+                                    [&](const Column& column) { return column.name == name; });
+    INFO(name);
+    REQUIRE(found != columns.end());
+    return *found;
+}
+
+} // namespace
+
+TEST_CASE("the table has every column once, with a unit and words", "[summary]") {
+    const auto columns = summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)}, {});
+    const std::vector<std::string> expected = {"eta_at_1",
+                                               "eta_period_1",
+                                               "ipr_at_1",
+                                               "ipr_at_mm2",
+                                               "ipr_period_1",
+                                               "ipr_period_mm2",
+                                               "ipr_abs_at_1",
+                                               "ipr_abs_at_mm2",
+                                               "ipr_abs_period_1",
+                                               "ipr_abs_period_mm2",
+                                               "participation_at_1",
+                                               "participation_at_mm2",
+                                               "participation_period_1",
+                                               "participation_period_mm2",
+                                               "peak_um",
+                                               "focal_rms_um",
+                                               "impulse_mN_ms",
+                                               "peak_frequency_Hz",
+                                               "rms_40_400_um",
+                                               "rms_5_300_um",
+                                               "rms_5_800_um",
+                                               "mach_angle_deg",
+                                               "mach_angle_theory_deg",
+                                               "periods"};
+    std::vector<std::string> names;
+    for (const Column& column : columns) {
+        names.push_back(column.name);
+        CHECK_FALSE(column.unit.empty());
+        CHECK_FALSE(column.long_name.empty());
+    }
+    CHECK(names == expected);
+}
+
+TEST_CASE("the table holds the measures in its units", "[summary]") {
+    const auto columns = summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)},
+                                   MachFit{.angle_deg = 42.5});
+    const auto value = [&](const std::string& name) { return find(columns, name).value; };
+    // Ratios of products: rounding.
+    CHECK(value("eta_at_1") == Approx(0.2).epsilon(1e-12));
+    CHECK(value("eta_period_1") == Approx(0.2).epsilon(1e-12));
+    CHECK(value("ipr_at_1") == Approx(100).epsilon(1e-12));
+    CHECK(value("ipr_at_mm2") == Approx(100 * 0.5625).epsilon(1e-12));
+    CHECK(value("ipr_abs_period_mm2") == Approx(100 * 0.5625).epsilon(1e-12));
+    CHECK(value("participation_period_1") == Approx(100).epsilon(1e-12));
+    CHECK(value("peak_um") == Approx(0.28).epsilon(1e-12));
+    // rms of a straight line from 80 to 280 nm, times sqrt(20/50); the trapezoidal rule on its
+    // square over 200 intervals adds 1/6 nm^2 to 35 000.
+    CHECK(value("focal_rms_um") ==
+          Approx(1e-3 * std::sqrt(0.4 * (280.0 * 280 + 280.0 * 80 + 80.0 * 80) / 3)).epsilon(1e-5));
+    // Half the steady force, and 2.8 periods: sin(2 pi 2.8) = -0.951.
+    const double force_mN = 0.1 * std::numbers::pi * 9 / (4 * std::numbers::ln2);
+    CHECK(value("impulse_mN_ms") ==
+          Approx(force_mN * (7.0 + 0.5 * 0.951057 / (0.4 * std::numbers::pi))).epsilon(1e-4));
+    CHECK(value("peak_frequency_Hz") == Approx(300).margin(10));           // a line of 71 Hz width
+    CHECK(value("rms_40_400_um") == Approx(std::sqrt(0.5)).epsilon(0.06)); // leaks out of the band
+    CHECK(value("mach_angle_deg") == 42.5);
+    CHECK(value("mach_angle_theory_deg") == Approx(43.0).margin(0.05)); // c_R = 0.9553 c_s
+    CHECK(value("periods") == 2);
+    for (const Column& column : columns)
+        CHECK(column.note.empty());
+}
+
+TEST_CASE("a period that does not fit leaves empty cells with the reason", "[summary]") {
+    Case c = thesis_case();
+    c.load.modulation.envelope = {{SineGain{.frequency_Hz = 50.0}}};
+    const auto columns = summarise(c, {growing(0.0, 280)}, {}, {});
+    for (const char* name : {"eta_period_1", "ipr_period_mm2", "focal_rms_um", "periods"}) {
+        CHECK(std::isnan(find(columns, name).value));
+        CHECK_THAT(find(columns, name).note, Catch::Contains("does not fit"));
+    }
+    CHECK(find(columns, "eta_at_1").value == Approx(0.2));
+    CHECK(find(columns, "peak_um").value == Approx(0.28));
+}
+
+TEST_CASE("an empty cell always says why", "[summary]") {
+    Case c = thesis_case();
+    const auto check_notes = [](const std::vector<Column>& columns) {
+        for (const Column& column : columns)
+            if (std::isnan(column.value)) CHECK_FALSE(column.note.empty());
+    };
+    DepthSeries still{.depth_m = 0.0, .frames = std::vector<SurfaceSums>(280)};
+    const TraceSeries silent{.u_m = std::vector<double>(280, 0.0)};
+    const auto at_rest = summarise(c, {still}, {silent}, MachFit{.reason = "too weak"});
+    check_notes(at_rest);
+    CHECK(find(at_rest, "eta_at_1").note == "nothing has moved");
+    CHECK(find(at_rest, "peak_um").value == 0.0);
+    CHECK(find(at_rest, "mach_angle_deg").note == "too weak");
+
+    const auto nothing = summarise(c, {}, {}, {});
+    check_notes(nothing);
+    CHECK(find(nothing, "eta_period_1").note == "no depth recorded");
+    CHECK(find(nothing, "peak_um").note == "no depth recorded");
+    CHECK(find(nothing, "peak_frequency_Hz").note == "no trace recorded");
+    CHECK(find(nothing, "rms_5_300_um").note == "no trace recorded");
+
+    c.measure.at_s = 20e-3;
+    const auto beyond = summarise(c, {growing(0.0, 280)}, {}, {});
+    check_notes(beyond);
+    CHECK(std::isnan(find(beyond, "eta_at_1").value));
+    CHECK(std::isnan(find(beyond, "mach_angle_theory_deg").value)); // the path ends at 14 ms
+
+    c.load.modulation.trajectory = {{Hold{}}};
+    CHECK(find(summarise(c, {}, {}, {}), "mach_angle_theory_deg").note ==
+          "the focus does not move");
+}
+
+TEST_CASE("the instant is the nearest frame, and a note says so", "[summary]") {
+    Case c = thesis_case();
+    c.measure.at_s = 10.02e-3;
+    DepthSeries series = growing(0.0, 280);
+    series.frames[199].focal_u2 = 0.5 * series.frames[199].u2; // 10 ms
+    const Column eta = find(summarise(c, {series}, {}, {}), "eta_at_1");
+    CHECK(eta.value == Approx(0.5));
+    CHECK(eta.note == "frame at 10 ms");
+    CHECK(find(summarise(c, {series}, {}, {}), "peak_um").value == Approx(0.2)); // none later
+}
+
+TEST_CASE("further depths add columns that carry the depth", "[summary]") {
+    const auto columns =
+        summarise(thesis_case(),
+                  {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {}, {});
+    CHECK(columns.size() == 24 + 6);
+    CHECK(find(columns, "peak_um_z1.5mm").value == Approx(0.14));
+    CHECK(find(columns, "focal_rms_um_z4mm").value ==
+          Approx(0.1 * find(columns, "focal_rms_um").value).epsilon(1e-12));
+    CHECK(find(columns, "eta_period_1_z4mm").value == Approx(0.2));
+}
+
+TEST_CASE("the spectrum is that of the trace at the origin, else of the first", "[summary]") {
+    const TraceSeries aside = tone_at({3e-3, 0.0}, 500), centre = tone_at({}, 300);
+    const Column both =
+        find(summarise(thesis_case(), {}, {aside, centre}, {}), "peak_frequency_Hz");
+    CHECK(both.value == Approx(300).margin(10));
+    CHECK_THAT(both.long_name, Catch::Contains("at (0, 0) mm"));
+    const Column one = find(summarise(thesis_case(), {}, {aside}, {}), "peak_frequency_Hz");
+    CHECK(one.value == Approx(500).margin(10));
+    CHECK_THAT(one.long_name, Catch::Contains("at (3, 0) mm"));
+}
+
+TEST_CASE("bands beyond the Nyquist frequency of the frames stay empty", "[summary]") {
+    Case c = thesis_case();
+    c.time = {.frames = 14, .interval_s = 1e-3};
+    TraceSeries trace{.u_m = std::vector<double>(14, 1e-6)};
+    const auto columns = summarise(c, {}, {trace}, {});
+    CHECK(find(columns, "rms_40_400_um").note.empty());
+    CHECK(find(columns, "rms_5_800_um").note == "frames every 1000 us do not carry 800 Hz");
+}
