@@ -1,0 +1,67 @@
+// What a Reader says about keys: names, places, the unknown and the missing ones.
+#include "config/reader.hpp"
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake {
+
+std::string Reader::full(std::string_view key) const {
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+Place Reader::place(std::string_view key) const {
+    if (!table_) return {};
+    const Entry* entry = std::get<TableNode>(table_->value).find(key);
+    return entry ? entry->value->at : table_->at;
+}
+
+void Reader::error(std::string_view key, std::string_view message) const {
+    findings_->error(place(key), fmt::format("{} {}", full(key), message));
+}
+
+void Reader::wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const {
+    const auto* word = std::get_if<std::string>(&found.value);
+    findings_->error(found.at,
+                     fmt::format("{} must be {}, and is {}{}", full(key), wanted, kind_name(found),
+                                 word ? fmt::format(" (\"{}\")", excerpt(*word)) : ""));
+}
+
+void Reader::missing(std::string_view key) {
+    if (std::find(missing_.begin(), missing_.end(), key) == missing_.end()) missing_.push_back(key);
+}
+
+std::string Reader::unknown_message(std::string_view key, std::optional<std::string>& meant) const {
+    const std::string start = full(excerpt(key)) + " is unknown";
+    if (key.size() > 60) return start;
+    for (const std::string_view known : known_) {
+        const auto unit = unit_of(known);
+        if (!unit || without_unit(known) != without_unit(key)) continue;
+        meant = known;
+        return fmt::format("{}; {} is given in {} here: {}", start, without_unit(known),
+                           unit->suffix.substr(1), known);
+    }
+    meant = nearest(key, std::vector<std::string>(known_.begin(), known_.end()));
+    return start + (meant ? fmt::format("; did you mean {}?", *meant) : "");
+}
+
+void Reader::finish() {
+    if (!table_) return;
+    for (const Entry& entry : std::get<TableNode>(table_->value).entries) {
+        if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+        std::optional<std::string> meant;
+        std::string message;
+        if (!findings_->full()) message = unknown_message(entry.key, meant);
+        findings_->error(entry.key_at, std::move(message));
+        // The one mistake is not told twice.
+        if (meant) std::erase(missing_, std::string_view(*meant));
+    }
+    for (const std::string_view key : missing_)
+        findings_->error(table_->at, fmt::format("{} is missing", full(key)));
+    missing_.clear();
+}
+
+} // namespace shearwake
