@@ -1,0 +1,227 @@
+#include "config/read_case.hpp"
+
+#include "config/presets.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+constexpr double most_points = 32768.0; // along one side of the domain
+constexpr double most_frames = 1e6;
+
+/// x as its user wrote it: 0.3 mm, not 0.30000000000000004.
+std::string in_milli(double x_SI) {
+    return fmt::format("{:.6g}", 1e3 * x_SI);
+}
+
+/// The frame that t stands on, counted from 1; nothing if it stands between two or off the run.
+std::optional<double> frame_time_s(const TimeAxis& time, double t_s) {
+    const double frame = std::round(t_s / time.interval_s);
+    const bool on_frame = std::abs(t_s - frame * time.interval_s) <= 1e-6 * time.interval_s ||
+                          std::abs(t_s - frame * time.interval_s) <= 1e-6 * t_s;
+    const bool in_run = frame >= 1.0 && frame <= static_cast<double>(time.frames);
+    return on_frame && in_run ? std::optional(frame * time.interval_s) : std::nullopt;
+}
+
+std::string off_frame_message(const TimeAxis& time, double t_s) {
+    return fmt::format("must be a frame of the run: a multiple of time.output_interval_us = {:.6g} "
+                       "from one up to time.duration_ms = {}; {} is none",
+                       1e6 * time.interval_s, in_milli(time.duration_s()), in_milli(t_s));
+}
+
+/// Whether nothing was wrong since it was made: only then are numbers compared with each other.
+class Sound {
+public:
+    explicit Sound(const Diagnostics& findings) : findings_(findings), before_(findings.errors()) {}
+    explicit operator bool() const { return findings_.errors() == before_; }
+
+private:
+    const Diagnostics& findings_;
+    std::size_t before_;
+};
+
+std::ptrdiff_t points_along(const Reader& reader, double extent_m, double spacing_m) {
+    const double points = std::ceil(extent_m / spacing_m - 1e-9);
+    if (points <= most_points) return good_even_length(static_cast<std::ptrdiff_t>(points));
+    reader.error("spacing_mm", fmt::format("makes {:.0f} points along {} mm; at most {:.0f} are "
+                                           "possible",
+                                           points, in_milli(extent_m), most_points));
+    return 2;
+}
+
+void check_depths(const Reader& reader, const std::vector<double>& depths_m, const Medium& medium) {
+    double total_m = 0.0;
+    for (const Layer& layer : medium.layers)
+        total_m += layer.thickness_m;
+    if (depths_m.empty()) reader.error("depths_mm", "must hold a depth; 0 is the surface");
+    for (std::size_t i = 0; i < depths_m.size(); ++i) {
+        if (i > 0 && !(depths_m[i] > depths_m[i - 1]))
+            reader.error("depths_mm",
+                         fmt::format("must ascend, and {} follows on {}", in_milli(depths_m[i]),
+                                     in_milli(depths_m[i - 1])));
+        if (medium.base == Base::rigid && !medium.layers.empty() && depths_m[i] >= total_m)
+            reader.error("depths_mm", fmt::format("must lie above the rigid base, {} mm deep, and "
+                                                  "holds {}",
+                                                  in_milli(total_m), in_milli(depths_m[i])));
+    }
+}
+
+double read_focal_radius_m(Reader& reader, const Load& load) {
+    const auto in_fwhm = reader.find_number("focal_radius_fwhm", Range::above(0.0));
+    const auto radius_m = reader.find_number("focal_radius_mm", Range::above(0.0));
+    if (reader.has("focal_radius_fwhm") && reader.has("focal_radius_mm"))
+        reader.error("focal_radius_mm",
+                     "and focal_radius_fwhm are both given; one of them says it all");
+    return radius_m.value_or(in_fwhm.value_or(1.0) * fwhm_m(load.footprint));
+}
+
+} // namespace
+
+Domain read_domain(Reader& reader) {
+    if (reader.empty()) return {};
+    const Sound sound(reader.findings());
+    Domain domain;
+    const Vec2 extent_m = reader.point("extent_mm", Range::above(0.0));
+    domain.spacing_m = reader.number("spacing_mm", Range::above(0.0));
+    domain.sponge_m = reader.number_or("sponge_mm", 0.0, Range::at_least(0.0));
+    reader.finish();
+    if (!sound) return domain;
+    domain.nx = points_along(reader, extent_m.x, domain.spacing_m);
+    domain.ny = points_along(reader, extent_m.y, domain.spacing_m);
+    const double shorter_m = std::min(domain.extent_x_m(), domain.extent_y_m());
+    if (sound && 2.0 * domain.sponge_m >= shorter_m)
+        reader.error("sponge_mm",
+                     fmt::format("must leave something between the margins: below {} "
+                                 "mm, half of the shorter side; it is {}",
+                                 in_milli(0.5 * shorter_m), in_milli(domain.sponge_m)));
+    return domain;
+}
+
+TimeAxis read_time(Reader& reader) {
+    if (reader.empty()) return {};
+    const Sound sound(reader.findings());
+    TimeAxis time;
+    const double duration_s = reader.number("duration_ms", Range::above(0.0));
+    time.interval_s = reader.number("output_interval_us", Range::above(0.0));
+    reader.finish();
+    if (!sound) return time;
+    const double frames = std::round(duration_s / time.interval_s);
+    if (frames > most_frames) {
+        reader.error("output_interval_us", fmt::format("makes {:.0f} frames; at most {:.0f} are "
+                                                       "possible",
+                                                       frames, most_frames));
+    } else if (!(std::abs(frames * time.interval_s - duration_s) <= 1e-6 * duration_s)) {
+        reader.error("duration_ms",
+                     fmt::format("must be a whole number of output intervals, and {} ms are "
+                                 "{:.6g} times {:.6g} us",
+                                 in_milli(duration_s), duration_s / time.interval_s,
+                                 1e6 * time.interval_s));
+    } else {
+        time.frames = static_cast<std::ptrdiff_t>(frames);
+    }
+    return time;
+}
+
+SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
+    static const std::array<std::string, 1> engines = {"layered"};
+    const bool known = !reader.has("engine") || reader.find_choice("engine", engines).has_value();
+    Reader options = reader.optional_table("layered");
+    LayeredOptions layered;
+    layered.time_step_s = options.find_number("time_step_us", Range::above(0.0));
+    if (layered.time_step_s && time.frames > 0 &&
+        *layered.time_step_s > time.interval_s * (1.0 + 1e-9))
+        options.error("time_step_us",
+                      fmt::format("must not exceed time.output_interval_us = {:.6g}, and is {:.6g}",
+                                  1e6 * time.interval_s, 1e6 * *layered.time_step_s));
+    layered.window_factor =
+        options.number_or("window_factor", layered.window_factor, Range::at_least(1.25));
+    layered.wrap_suppression =
+        options.number_or("wrap_suppression", layered.wrap_suppression, Range::between(10, 1e8));
+    layered.interpolation_tolerance = options.number_or(
+        "interpolation_tolerance", layered.interpolation_tolerance, Range::between(1e-12, 1e-3));
+    options.finish();
+    if (known) reader.finish(); // else there may be that engine's own table
+    return layered;
+}
+
+MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
+                            const Medium& medium) {
+    MeasureOptions measure;
+    const auto at_s = reader.find_number("at_ms", Range::above(0.0));
+    const auto settled_after_s = reader.find_number("settled_after_ms", Range::at_least(0.0));
+    measure.focal_radius_m = read_focal_radius_m(reader, load);
+    if (const auto depths_m = reader.find_numbers("depths_mm", Range::at_least(0.0))) {
+        measure.depths_m = *depths_m;
+        check_depths(reader, *depths_m, medium);
+    }
+    reader.finish();
+    if (time.frames == 0) return measure; // a mistake in [time], already told
+
+    const auto frame_s = frame_time_s(time, at_s.value_or(time.duration_s()));
+    if (!frame_s) reader.error("at_ms", off_frame_message(time, *at_s));
+    measure.at_s = frame_s.value_or(time.duration_s());
+    measure.settled_after_s = settled_after_s.value_or(
+        std::round(0.3 * measure.at_s / time.interval_s) * time.interval_s);
+    if (!(measure.settled_after_s < measure.at_s)) {
+        reader.error("settled_after_ms",
+                     fmt::format("must be before measure.at_ms = {}, and is {}",
+                                 in_milli(measure.at_s), in_milli(measure.settled_after_s)));
+    }
+    return measure;
+}
+
+RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
+                          const MeasureOptions& measure) {
+    RecordOptions record;
+    record.traces_m = reader.find_points("traces_mm").value_or(std::vector{Vec2{}});
+    const auto snapshots_s = reader.find_numbers("snapshots_ms", Range::above(0.0));
+    record.frames = reader.flag_or("frames", false);
+    reader.finish();
+    for (const Vec2& point : record.traces_m)
+        if (domain.nx > 0 && (std::abs(point.x) > 0.5 * domain.extent_x_m() ||
+                              std::abs(point.y) > 0.5 * domain.extent_y_m()))
+            reader.error("traces_mm",
+                         fmt::format("must lie in the domain, within {} and {} mm of its middle; "
+                                     "[{}, {}] does not",
+                                     in_milli(0.5 * domain.extent_x_m()),
+                                     in_milli(0.5 * domain.extent_y_m()), in_milli(point.x),
+                                     in_milli(point.y)));
+    if (time.frames == 0) return record;
+    for (const double t_s : snapshots_s.value_or(std::vector{measure.at_s})) {
+        const auto frame_s = frame_time_s(time, t_s);
+        if (!frame_s) reader.error("snapshots_ms", off_frame_message(time, t_s));
+        record.snapshots_s.push_back(frame_s.value_or(t_s));
+    }
+    return record;
+}
+
+std::span<const std::string_view> case_tables() {
+    static constexpr std::array<std::string_view, 7> tables = {
+        "medium", "load", "domain", "time", "solver", "measure", "record"};
+    return tables;
+}
+
+std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, Diagnostics& findings) {
+    const Sound sound(findings);
+    Reader root(with_medium_preset(job), "", findings);
+    for (const std::string_view needed : {"medium", "load", "domain", "time"})
+        if (!root.has(needed)) findings.error(job->at, fmt::format("[{}] is missing", needed));
+    Case c;
+    Reader medium = root.optional_table("medium"), load = root.optional_table("load"),
+           domain = root.optional_table("domain"), time = root.optional_table("time"),
+           solver = root.optional_table("solver"), measure = root.optional_table("measure"),
+           record = root.optional_table("record");
+    c.medium = read_medium(medium);
+    c.load = read_load(load, c.medium, other_kinds);
+    c.domain = read_domain(domain);
+    c.time = read_time(time);
+    c.solver = read_solver(solver, c.time);
+    c.measure = read_measure(measure, c.time, c.load, c.medium);
+    c.record = read_record(record, c.domain, c.time, c.measure);
+    return sound ? std::optional(std::move(c)) : std::nullopt;
+}
+
+} // namespace shearwake

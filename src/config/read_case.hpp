@@ -1,0 +1,34 @@
+#pragma once
+
+#include "config/reader.hpp"
+#include "model/case.hpp"
+
+#include <optional>
+
+namespace shearwake {
+
+/// Whether [load.modulation] may hold keys that its kind has no use for.
+enum class OtherKinds { refused, ignored };
+
+/// The parts of a case, each from its table.
+Medium read_medium(Reader& reader);
+Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds);
+Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds);
+Domain read_domain(Reader& reader);
+TimeAxis read_time(Reader& reader);
+SolverOptions read_solver(Reader& reader, const TimeAxis& time);
+MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
+                            const Medium& medium);
+RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
+                          const MeasureOptions& measure);
+
+/// The case that the whole job `root` describes; nothing, and findings, if there is a mistake.
+std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, Diagnostics& findings);
+
+/// The tables of a job of which a case is made.
+std::span<const std::string_view> case_tables();
+
+/// Whether a key of [load.modulation] has a meaning for this kind.
+bool has_meaning(std::string_view key, std::string_view kind);
+
+} // namespace shearwake
