@@ -1,0 +1,125 @@
+#include "config/job.hpp"
+
+#include "config/expand.hpp"
+#include "config/read_case.hpp"
+#include "config/table_options.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+constexpr std::size_t most_bytes = 4'000'000;
+constexpr std::size_t most_printed = 50;
+constexpr std::size_t longest_name = 100;
+
+std::string all_lines(const std::vector<Finding>& findings) {
+    // Errors are not crowded out by warnings.
+    std::size_t printed = 0, errors = 0;
+    for (const Finding& finding : findings)
+        errors += finding.severity == Severity::error;
+    std::size_t room_for_warnings = most_printed - std::min(errors, most_printed);
+    std::string lines;
+    for (const Finding& finding : findings) {
+        const bool is_error = finding.severity == Severity::error;
+        if (!is_error && room_for_warnings == 0) continue;
+        if (printed == most_printed) break;
+        room_for_warnings -= is_error ? 0 : 1;
+        if (!lines.empty()) lines += '\n';
+        lines += text(finding);
+        ++printed;
+    }
+    if (printed < findings.size()) lines += fmt::format("\nand {} more", findings.size() - printed);
+    return lines;
+}
+
+void check_schema(Reader& root, const Place& at) {
+    const NodePtr schema = root.node("schema");
+    if (!schema) {
+        root.findings().error(at, "schema is missing: the first line of a job is schema = 1");
+        return;
+    }
+    const auto* number = std::get_if<std::int64_t>(&schema->value);
+    if (!number || *number != 1)
+        root.error("schema", fmt::format("must be 1, the only one this program reads, and is {}",
+                                         excerpt(render(*schema))));
+}
+
+/// The name becomes the name of a folder and must stay within the output directory.
+void check_name(const Reader& reader, const std::string& name) {
+    const auto is_safe = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_' || c == '.';
+    };
+    if (!name.empty() && name.front() != '.' && name.size() <= longest_name &&
+        std::all_of(name.begin(), name.end(), is_safe))
+        return;
+    reader.error("name", fmt::format("becomes the name of a folder: 1 to {} letters, digits, "
+                                     "\"-\", \"_\" and \".\", not starting with \".\"; it is "
+                                     "\"{}\"",
+                                     longest_name, excerpt(name)));
+}
+
+void read_identity(Reader reader, Plan& plan) {
+    const std::size_t before = reader.findings().errors();
+    plan.name = reader.word("name");
+    plan.title = reader.find_word("title").value_or("");
+    const bool given = reader.has("name") && reader.findings().errors() == before;
+    reader.finish();
+    if (given) check_name(reader, plan.name);
+}
+
+Plan read_plan(const NodePtr& tree, Diagnostics& findings) {
+    Plan plan;
+    Reader root(tree, "", findings);
+    check_schema(root, tree->at);
+    read_identity(root.table("job"), plan);
+    root.allow(case_tables());
+    const Sweep sweep = read_sweep(root.node("sweep"), findings);
+    const TableSection table = read_table(root.optional_table("table"), sweep);
+    root.finish();
+    plan.swept_keys = sweep.keys();
+    plan.table = table.options;
+    plan.cases = expand(tree, sweep, table.reference, findings);
+    return plan;
+}
+
+NodePtr parse(std::string_view text, const std::string& file_name,
+              std::span<const Override> overrides, Diagnostics& findings) {
+    if (text.size() > most_bytes) {
+        findings.error({std::make_shared<const std::string>(file_name)},
+                       fmt::format("this has {} bytes and is taken for no job file: those have "
+                                   "at most {}",
+                                   text.size(), most_bytes));
+        return nullptr;
+    }
+    NodePtr tree = parse_toml(text, file_name, findings);
+    if (!tree) return nullptr;
+    if (const NodePtr sweep = find(tree, {{"sweep"}})) {
+        std::string problem;
+        tree =
+            with(tree, {{"sweep"}}, flattened_sweep(sweep), place_of(tree, {{"sweep"}}), problem);
+    }
+    for (const Override& override : overrides)
+        tree = with_override(tree, override, findings);
+    return tree;
+}
+
+} // namespace
+
+BadJob::BadJob(std::vector<Finding> findings)
+    : UsageError(all_lines(findings), ExitCode::bad_job), findings_(std::move(findings)) {}
+
+Job read_job(std::string_view text, const std::string& file_name,
+             std::span<const Override> overrides) {
+    Diagnostics findings;
+    Job job{.text = std::string(text), .plan = {}, .findings = {}};
+    if (const NodePtr tree = parse(text, file_name, overrides, findings))
+        job.plan = read_plan(tree, findings);
+    job.findings = findings.sorted();
+    if (findings.errors() > 0) throw BadJob(std::move(job.findings));
+    return job;
+}
+
+} // namespace shearwake

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "base/error.hpp"
+#include "config/finding.hpp"
+#include "config/override.hpp"
+#include "model/plan.hpp"
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake {
+
+/// A job file, read and expanded.
+struct Job {
+    std::string text; // verbatim
+    Plan plan;
+    std::vector<Finding> findings; // warnings
+};
+
+/// A job with mistakes. `what` is all findings, one a line.
+class BadJob : public UsageError {
+public:
+    explicit BadJob(std::vector<Finding> findings);
+    const std::vector<Finding>& findings() const { return findings_; }
+
+private:
+    std::vector<Finding> findings_;
+};
+
+/// Reads, expands and checks. Throws BadJob with every mistake (and the warnings) at once. Touches
+/// no files: `file_name` is for messages. Not collective; the same text gives the same job.
+Job read_job(std::string_view text, const std::string& file_name,
+             std::span<const Override> overrides = {});
+
+} // namespace shearwake

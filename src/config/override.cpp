@@ -1,0 +1,76 @@
+#include "config/override.hpp"
+
+#include "config/sweep_axes.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+bool is_bare_word(std::string_view text) {
+    const auto is_letter = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' ||
+               c == ' ' || c == '/';
+    };
+    return !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) &&
+           std::all_of(text.begin(), text.end(), is_letter);
+}
+
+NodePtr parse_value(const std::string& value, const Place& at, Diagnostics& findings) {
+    Diagnostics trial;
+    const NodePtr document = parse_toml("value = " + value, *at.file, trial);
+    const auto* table = document ? std::get_if<TableNode>(&document->value) : nullptr;
+    if (table && table->entries.size() == 1 && trial.errors() == 0)
+        return moved_to(table->entries.front().value, at);
+    if (is_bare_word(value)) return make_node(value, at);
+    findings.error(at, fmt::format("\"{}\" is no TOML value, such as 0.5, [1, 2] or \"word\"",
+                                   excerpt(value)));
+    return nullptr;
+}
+
+/// A swept key is one key of [sweep], whether its dots were quoted or not.
+Path joined_below_sweep(const Path& path, std::string_view text) {
+    if (path.size() <= 2 || path.front().key != "sweep") return path;
+    return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
+}
+
+void warn_if_swept(const NodePtr& root, const Override& override, const Place& at,
+                   Diagnostics& findings) {
+    const NodePtr sweep = find(root, {{"sweep"}});
+    const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
+    if (!table) return;
+    const auto holds = [&](const TableNode& keys) { return keys.find(override.key) != nullptr; };
+    bool swept = holds(*table);
+    const Entry* zip = table->find("zip");
+    const auto* zipped = zip ? std::get_if<ListNode>(&zip->value->value) : nullptr;
+    for (std::size_t i = 0; zipped && i < zipped->size(); ++i) {
+        const NodePtr flat = flattened_sweep((*zipped)[i]);
+        const auto* keys = std::get_if<TableNode>(&flat->value);
+        swept = swept || (keys && holds(*keys));
+    }
+    if (swept)
+        findings.warning(at, fmt::format("{} is swept, and the sweep wins: this changes nothing; "
+                                         "-S sweep.\"{}\"=[...] changes the sweep",
+                                         override.key, override.key));
+}
+
+} // namespace
+
+NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics& findings) {
+    const Place at{std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
+    const auto path = split_path(override.key);
+    if (!path) {
+        findings.error(at, "this is no key: give it in full, as in -S load.peak_Pa=200");
+        return root;
+    }
+    const NodePtr value = parse_value(override.value, at, findings);
+    if (!value) return root;
+    warn_if_swept(root, override, at, findings);
+    std::string problem;
+    const NodePtr changed = with(root, joined_below_sweep(*path, override.key), value, at, problem);
+    if (!changed) findings.error(at, problem);
+    return changed ? changed : root;
+}
+
+} // namespace shearwake

@@ -1,0 +1,231 @@
+#include "config/sweep_axes.hpp"
+
+#include "base/text.hpp"
+#include "config/axis_values.hpp"
+#include "config/read_case.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <functional>
+#include <set>
+#include <tuple>
+#include <unordered_set>
+
+namespace shearwake {
+namespace {
+
+using Flat = std::vector<Entry>;
+
+/// Follows tables down to what `is_leaf` says is a value; joins the keys with dots.
+void flatten(const TableNode& table, const std::string& prefix,
+             const std::function<bool(const std::string&, const Node&)>& is_leaf, Flat& out) {
+    for (const Entry& entry : table.entries) {
+        const std::string key = prefix.empty() ? entry.key : prefix + "." + entry.key;
+        const auto* below = std::get_if<TableNode>(&entry.value->value);
+        if (below && !is_leaf(key, *entry.value))
+            flatten(*below, key, is_leaf, out);
+        else
+            out.push_back({key, entry.key_at, entry.value});
+    }
+}
+
+Flat flat_axes(const TableNode& table) {
+    Flat flat;
+    flatten(
+        table, "",
+        [](const std::string&, const Node& node) {
+            return is_generator(node) || std::get<TableNode>(node.value).entries.empty();
+        },
+        flat);
+    return flat;
+}
+
+/// Reads [sweep]; remembers which keys it has met.
+class SweepReader {
+public:
+    explicit SweepReader(Diagnostics& findings) : findings_(findings) {}
+
+    void read_axis(const Entry& entry) {
+        if (auto key = read_key(entry)) sweep_.axes.push_back({{std::move(*key)}});
+    }
+
+    void read_zip(const NodePtr& zip) {
+        const auto* list = std::get_if<ListNode>(&zip->value);
+        if (!list) {
+            findings_.error(zip->at, "sweep.zip must be a list of tables, each of keys that go "
+                                     "together");
+            return;
+        }
+        for (const NodePtr& item : *list)
+            read_zipped(item);
+    }
+
+    void read_exclusions(const NodePtr& exclude) {
+        const auto* list = std::get_if<ListNode>(&exclude->value);
+        if (!list) {
+            findings_.error(exclude->at, "sweep.exclude must be a list of tables, each of values "
+                                         "that no case has together");
+            return;
+        }
+        for (const NodePtr& item : *list)
+            read_exclusion(item);
+    }
+
+    Sweep take() { return std::move(sweep_); }
+
+private:
+    std::optional<SweptKey> read_key(const Entry& entry) {
+        const auto path = split_path(entry.key);
+        const auto tables = case_tables();
+        const bool of_case =
+            path && path->size() > 1 &&
+            std::find(tables.begin(), tables.end(), path->front().key) != tables.end();
+        if (!of_case) {
+            const std::vector<std::string> names(tables.begin(), tables.end());
+            findings_.error(entry.key_at,
+                            fmt::format("sweep: \"{}\" is no key of a case: a swept key is given "
+                                        "in full and starts with {}",
+                                        excerpt(entry.key), quoted_list(names)));
+            return std::nullopt;
+        }
+        if (!keys_.insert(entry.key).second) {
+            findings_.error(entry.key_at, fmt::format("sweep: {} is swept twice", entry.key));
+            return std::nullopt;
+        }
+        auto values = axis_values(entry.key, entry.value, findings_);
+        if (values.empty()) return std::nullopt; // told already
+        return SweptKey{entry.key, *path, entry.key_at, std::move(values)};
+    }
+
+    void read_zipped(const NodePtr& item) {
+        const auto* table = std::get_if<TableNode>(&item->value);
+        if (!table || table->entries.empty()) {
+            findings_.error(item->at, "sweep.zip: each entry must be a table of swept keys");
+            return;
+        }
+        Axis axis;
+        const Flat flat = flat_axes(*table);
+        for (const Entry& entry : flat)
+            if (auto key = read_key(entry)) axis.keys.push_back(std::move(*key));
+        if (axis.keys.size() != flat.size()) return;
+        for (const SweptKey& key : axis.keys) {
+            if (key.values.size() == axis.size()) continue;
+            findings_.error(key.at,
+                            fmt::format("sweep.zip: {} has {} values and {} has {}; keys that go "
+                                        "together have as many",
+                                        axis.keys.front().key, axis.size(), key.key,
+                                        key.values.size()));
+            return;
+        }
+        sweep_.axes.push_back(std::move(axis));
+    }
+
+    void read_exclusion(const NodePtr& item) {
+        const auto* table = std::get_if<TableNode>(&item->value);
+        if (!table || table->entries.empty()) {
+            findings_.error(item->at, "sweep.exclude: each entry must be a table of values of "
+                                      "swept keys");
+            return;
+        }
+        Flat flat;
+        flatten(
+            *table, "", [&](const std::string& key, const Node&) { return keys_.contains(key); },
+            flat);
+        Exclusion exclusion{item->at, {}};
+        for (const Entry& entry : flat) {
+            if (!keys_.contains(entry.key)) {
+                const auto meant =
+                    entry.key.size() < 100
+                        ? nearest(entry.key, std::vector<std::string>(keys_.begin(), keys_.end()))
+                        : std::nullopt;
+                findings_.error(
+                    entry.key_at,
+                    fmt::format("sweep.exclude: {} is not swept{}", excerpt(entry.key),
+                                meant ? fmt::format("; did you mean {}?", *meant) : ""));
+            }
+            exclusion.values.emplace_back(entry.key, entry.value);
+        }
+        sweep_.exclusions.push_back(std::move(exclusion));
+    }
+
+    Diagnostics& findings_;
+    Sweep sweep_;
+    std::set<std::string> keys_;
+};
+
+/// A combination of values that an axis has twice would give every case twice.
+void check_repeats(const Axis& axis, Diagnostics& findings) {
+    std::unordered_set<std::string> seen;
+    for (std::size_t i = 0; i < axis.size(); ++i) {
+        std::string together;
+        for (const SweptKey& key : axis.keys)
+            together += render(*key.values[i]) + "\n";
+        if (seen.insert(together).second) continue;
+        together.pop_back();
+        std::replace(together.begin(), together.end(), '\n', ',');
+        findings.error(axis.keys.front().values[i]->at,
+                       fmt::format("sweep: {} takes the value {} twice", axis.keys.front().key,
+                                   excerpt(together)));
+    }
+}
+
+void check_count(const Sweep& sweep, Diagnostics& findings) {
+    double cases = 1.0;
+    for (const Axis& axis : sweep.axes)
+        cases *= static_cast<double>(axis.size());
+    if (cases > static_cast<double>(most_cases))
+        findings.error(sweep.at, fmt::format("sweep makes {:.0f} cases; at most {} are possible",
+                                             cases, most_cases));
+}
+
+} // namespace
+
+std::vector<std::string> Sweep::keys() const {
+    std::vector<std::string> names;
+    for (const Axis& axis : axes)
+        for (const SweptKey& key : axis.keys)
+            names.push_back(key.key);
+    return names;
+}
+
+bool Sweep::holds(std::string_view key) const {
+    for (const Axis& axis : axes)
+        for (const SweptKey& swept : axis.keys)
+            if (swept.key == key) return true;
+    return false;
+}
+
+NodePtr flattened_sweep(const NodePtr& sweep) {
+    const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
+    if (!table) return sweep;
+    Flat flat = flat_axes(*table);
+    std::stable_sort(flat.begin(), flat.end(), [](const Entry& a, const Entry& b) {
+        return std::tie(a.key_at.line, a.key_at.column) < std::tie(b.key_at.line, b.key_at.column);
+    });
+    return make_node(TableNode{std::move(flat)}, sweep->at);
+}
+
+Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings) {
+    if (!sweep) return {};
+    const std::size_t before = findings.errors();
+    const auto* table = std::get_if<TableNode>(&sweep->value);
+    if (!table) {
+        findings.error(sweep->at, "sweep must be a table");
+        return {.at = sweep->at, .sound = false};
+    }
+    SweepReader reader(findings);
+    for (const Entry& entry : table->entries) {
+        if (entry.key == "zip") reader.read_zip(entry.value);
+        if (entry.key != "zip" && entry.key != "exclude") reader.read_axis(entry);
+    }
+    if (const Entry* exclude = table->find("exclude")) reader.read_exclusions(exclude->value);
+    Sweep read = reader.take();
+    read.at = sweep->at;
+    for (const Axis& axis : read.axes)
+        check_repeats(axis, findings);
+    check_count(read, findings);
+    read.sound = findings.errors() == before;
+    return read;
+}
+
+} // namespace shearwake

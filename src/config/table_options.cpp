@@ -1,0 +1,68 @@
+#include "config/table_options.hpp"
+
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <unordered_set>
+
+namespace shearwake {
+namespace {
+
+bool is_swept(const Reader& reader, std::string_view key, const std::string& word,
+              const std::vector<std::string>& swept) {
+    if (std::find(swept.begin(), swept.end(), word) != swept.end()) return true;
+    const auto meant = word.size() < 100 ? nearest(word, swept) : std::nullopt;
+    reader.error(key, fmt::format("names \"{}\", which is not swept{}", excerpt(word),
+                                  meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
+    return false;
+}
+
+/// The other keys of x's own axis tell nothing that x does not, unless x takes a value twice.
+bool x_tells_all(const SweptKey& x) {
+    std::unordered_set<std::string> values;
+    for (const NodePtr& value : x.values)
+        values.insert(render(*value));
+    return values.size() == x.values.size();
+}
+
+std::vector<std::string> default_series(const Sweep& sweep, const std::string& x) {
+    std::vector<std::string> series;
+    for (const Axis& axis : sweep.axes) {
+        const auto its_x = std::find_if(axis.keys.begin(), axis.keys.end(),
+                                        [&](const SweptKey& key) { return key.key == x; });
+        if (its_x != axis.keys.end() && x_tells_all(*its_x)) continue;
+        for (const SweptKey& key : axis.keys)
+            if (key.key != x) series.push_back(key.key);
+    }
+    return series;
+}
+
+} // namespace
+
+TableSection read_table(Reader reader, const Sweep& sweep) {
+    const std::vector<std::string> swept = sweep.keys();
+    TableSection table;
+    const auto x = reader.find_word("x");
+    const bool x_is_swept = x && is_swept(reader, "x", *x, swept);
+    table.options.x = x_is_swept ? *x : swept.empty() ? "" : swept.front();
+    if (const auto series = reader.find_words("series")) {
+        for (const std::string& key : *series) {
+            if (is_swept(reader, "series", key, swept) && key == table.options.x)
+                reader.error("series", fmt::format("names \"{}\", which is x already", key));
+            if (std::count(series->begin(), series->end(), key) > 1)
+                reader.error("series", fmt::format("names \"{}\" twice", excerpt(key)));
+        }
+        table.options.series = *series;
+    } else {
+        table.options.series = default_series(sweep, table.options.x);
+    }
+    const NodePtr reference = reader.node("reference");
+    if (!reader.optional_table("reference").empty()) table.reference = reference;
+    if (table.reference && std::get<TableNode>(reference->value).entries.empty())
+        reader.error("reference", "must change something, for example { kind = \"STM\" }");
+    reader.finish();
+    return table;
+}
+
+} // namespace shearwake
