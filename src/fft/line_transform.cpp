@@ -21,4 +21,8 @@ void LineTransform::execute(std::complex<double>* line) const {
     fftw_execute_dft(plan_.get(), data, data);
 }
 
+std::string fftw_library_version() {
+    return fftw_version;
+}
+
 } // namespace shearwake

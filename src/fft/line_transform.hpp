@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <memory>
+#include <string>
 #include <type_traits>
 
 #include <fftw3.h>
@@ -25,5 +26,8 @@ private:
     std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy> plan_;
     std::ptrdiff_t length_;
 };
+
+/// "fftw-3.3.10-..." of the library that is linked.
+std::string fftw_library_version();
 
 } // namespace shearwake

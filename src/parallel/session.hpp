@@ -4,6 +4,7 @@
 #include "parallel/comm.hpp"
 
 #include <functional>
+#include <string>
 
 namespace shearwake {
 
@@ -11,5 +12,8 @@ namespace shearwake {
 /// A UsageError is printed once and gives its own code; anything else that escapes prints its rank
 /// and context and aborts all ranks. All ranks return the same code.
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program);
+
+/// "Open MPI v4.1.4" of the library that is linked.
+std::string mpi_version();
 
 } // namespace shearwake

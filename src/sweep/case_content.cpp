@@ -1,0 +1,156 @@
+#include "sweep/case_content.hpp"
+
+#include "io/h5.hpp"
+#include "io/plan_file.hpp"
+#include "measures/participation.hpp"
+#include "measures/reconstruction_efficiency.hpp"
+#include "measures/spectrum.hpp"
+#include "sweep/provenance.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+std::vector<double> over_time(const Case& c, const auto& value) {
+    std::vector<double> values;
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+        values.push_back(value(c.time.frame_s(n)));
+    return values;
+}
+
+Variable series(const std::vector<DepthSeries>& depths, std::string name, std::string units,
+                std::string long_name, const auto& value) {
+    Variable variable{.name = std::move(name),
+                      .dimensions = {"depth", "time"},
+                      .units = std::move(units),
+                      .long_name = std::move(long_name)};
+    for (const DepthSeries& depth : depths)
+        for (const SurfaceSums& sums : depth.frames)
+            variable.values.push_back(value(sums));
+    return variable;
+}
+
+std::vector<Variable> root_series(const Case& c, const std::vector<DepthSeries>& depths) {
+    const Trajectory& trajectory = c.load.modulation.trajectory;
+    const auto time = over_time(c, [](double t) { return t; });
+    using Sums = SurfaceSums;
+    return {
+        {"time", {"time"}, time, "s", "time since the load began", ""},
+        {"depth", {"depth"}, c.measure.depths_m, "m", "depth below the skin surface", ""},
+        {"focus_x",
+         {"time"},
+         over_time(c, [&](double t) { return position(trajectory, t).x; }),
+         "m",
+         "position of the focus along x",
+         ""},
+        {"focus_y",
+         {"time"},
+         over_time(c, [&](double t) { return position(trajectory, t).y; }),
+         "m",
+         "position of the focus along y",
+         ""},
+        {"force",
+         {"time"},
+         over_time(c, [&](double t) { return force_N(c.load, t); }),
+         "N",
+         "force of the whole footprint on the skin",
+         ""},
+        series(depths, "eta", "1",
+               "reconstruction efficiency: share of sum u_z^2 within the focal disc",
+               [](const Sums& s) { return reconstruction_efficiency(s); }),
+        series(depths, "ipr", "1", "inverse participation ratio (sum u_z)^2 / sum u_z^2, samples",
+               [](const Sums& s) { return ipr(s); }),
+        series(depths, "ipr_abs", "1", "(sum |u_z|)^2 / sum u_z^2, samples",
+               [](const Sums& s) { return ipr_abs(s); }),
+        series(depths, "participation", "1", "(sum u_z^2)^2 / sum u_z^4, samples",
+               [](const Sums& s) { return participation(s); }),
+        series(depths, "peak", "m", "largest |u_z| in the measured region",
+               [](const Sums& s) { return s.peak; }),
+        series(depths, "focal_rms", "m", "area-weighted rms of u_z over the focal disc",
+               [](const Sums& s) { return std::sqrt(s.focal_u2 / s.focal_weight); }),
+        series(depths, "sum_u", "m", "sum u_z", [](const Sums& s) { return s.u; }),
+        series(depths, "sum_abs_u", "m", "sum |u_z|", [](const Sums& s) { return s.abs_u; }),
+        series(depths, "sum_u2", "m2", "sum u_z^2", [](const Sums& s) { return s.u2; }),
+        series(depths, "sum_u4", "m4", "sum u_z^4", [](const Sums& s) { return s.u4; }),
+        series(depths, "focal_sum_u2", "m2", "sum w u_z^2 over the focal disc",
+               [](const Sums& s) { return s.focal_u2; }),
+        series(depths, "focal_weight", "1", "sum w over the focal disc, samples",
+               [](const Sums& s) { return s.focal_weight; }),
+    };
+}
+
+VariableGroup trace_group(const Case& c, const std::vector<TraceSeries>& traces) {
+    const auto frequencies = spectrum_frequencies_Hz(c.time.duration_s());
+    std::vector<double> number, x, y, u, amplitude;
+    for (const TraceSeries& trace : traces) {
+        number.push_back(static_cast<double>(number.size()));
+        x.push_back(trace.at_m.x);
+        y.push_back(trace.at_m.y);
+        u.insert(u.end(), trace.u_m.begin(), trace.u_m.end());
+        const auto spectrum = amplitude_spectrum(trace.u_m, c.time.interval_s, frequencies);
+        amplitude.insert(amplitude.end(), spectrum.begin(), spectrum.end());
+    }
+    return {
+        "traces",
+        {{"trace", {"trace"}, number, "1", "number of the trace point", ""},
+         {"time",
+          {"time"},
+          over_time(c, [](double t) { return t; }),
+          "s",
+          "time since the load began",
+          ""},
+         {"frequency", {"frequency"}, frequencies, "Hz", "frequency", ""},
+         {"x", {"trace"}, x, "m", "position of the trace point along x", ""},
+         {"y", {"trace"}, y, "m", "position of the trace point along y", ""},
+         {"u_z", {"trace", "time"}, u, "m", "normal displacement, positive into the tissue", ""},
+         {"amplitude",
+          {"trace", "frequency"},
+          amplitude,
+          "m",
+          "one-sided amplitude spectrum of u_z over the run",
+          ""}}};
+}
+
+} // namespace
+
+std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSeries>& depths,
+                                        const std::vector<TraceSeries>& traces,
+                                        const std::optional<MachFit>& mach) {
+    std::vector<VariableGroup> groups = {{"", root_series(c, depths)}};
+    for (const Column& column : summarise(c, depths, traces, mach))
+        groups.front().variables.push_back({.name = column.name,
+                                            .dimensions = {},
+                                            .values = {column.value},
+                                            .units = column.unit,
+                                            .long_name = column.long_name,
+                                            .note = column.note});
+    if (!traces.empty()) groups.push_back(trace_group(c, traces));
+    return groups;
+}
+
+std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts) {
+    const bool short_enough = facts.job_text.size() <= h5::largest_text;
+    std::vector<Attribute> attributes = {
+        {"title", facts.job_title},
+        {"Conventions", std::string("CF-1.8")},
+        {"case_id", planned.id},
+        {"case", canonical_text(planned.physics)},
+        {"settings", settings_text(planned.settings)},
+        {"is_reference", std::string(planned.is_reference ? "yes" : "no")},
+        {"reference_id", planned.reference_id},
+        {"job", short_enough ? facts.job_text
+                             : fmt::format("{} bytes: see job.toml beside the folder of the cases",
+                                           facts.job_text.size())}};
+    for (Attribute& attribute : program_attributes())
+        attributes.push_back(std::move(attribute));
+    attributes.push_back({"ranks", static_cast<long>(facts.ranks)});
+    attributes.push_back({"wall_s", facts.wall_s});
+    attributes.push_back({"started", facts.started});
+    attributes.push_back({"ended", facts.ended});
+    attributes.push_back({"status", std::string("complete")});
+    return attributes;
+}
+
+} // namespace shearwake

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "measures/summary.hpp"
+#include "model/plan.hpp"
+#include "model/record.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// What is written of a case beside its surface fields: series and scalars in the root group, the
+/// traces with their spectra in /traces.
+std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSeries>& depths,
+                                        const std::vector<TraceSeries>& traces,
+                                        const std::optional<MachFit>& mach);
+
+/// How and when it was computed.
+struct RunFacts {
+    std::string job_title;
+    std::string job_text;
+    int ranks = 1;
+    double wall_s = 0.0;
+    std::string started, ended; // UTC
+};
+
+/// Root attributes: what the case is and where it comes from.
+std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts);
+
+} // namespace shearwake

@@ -1,0 +1,47 @@
+#pragma once
+
+#include "base/error.hpp"
+#include "parallel/comm.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// One function per verb of the program, each in a file of its name. All are collective over the
+/// world; the ones that only read or draw do their work on rank 0.
+
+struct JobArguments {
+    std::filesystem::path job;
+    std::vector<std::string> overrides; // key=value
+};
+
+struct PlanArguments : JobArguments {
+    int ranks = 0; // 0: those of this program
+    int ranks_per_case = 0;
+};
+
+struct RunArguments : JobArguments {
+    std::filesystem::path out; // empty: out/<job name>
+    int ranks_per_case = 0;    // 0: chosen
+    std::vector<std::string> only;
+    std::string shard; // "I/N"
+    bool retry_failed = false;
+    bool fail_fast = false;
+    bool quiet = false;
+};
+
+ExitCode check_command(const JobArguments& arguments, const Comm& world);
+ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
+ExitCode run_command(const RunArguments& arguments, const Comm& world);
+ExitCode status_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
+ExitCode bench_command(const std::string& engine, const Comm& world);
+
+/// Reads the command line and calls one of them.
+ExitCode program(int argc, char** argv, const Comm& world);
+
+} // namespace shearwake

@@ -1,0 +1,203 @@
+#include "sweep/commands.hpp"
+
+#include "engines/engine.hpp"
+#include "io/case_file_reader.hpp"
+#include "io/journal.hpp"
+#include "parallel/agree.hpp"
+#include "parallel/shared_counters.hpp"
+#include "sweep/job_source.hpp"
+#include "sweep/output_folder.hpp"
+#include "sweep/progress.hpp"
+#include "sweep/run_case.hpp"
+#include "sweep/select_cases.hpp"
+#include "sweep/stop_signal.hpp"
+#include "sweep/teams.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+#include <thread>
+
+namespace shearwake {
+namespace {
+
+/// Counters that all teams share.
+enum Shared { next_case, done, failed, begun, stopping, teams_ended, shared_count };
+
+/// One team at work: takes cases from the shared counter until there are none or a stop is asked.
+class Worker {
+public:
+    Worker(const std::vector<const PlannedCase*>& work, const JobFacts& facts,
+           const OutputFolder& folder, const Comm& world, const Comm& team, bool fail_fast,
+           Progress& progress)
+        : work_(work), facts_(facts), folder_(folder), journal_(folder.journal()), world_(world),
+          team_(team), counters_(world, shared_count), fail_fast_(fail_fast), progress_(progress) {}
+
+    void work() {
+        while (true) {
+            long index = -1;
+            if (team_.is_root()) {
+                if (stop_requested()) counters_.fetch_add(stopping, 1);
+                const bool go_on = counters_.read(stopping) == 0;
+                index = go_on ? counters_.fetch_add(next_case, 1) : -1;
+            }
+            index = team_.broadcast(index);
+            if (index < 0 || index >= static_cast<long>(work_.size())) break;
+            one_case(*work_[static_cast<std::size_t>(index)]);
+        }
+        if (team_.is_root()) counters_.fetch_add(teams_ended, 1);
+    }
+
+    /// Rank 0 goes on telling while the other teams finish. Collective over the world.
+    void wait_for_others(long teams) {
+        while (world_.is_root() && counters_.read(teams_ended) < teams) {
+            tick();
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+        world_.barrier();
+        tick();
+    }
+
+    long failures() { return world_.broadcast(world_.is_root() ? counters_.read(failed) : 0); }
+    long finished() { return world_.broadcast(world_.is_root() ? counters_.read(done) : 0); }
+    bool stopped() {
+        return world_.broadcast(world_.is_root() ? counters_.read(stopping) : 0) != 0;
+    }
+
+private:
+    void one_case(const PlannedCase& planned) {
+        if (team_.is_root()) counters_.fetch_add(begun, 1);
+        try {
+            on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
+            if (!engine_) engine_ = make_engine(planned.physics.solver);
+            const double seconds = run_case(planned, facts_, *engine_, team_,
+                                            folder_.case_file(planned.id), [this] { tick(); });
+            on_root(team_, [&] { journal_.finished(planned.id, seconds); });
+            if (team_.is_root()) counters_.fetch_add(done, 1);
+        } catch (const CaseFailure& failure) {
+            record(planned, failure.what());
+        } catch (const UsageError& failure) { // the file system refuses: this case's trouble alone
+            record(planned, failure.what());
+        }
+        tick();
+    }
+
+    /// All ranks of the team are here. What a failed case leaves in the engine is not trusted.
+    void record(const PlannedCase& planned, const std::string& reason) {
+        engine_.reset();
+        if (!team_.is_root()) return;
+        progress_.say(fmt::format("case {} failed: {}", planned.id, reason));
+        try {
+            journal_.failed(planned.id, reason);
+        } catch (const UsageError& error) {
+            progress_.say(fmt::format("and the journal cannot be written: {}", error.what()));
+        }
+        counters_.fetch_add(failed, 1);
+        if (fail_fast_) counters_.fetch_add(stopping, 1);
+    }
+
+    void tick() {
+        if (!world_.is_root()) return;
+        const auto now = std::chrono::steady_clock::now();
+        if (now - last_tick_ < std::chrono::milliseconds(50)) return;
+        last_tick_ = now;
+        SweepCounts counts{.total = static_cast<long>(work_.size()),
+                           .done = counters_.read(done),
+                           .failed = counters_.read(failed)};
+        counts.running = counters_.read(begun) - counts.done - counts.failed;
+        progress_.update(counts);
+    }
+
+    const std::vector<const PlannedCase*>& work_;
+    const JobFacts& facts_;
+    const OutputFolder& folder_;
+    Journal journal_;
+    const Comm& world_;
+    const Comm& team_;
+    SharedCounters counters_;
+    std::unique_ptr<Engine> engine_;
+    bool fail_fast_;
+    Progress& progress_;
+    std::chrono::steady_clock::time_point last_tick_{};
+};
+
+std::string warnings_of(const Job& job) {
+    std::string all;
+    for (const Finding& finding : job.findings)
+        all += text(finding) + "\n";
+    return all;
+}
+
+std::string epilogue(const OutputFolder& folder, const Selection& selection, long finished,
+                     long failures, bool stopped, const std::string& job) {
+    std::string text =
+        fmt::format("{} cases: {} computed now, {} there before, {} failed", selection.total,
+                    finished, selection.whole, failures + selection.failed_before);
+    if (selection.not_selected > 0)
+        text += fmt::format(", {} not selected", selection.not_selected);
+    const std::string root = folder.root.string();
+    if (stopped)
+        return text +
+               fmt::format("\nstopped early, everything computed is saved\nnext: shearwake run {}",
+                           job);
+    if (selection.failed_before > 0)
+        text += "\ncases that failed before are not tried again without --retry-failed";
+    if (failures + selection.failed_before > 0)
+        text += fmt::format("\nreasons: shearwake status {}", root);
+    return text + fmt::format("\nresults: {}\nnext: shearwake reduce {} && shearwake report {}",
+                              folder.cases().string(), root, root);
+}
+
+} // namespace
+
+ExitCode run_command(const RunArguments& arguments, const Comm& world) {
+    const Job job = load_job(arguments.job, arguments.overrides, world);
+    const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
+                                                    : arguments.out};
+    Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
+                                                          : Progress::Style::automatic);
+    if (world.is_root() && !arguments.quiet && !job.findings.empty())
+        fmt::print(stderr, "{}", warnings_of(job));
+
+    Selection selection;
+    on_root(world, [&] {
+        prepare_output(folder, job);
+        selection = select_cases(job.plan, folder, arguments);
+    });
+    selection = share(selection, world);
+    std::vector<const PlannedCase*> cases, work;
+    for (const std::size_t index : selection.work)
+        cases.push_back(&job.plan.cases[index]);
+    for (const std::size_t index : order_of_work(cases))
+        work.push_back(cases[index]);
+
+    const TeamLayout layout = choose_teams(work, world.size(), arguments.ranks_per_case);
+    if (world.is_root() && !arguments.quiet)
+        progress.say(fmt::format("{}: {} cases to compute on {} team{} of {} rank{}, into {}",
+                                 job.plan.name, work.size(), layout.teams,
+                                 layout.teams == 1 ? "" : "s", layout.ranks_per_case,
+                                 layout.ranks_per_case == 1 ? "" : "s", folder.root.string()));
+    const Journal journal(folder.journal());
+    on_root(world, [&] { journal.run_started(world.size(), layout.teams, work.size()); });
+
+    watch_for_stop_signals();
+    const Comm team = world.split(layout.team_of(world.rank()));
+    const JobFacts facts{job.plan.title, job.text};
+    Worker worker(work, facts, folder, world, team, arguments.fail_fast, progress);
+    worker.work();
+    worker.wait_for_others(layout.teams);
+    progress.finish();
+
+    const long failures = worker.failures(), finished = worker.finished();
+    const bool all_ended = failures + finished == static_cast<long>(work.size());
+    const bool stopped = worker.stopped() && !all_ended && !(arguments.fail_fast && failures > 0);
+    on_root(world, [&] {
+        journal.run_ended(stopped ? "stopped" : failures > 0 ? "with failures" : "done");
+    });
+    if (world.is_root())
+        fmt::print("{}\n", epilogue(folder, selection, finished, failures, stopped,
+                                    arguments.job.string()));
+    if (stopped) return ExitCode::stopped_early;
+    return failures + selection.failed_before > 0 ? ExitCode::some_cases_failed : ExitCode::done;
+}
+
+} // namespace shearwake

@@ -1,0 +1,79 @@
+#include "sweep/run_case.hpp"
+
+#include "base/error.hpp"
+#include "io/case_file_writer.hpp"
+#include "io/journal.hpp"
+#include "io/xdmf.hpp"
+#include "parallel/agree.hpp"
+#include "sweep/case_content.hpp"
+#include "sweep/surface_recorder.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+#include <fstream>
+
+namespace shearwake {
+namespace {
+
+/// Bytes that this machine can still give, infinity where it does not say.
+double available_memory_B() {
+    std::ifstream info("/proc/meminfo");
+    for (std::string key; info >> key;) {
+        double kB = 0.0;
+        std::string unit;
+        if (!(info >> kB)) break;
+        std::getline(info, unit);
+        if (key == "MemAvailable:") return 1024.0 * kB;
+    }
+    return std::numeric_limits<double>::infinity();
+}
+
+/// Asked before it is used: Linux grants memory that it does not have, and then kills.
+void refuse_too_large(const Case& c, const Engine& engine, const Comm& team) {
+    const double needed = engine.estimate(c, team.size()).memory_per_rank_B;
+    const double available = available_memory_B();
+    together(team, [&] {
+        if (needed > available)
+            throw CaseFailure(
+                fmt::format("out of memory: a rank needs {:.1f} GB and the machine has "
+                            "{:.1f} GB left; enlarge domain.spacing_mm, shrink "
+                            "domain.extent_mm or use more ranks per case",
+                            needed / 1e9, available / 1e9));
+    });
+}
+
+SurfaceLayout layout_of(const Case& c) {
+    SurfaceLayout layout{.domain = c.domain, .times_s = {}, .depths_m = c.measure.depths_m};
+    for (const std::ptrdiff_t n : SurfaceRecorder::kept_frames(c))
+        layout.times_s.push_back(c.time.frame_s(n));
+    return layout;
+}
+
+} // namespace
+
+double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
+                const std::filesystem::path& path, const std::function<void()>& tick) {
+    const auto began = std::chrono::steady_clock::now();
+    RunFacts facts{
+        .job_title = job.title, .job_text = job.text, .ranks = team.size(), .started = timestamp()};
+    const Case& c = planned.physics;
+    refuse_too_large(c, engine, team);
+
+    const SurfaceLayout layout = layout_of(c);
+    CaseFileWriter writer(path, team, layout);
+    SurfaceRecorder recorder(c, team, layout.empty() ? nullptr : &writer, tick);
+    engine.run(c, team, recorder);
+    recorder.finish();
+
+    std::vector<VariableGroup> groups;
+    on_root(team, [&] {
+        groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach());
+    });
+    facts.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    facts.ended = timestamp();
+    writer.commit(groups, case_attributes(planned, facts));
+    if (c.record.frames) on_root(team, [&] { write_xdmf(path, layout); });
+    return facts.wall_s;
+}
+
+} // namespace shearwake

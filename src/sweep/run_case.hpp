@@ -1,0 +1,23 @@
+#pragma once
+
+#include "engines/engine.hpp"
+#include "model/plan.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+namespace shearwake {
+
+/// The job that a case belongs to, as its file tells it.
+struct JobFacts {
+    std::string title;
+    std::string text;
+};
+
+/// Computes one case on a team and writes its file. Returns the seconds it took. Collective over
+/// the team. Throws CaseFailure on all its ranks together; nothing half-written is left then.
+double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
+                const std::filesystem::path& path, const std::function<void()>& tick);
+
+} // namespace shearwake

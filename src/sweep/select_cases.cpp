@@ -1,0 +1,92 @@
+#include "sweep/select_cases.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "io/case_file_reader.hpp"
+#include "io/journal.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <fmt/format.h>
+#include <sstream>
+
+namespace shearwake {
+namespace {
+
+struct Shard {
+    std::size_t number = 1, of = 1;
+};
+
+Shard parse_shard(const std::string& text) {
+    Shard shard;
+    if (text.empty()) return shard;
+    const char* end = text.data() + text.size();
+    const auto first = std::from_chars(text.data(), end, shard.number);
+    const bool slash = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
+    const auto second = slash ? std::from_chars(first.ptr + 1, end, shard.of) : first;
+    const bool fine = slash && second.ec == std::errc() && second.ptr == end && shard.number >= 1 &&
+                      shard.number <= shard.of;
+    if (!fine) throw UsageError("--shard wants I/N with 1 <= I <= N, as in 2/8; it got " + text);
+    return shard;
+}
+
+void must_exist(const std::vector<std::string>& only, const Plan& plan) {
+    std::vector<std::string> ids;
+    for (const PlannedCase& c : plan.cases)
+        ids.push_back(c.id);
+    for (const std::string& id : only) {
+        if (std::find(ids.begin(), ids.end(), id) != ids.end()) continue;
+        const auto meant = nearest(id, ids);
+        throw UsageError(
+            fmt::format("--only {}: there is no such case{}; shearwake plan lists them", id,
+                        meant ? "; did you mean " + *meant + "?" : ""));
+    }
+}
+
+} // namespace
+
+Selection select_cases(const Plan& plan, const OutputFolder& folder,
+                       const RunArguments& arguments) {
+    const Shard shard = parse_shard(arguments.shard);
+    must_exist(arguments.only, plan);
+    const JournalContents journal = read_journal(folder.journal());
+    Selection selection{.total = plan.cases.size()};
+    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+        const std::string& id = plan.cases[i].id;
+        const bool wanted =
+            arguments.only.empty() ||
+            std::find(arguments.only.begin(), arguments.only.end(), id) != arguments.only.end();
+        if (!wanted || i % shard.of != shard.number - 1) {
+            ++selection.not_selected;
+            continue;
+        }
+        if (is_whole(folder.case_file(id), id)) {
+            ++selection.whole;
+            continue;
+        }
+        const auto history = journal.cases.find(id);
+        const bool failed =
+            history != journal.cases.end() && history->second.state == CaseHistory::State::failed;
+        if (failed && !arguments.retry_failed)
+            ++selection.failed_before;
+        else
+            selection.work.push_back(i);
+    }
+    return selection;
+}
+
+Selection share(const Selection& selection, const Comm& world) {
+    std::ostringstream text;
+    text << selection.total << ' ' << selection.whole << ' ' << selection.failed_before << ' '
+         << selection.not_selected;
+    for (const std::size_t index : selection.work)
+        text << ' ' << index;
+    std::istringstream words(world.broadcast(text.str()));
+    Selection shared;
+    words >> shared.total >> shared.whole >> shared.failed_before >> shared.not_selected;
+    for (std::size_t index = 0; words >> index;)
+        shared.work.push_back(index);
+    return shared;
+}
+
+} // namespace shearwake

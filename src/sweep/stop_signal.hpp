@@ -1,0 +1,12 @@
+#pragma once
+
+namespace shearwake {
+
+/// From now on SIGINT, SIGTERM and SIGUSR1 ask for an orderly stop: the running cases are finished,
+/// no further ones are started. A second SIGINT or SIGTERM ends the program at once.
+void watch_for_stop_signals();
+
+/// Whether one has come to this rank.
+bool stop_requested();
+
+} // namespace shearwake

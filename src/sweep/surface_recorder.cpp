@@ -1,0 +1,140 @@
+#include "sweep/surface_recorder.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+/// Cubic Lagrange weights at offset x in [0, 1) between the second and the third of four samples.
+std::array<double, 4> cubic_weights(double x) {
+    return {-x * (x - 1.0) * (x - 2.0) / 6.0, (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+            -(x + 1.0) * x * (x - 2.0) / 2.0, (x + 1.0) * x * (x - 1.0) / 6.0};
+}
+
+std::ptrdiff_t frame_at(const Case& c, double t_s) {
+    return std::clamp<std::ptrdiff_t>(std::llround(t_s / c.time.interval_s) - 1, 0,
+                                      c.time.frames - 1);
+}
+
+constexpr std::size_t sum_count = 6, peak_count = 2;
+
+} // namespace
+
+std::vector<std::ptrdiff_t> SurfaceRecorder::kept_frames(const Case& c) {
+    std::vector<std::ptrdiff_t> kept;
+    if (c.record.frames) {
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+            kept.push_back(n);
+        return kept;
+    }
+    for (const double t_s : c.record.snapshots_s)
+        kept.push_back(frame_at(c, t_s));
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    return kept;
+}
+
+SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, CaseFileWriter* writer,
+                                 std::function<void()> tick)
+    : case_(c), team_(team), writer_(writer), tick_(std::move(tick)),
+      region_(measured_region(c.domain)), instant_(frame_at(c, c.measure.at_s)),
+      kept_(kept_frames(c)) {
+    const auto frames = static_cast<std::size_t>(c.time.frames);
+    for (const double depth_m : c.measure.depths_m)
+        depths_.push_back({depth_m, std::vector<SurfaceSums>(frames)});
+    for (const Vec2 at_m : c.record.traces_m)
+        traces_.push_back({at_m, std::vector<double>(frames)});
+}
+
+void SurfaceRecorder::begin(const Slab& slab) {
+    slab_ = slab;
+}
+
+void SurfaceRecorder::frame(const Frame& frame) {
+    const auto n = static_cast<std::size_t>(frame.number);
+    const Vec2 focus = position(case_.load.modulation.trajectory, case_.time.frame_s(frame.number));
+    depths_[frame.depth].frames[n] = surface_sums(frame.u_z_m, slab_.x_start, case_.domain, region_,
+                                                  focus, case_.measure.focal_radius_m);
+    if (frame.depth == 0) add_to_traces(frame);
+    if (frame.depth == 0 && frame.number == instant_) {
+        for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
+            const auto row = frame.u_z_m.row(i);
+            instant_rows_.insert(instant_rows_.end(), row.begin(), row.end());
+        }
+    }
+    const auto kept = std::lower_bound(kept_.begin(), kept_.end(), frame.number);
+    if (writer_ && kept != kept_.end() && *kept == frame.number)
+        writer_->write_surface(static_cast<std::size_t>(kept - kept_.begin()), frame.depth,
+                               frame.u_z_m, slab_.x_start);
+    if (tick_) tick_();
+}
+
+void SurfaceRecorder::add_to_traces(const Frame& frame) {
+    const Domain& d = case_.domain;
+    for (TraceSeries& trace : traces_) {
+        const double x = trace.at_m.x / d.spacing_m + static_cast<double>(d.nx / 2);
+        const double y = trace.at_m.y / d.spacing_m + static_cast<double>(d.ny / 2);
+        const double x_floor = std::floor(x + 1e-9), y_floor = std::floor(y + 1e-9);
+        const auto wx = cubic_weights(std::max(0.0, x - x_floor));
+        const auto wy = cubic_weights(std::max(0.0, y - y_floor));
+        double sum = 0.0;
+        for (std::ptrdiff_t a = 0; a < 4; ++a) {
+            const std::ptrdiff_t i = (static_cast<std::ptrdiff_t>(x_floor) + a - 1 + d.nx) % d.nx;
+            const std::ptrdiff_t row = i - slab_.x_start;
+            if (row < 0 || row >= slab_.x_count) continue;
+            for (std::ptrdiff_t b = 0; b < 4; ++b) {
+                const std::ptrdiff_t j =
+                    (static_cast<std::ptrdiff_t>(y_floor) + b - 1 + d.ny) % d.ny;
+                sum += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
+                       frame.u_z_m(row, j);
+            }
+        }
+        trace.u_m[static_cast<std::size_t>(frame.number)] = sum;
+    }
+}
+
+void SurfaceRecorder::finish() {
+    for (DepthSeries& depth : depths_) {
+        std::vector<double> sums, peaks;
+        for (const SurfaceSums& s : depth.frames) {
+            sums.insert(sums.end(), {s.u, s.abs_u, s.u2, s.u4, s.focal_u2, s.focal_weight});
+            peaks.insert(peaks.end(), {s.peak, s.focal_peak});
+        }
+        team_.sum(sums);
+        team_.max(peaks);
+        for (std::size_t n = 0; n < depth.frames.size(); ++n) {
+            const double* s = &sums[n * sum_count];
+            const double* p = &peaks[n * peak_count];
+            depth.frames[n] = {s[0], s[1], s[2], s[3], s[4], s[5], p[0], p[1]};
+            // Known to all ranks alike, so all of them throw.
+            if (!std::isfinite(s[2]) || !std::isfinite(s[3]))
+                throw CaseFailure(fmt::format(
+                    "the field is not finite from t = {:.4g} ms on, at depth {:.3g} mm",
+                    1e3 * case_.time.frame_s(static_cast<std::ptrdiff_t>(n)), 1e3 * depth.depth_m));
+        }
+    }
+    for (TraceSeries& trace : traces_)
+        team_.sum(trace.u_m);
+    const std::vector<double> instant = team_.gather(instant_rows_);
+    if (team_.is_root()) fit_mach(instant);
+}
+
+void SurfaceRecorder::fit_mach(const std::vector<double>& instant) {
+    const Trajectory& trajectory = case_.load.modulation.trajectory;
+    const double t_s = case_.time.frame_s(instant_);
+    if (off_time_s(trajectory) < t_s - case_.time.interval_s) {
+        mach_ = MachFit{.reason = "the path has ended before"};
+        return;
+    }
+    const View2<const double> surface(instant.data(), case_.domain.nx, case_.domain.ny);
+    mach_ = mach_angle(surface, case_.domain, position(trajectory, t_s), velocity(trajectory, t_s),
+                       rayleigh_speed_m_s(case_.medium.layers.front()),
+                       fwhm_m(case_.load.footprint), t_s);
+}
+
+} // namespace shearwake

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "engines/engine.hpp"
+#include "io/case_file_writer.hpp"
+#include "measures/summary.hpp"
+#include "model/case.hpp"
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace shearwake {
+
+/// The observer of every case: measures each frame on this rank's slab, keeps traces, passes on the
+/// frames to be kept, and holds the surface at the instant `measure.at` for the wake's angle.
+class SurfaceRecorder : public Observer {
+public:
+    /// `writer` may be null (nothing is kept). `tick` is called once a frame, for the progress
+    /// line.
+    SurfaceRecorder(const Case& c, const Comm& team, CaseFileWriter* writer,
+                    std::function<void()> tick);
+
+    void begin(const Slab& slab) override;
+    void frame(const Frame& frame) override;
+
+    /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is
+    /// not finite.
+    void finish();
+
+    const std::vector<DepthSeries>& depths() const { return depths_; }
+    const std::vector<TraceSeries>& traces() const { return traces_; }
+    /// On rank 0 only; empty elsewhere.
+    const std::optional<MachFit>& mach() const { return mach_; }
+
+    /// The frames that a case keeps: all, or those nearest to the wanted snapshots.
+    static std::vector<std::ptrdiff_t> kept_frames(const Case& c);
+
+private:
+    void add_to_traces(const Frame& frame);
+    void fit_mach(const std::vector<double>& instant);
+
+    const Case& case_;
+    const Comm& team_;
+    CaseFileWriter* writer_;
+    std::function<void()> tick_;
+    Slab slab_;
+    Region region_;
+    std::ptrdiff_t instant_ = 0;
+    std::vector<std::ptrdiff_t> kept_;
+    std::vector<DepthSeries> depths_;
+    std::vector<TraceSeries> traces_;
+    std::vector<double> instant_rows_;
+    std::optional<MachFit> mach_;
+};
+
+} // namespace shearwake

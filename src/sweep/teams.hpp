@@ -1,0 +1,29 @@
+#pragma once
+
+#include "engines/engine.hpp"
+#include "model/plan.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// The world split into teams of equal size; ranks left over join the last team.
+struct TeamLayout {
+    int ranks_per_case = 1;
+    int teams = 1;
+    double seconds = 0.0; // estimate for the whole sweep
+
+    int team_of(int rank) const { return std::min(rank / ranks_per_case, teams - 1); }
+};
+
+/// The layout that finishes the cases first: small cases side by side, each on one rank, large ones
+/// on several. `wanted` > 0 fixes the ranks per case. A team never has more ranks than the slabs
+/// can use, nor more than the world has.
+TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted);
+
+/// Longest first, so that no long case is left for the end; cases that share a medium together, so
+/// that its transfer function is computed once. Positions in `cases`.
+std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases);
+
+} // namespace shearwake
