@@ -16,12 +16,13 @@ namespace shearwake {
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::size_t fewest_points = 8; // of one side
-constexpr double start_fwhm = 3.0;       // nearer the focus its own shape shows
-constexpr double end_fwhm = 3.0;         // this far from where the transient touches the front,
-constexpr double end_fraction = 0.8;     // and no further than this share of the way to it
-constexpr double beyond_fwhm = 4.0;      // how far outside the expected front it is looked for
-constexpr double needed_fwhm = 2.0;      // room for the front beside the border, and its length
+constexpr std::size_t fewest_points = 8;  // of one side
+constexpr double start_fwhm = 3.0;        // nearer the focus its own shape shows
+constexpr double end_fwhm = 3.0;          // this far from where the transient touches the front,
+constexpr double end_fraction = 0.8;      // and no further than this share of the way to it
+constexpr double beyond_fwhm = 4.0;       // how far outside the expected front it is looked for
+constexpr double most_residual_deg = 4.0; // a viscosity of 1 Pa s bends the front by up to 1.4
+constexpr double needed_fwhm = 2.0;       // room for the front beside the border, and its length
 
 /// The frame as a smooth function of position: cubic convolution (Keys 1981), periodic.
 class Surface {
@@ -203,7 +204,9 @@ MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Ve
             parts.push_back(std::atan(least_squares_slope(half)) * degrees);
         fit.points += static_cast<int>(part.points.size());
     }
-    if (crooked) return without("no straight front stands out of the surface: too weak a wake");
+    if (crooked)
+        return without(
+            "no straight front stands out: the wake is weak, or chopped by a modulation");
     if (angles.empty()) return without("no front of the wake lies in the measured region");
 
     double sum = 0.0;
@@ -213,6 +216,10 @@ MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Ve
     fit.residual_deg = 0.0;
     for (const double angle : parts)
         fit.residual_deg = std::max(fit.residual_deg, std::abs(angle - fit.angle_deg));
+    if (fit.residual_deg > most_residual_deg)
+        return without(fmt::format("the front is no straight wedge: parts of it differ by {:.2g} "
+                                   "degrees",
+                                   fit.residual_deg));
     return fit;
 }
 

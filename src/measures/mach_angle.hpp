@@ -33,7 +33,8 @@ struct MachFit {
 ///
 /// Against asin(c_R / v) on exact wakes of a half-space (c_s 5 m/s, 6 to 12 m/s, 14 ms, 0.75 mm):
 /// lossless 0.1 to 0.3 degrees below it at 2 and 3 mm FWHM, 0.2 to 0.6 at 6 mm (from 7 m/s on); a
-/// viscosity of 1 Pa s bends the front and lowers the angle by 1 to 3 degrees.
+/// viscosity of 1 Pa s bends the front and lowers the angle by 1 to 3 degrees. An amplitude
+/// modulation chops the front; where no straight one is left there is a reason instead of an angle.
 MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Vec2 velocity_m_s,
                    double rayleigh_speed_m_s, double fwhm_m, double time_since_start_s);
 

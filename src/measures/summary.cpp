@@ -174,7 +174,9 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
         peak_Hz = peak_frequency_Hz(frequencies, amplitude_spectrum(trace->u_m, dt, frequencies),
                                     1.0 / duration);
         if (std::isnan(peak_Hz))
-            peak_note = fmt::format("no peak stands between {:.3g} and 2000 Hz", 1.0 / duration);
+            peak_note = fmt::format(
+                "the spectrum is largest at its edge: no peak between {:.3g} and 2000 Hz",
+                1.0 / duration);
     }
     columns.add("peak_frequency_Hz", "Hz", "frequency of the largest spectral amplitude" + where,
                 peak_Hz, peak_note);
