@@ -1,0 +1,162 @@
+#include "reduce/reduce.hpp"
+
+#include "base/error.hpp"
+#include "io/case_file_reader.hpp"
+#include "io/files.hpp"
+#include "io/journal.hpp"
+#include "io/plan_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+
+namespace shearwake {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// A case as its file, or what there is instead of it, tells.
+struct CaseRow {
+    std::string status, note;
+    double wall_s = nothing;
+    std::vector<Variable> scalars;
+
+    double value(const std::string& name) const {
+        for (const Variable& v : scalars)
+            if (v.name == name) return v.values.at(0);
+        return nothing;
+    }
+};
+
+/// The reasons of empty cells, columns of one reason together.
+std::string notes_of(const std::vector<Variable>& scalars) {
+    std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
+    for (const Variable& v : scalars) {
+        if (v.note.empty() || !std::isnan(v.values.at(0))) continue;
+        const auto same = std::find_if(by_reason.begin(), by_reason.end(),
+                                       [&](const auto& entry) { return entry.first == v.note; });
+        if (same == by_reason.end())
+            by_reason.emplace_back(v.note, v.name);
+        else
+            same->second += ", " + v.name;
+    }
+    std::string text;
+    for (const auto& [reason, columns] : by_reason)
+        text += (text.empty() ? "" : "; ") + columns + ": " + reason;
+    return text;
+}
+
+CaseRow read_row(const IndexedCase& c, const JournalContents& journal, const ReduceInput& input) {
+    CaseRow row;
+    const auto path = input.cases / (c.id + ".h5");
+    if (std::filesystem::exists(path)) {
+        try {
+            CaseSummary summary = read_case_summary(path);
+            if (summary.texts.at("case_id") != c.id) throw Error("it holds another case");
+            row.status = summary.texts.at("status");
+            row.scalars = std::move(summary.scalars);
+            row.note = notes_of(row.scalars);
+            if (summary.numbers.contains("wall_s")) row.wall_s = summary.numbers.at("wall_s");
+        } catch (const Error& error) {
+            row.status = "damaged";
+            row.note = error.what();
+        }
+        return row;
+    }
+    const auto history = journal.cases.find(c.id);
+    const bool failed =
+        history != journal.cases.end() && history->second.state == CaseHistory::State::failed;
+    row.status = failed ? "failed" : "missing";
+    row.note = failed ? history->second.reason : "not computed";
+    return row;
+}
+
+Cell cell_of(const IndexedCase& c, const std::string& key) {
+    for (const Setting& setting : c.settings)
+        if (setting.key == key)
+            return std::visit([](const auto& v) { return Cell(v); }, setting.value);
+    return nothing;
+}
+
+/// Measures whose ratio to the unmodulated reference says what a modulation does.
+const std::vector<std::pair<std::string, std::string>> ratios = {
+    {"eta_period_1", "eta_period_over_reference_1"},
+    {"focal_rms_um", "focal_rms_over_reference_1"},
+};
+
+} // namespace
+
+Table table_of(const ReduceInput& input) {
+    const PlanIndex plan = read_plan(input.plan);
+    const JournalContents journal = read_journal(input.journal);
+    std::vector<CaseRow> rows;
+    std::map<std::string, std::size_t> by_id;
+    std::vector<std::string> measures; // of all cases, in the order of the files
+    for (const IndexedCase& c : plan.cases) {
+        by_id[c.id] = rows.size();
+        rows.push_back(read_row(c, journal, input));
+        for (const Variable& v : rows.back().scalars)
+            if (std::find(measures.begin(), measures.end(), v.name) == measures.end())
+                measures.push_back(v.name);
+    }
+
+    Table table;
+    table.columns = {"id", "reference"};
+    table.columns.insert(table.columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
+    table.columns.insert(table.columns.end(), measures.begin(), measures.end());
+    for (const auto& [measure, ratio] : ratios)
+        table.columns.push_back(ratio);
+    table.columns.insert(table.columns.end(), {"wall_s", "status", "note"});
+
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const IndexedCase& c = plan.cases[i];
+        std::vector<Cell> cells = {c.id, c.is_reference ? std::string("yes") : std::string()};
+        for (const std::string& key : plan.swept_keys)
+            cells.push_back(cell_of(c, key));
+        for (const std::string& name : measures)
+            cells.emplace_back(rows[i].value(name));
+        const auto reference = by_id.find(c.reference_id);
+        for (const auto& [measure, ratio] : ratios)
+            cells.emplace_back(reference == by_id.end()
+                                   ? nothing
+                                   : rows[i].value(measure) /
+                                         rows[reference->second].value(measure));
+        cells.emplace_back(rows[i].wall_s);
+        cells.emplace_back(rows[i].status);
+        cells.emplace_back(rows[i].note);
+        table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+ReducedTables reduce(const ReduceInput& input) {
+    const PlanIndex plan = read_plan(input.plan);
+    const Table table = table_of(input);
+    ReducedTables written;
+    make_directory(input.tables);
+    written.csv = input.tables / (plan.name + ".csv");
+    written.markdown = input.tables / (plan.name + ".md");
+    write_file(written.csv, csv(table));
+
+    std::vector<std::string> columns = {"id", "reference"};
+    columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
+    for (const char* name :
+         {"eta_at_1", "eta_period_1", "eta_period_over_reference_1", "ipr_at_1", "ipr_period_1",
+          "ipr_abs_period_mm2", "participation_period_mm2", "peak_um", "focal_rms_um",
+          "focal_rms_over_reference_1", "impulse_mN_ms", "peak_frequency_Hz", "rms_40_400_um",
+          "mach_angle_deg", "wall_s", "status", "note"})
+        columns.emplace_back(name);
+    write_file(written.markdown, "# " + plan.title + "\n\n" + markdown(table, columns));
+
+    written.rows = table.rows.size();
+    const std::size_t status = table.columns.size() - 2;
+    written.whole = static_cast<std::size_t>(
+        std::count_if(table.rows.begin(), table.rows.end(), [&](const std::vector<Cell>& row) {
+            return std::get<std::string>(row[status]) == "complete";
+        }));
+    return written;
+}
+
+} // namespace shearwake

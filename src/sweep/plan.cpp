@@ -1,0 +1,76 @@
+#include "sweep/commands.hpp"
+
+#include "base/text.hpp"
+#include "sweep/job_source.hpp"
+#include "sweep/teams.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+std::string settings_of(const PlannedCase& planned) {
+    std::string text = planned.is_reference ? "reference" : "";
+    for (const Setting& setting : planned.settings) {
+        const std::string value = std::visit(
+            [](const auto& v) {
+                if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>)
+                    return exact(v);
+                else
+                    return v;
+            },
+            setting.value);
+        text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
+                            setting.key.substr(setting.key.rfind('.') + 1), value);
+    }
+    return text;
+}
+
+/// Grid points across the focus and across the shortest shear wave that the focus can excite, whose
+/// wavenumber is where its spectrum has fallen to 1 %.
+std::string resolution_of(const Case& c) {
+    const double focus = fwhm_m(c.load.footprint) / c.domain.spacing_m;
+    const double wave =
+        2.0 * std::numbers::pi / bandwidth_rad_m(c.load.footprint, 0.01) / c.domain.spacing_m;
+    return fmt::format("{:.1f} / {:.1f}", focus, wave);
+}
+
+} // namespace
+
+ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
+    const Job job = load_job(arguments.job, arguments.overrides, world);
+    if (!world.is_root()) return ExitCode::done;
+    for (const Finding& finding : job.findings)
+        fmt::print("{}\n", text(finding));
+
+    const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
+    std::vector<const PlannedCase*> cases;
+    for (const PlannedCase& planned : job.plan.cases)
+        cases.push_back(&planned);
+    const TeamLayout layout = choose_teams(cases, ranks, arguments.ranks_per_case);
+
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
+               "points a focus", "MB/rank", "seconds");
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}\n", "", "", "", "/ a wave", "", "");
+    double memory_B = 0.0;
+    for (const PlannedCase& planned : job.plan.cases) {
+        const Case& c = planned.physics;
+        const Estimate e = make_engine(c.solver)->estimate(c, layout.ranks_per_case);
+        memory_B = std::max(memory_B, e.memory_per_rank_B);
+        fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", planned.id,
+                   fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
+                   resolution_of(c), e.memory_per_rank_B / 1e6, e.seconds, settings_of(planned));
+    }
+    const Domain& d = job.plan.cases.front().physics.domain;
+    fmt::print("\n{} cases; the grid of the first covers {:g} x {:g} mm\n", cases.size(),
+               1e3 * d.extent_x_m(), 1e3 * d.extent_y_m());
+    fmt::print("on {} rank{}: {} team{} of {}, {:.0f} MB a rank at most, about {:.2g} s\n", ranks,
+               ranks == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
+               layout.ranks_per_case, memory_B / 1e6, layout.seconds);
+    fmt::print("next: shearwake run {}\n", arguments.job.string());
+    return ExitCode::done;
+}
+
+} // namespace shearwake

@@ -1,0 +1,129 @@
+#include "sweep/commands.hpp"
+
+#include "sweep/provenance.hpp"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <functional>
+
+namespace shearwake {
+namespace {
+
+/// What the command line chose to do; set by the callback of the verb that was given.
+using Action = std::function<ExitCode(const Comm&)>;
+
+void add_job(CLI::App* verb, JobArguments& arguments) {
+    verb->add_option("JOB", arguments.job, "job file (TOML)")->required();
+    verb->add_option("-S", arguments.overrides, "override a key of the job: -S load.peak_Pa=200")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+}
+
+void add_check(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<JobArguments>();
+    CLI::App* verb = app.add_subcommand("check", "tell every mistake in a job file at once");
+    add_job(verb, *arguments);
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return check_command(*arguments, world); };
+    });
+}
+
+void add_plan(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<PlanArguments>();
+    CLI::App* verb =
+        app.add_subcommand("plan", "list the cases with their ids, grids, memory and time");
+    add_job(verb, *arguments);
+    verb->add_option("-n,--ranks", arguments->ranks, "plan for that many ranks")
+        ->check(CLI::Range(1, 1000000));
+    verb->add_option("--ranks-per-case", arguments->ranks_per_case, "ranks of a team (0: choose)")
+        ->check(CLI::Range(0, 1000000));
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return plan_command(*arguments, world); };
+    });
+}
+
+void add_run(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<RunArguments>();
+    CLI::App* verb =
+        app.add_subcommand("run", "run a job, or go on with it: whole cases are skipped");
+    add_job(verb, *arguments);
+    verb->add_option("--out", arguments->out, "output folder (default: out/<job name>)");
+    // "auto" is the word for 0.
+    verb->add_option("--ranks-per-case", arguments->ranks_per_case, "ranks of a team, or auto")
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}))
+        ->check(CLI::Range(0, 1000000));
+    verb->add_option("--only", arguments->only, "only these cases, by id")
+        ->type_name("ID[,ID]")
+        ->delimiter(',');
+    verb->add_option("--shard", arguments->shard, "only every N-th case, from the I-th on")
+        ->type_name("I/N");
+    verb->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
+    verb->add_flag("--fail-fast", arguments->fail_fast, "stop at the first failed case");
+    verb->add_flag("--quiet", arguments->quiet, "no progress, no warnings");
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return run_command(*arguments, world); };
+    });
+}
+
+using PathCommand = ExitCode (*)(const std::filesystem::path&, const Comm&);
+
+void add_path_verb(CLI::App& app, Action& action, const std::string& name, const std::string& what,
+                   const std::string& argument, const std::string& help, PathCommand command) {
+    auto path = std::make_shared<std::filesystem::path>();
+    CLI::App* verb = app.add_subcommand(name, what);
+    verb->add_option(argument, *path, help)->required();
+    verb->callback(
+        [=, &action] { action = [=](const Comm& world) { return command(*path, world); }; });
+}
+
+void add_bench(CLI::App& app, Action& action) {
+    auto engine = std::make_shared<std::string>("layered");
+    CLI::App* verb = app.add_subcommand(
+        "bench", "this machine's speed beside the floor that its FFTs and memory set");
+    verb->add_option("ENGINE", *engine, "engine")->check(CLI::IsMember({"layered"}));
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return bench_command(*engine, world); };
+    });
+}
+
+constexpr const char* footer =
+    "A first sweep:\n"
+    "  shearwake check jobs/quickstart.toml\n"
+    "  mpirun -n 2 shearwake run jobs/quickstart.toml\n"
+    "  shearwake reduce out/quickstart && shearwake report out/quickstart\n"
+    "\n"
+    "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad job, 4 some cases failed,\n"
+    "5 differs from baseline, 6 files or environment, 75 stopped early: start it again.";
+
+} // namespace
+
+ExitCode program(int argc, char** argv, const Comm& world) {
+    Action action;
+    CLI::App app("shearwake: sweeps of mid-air ultrasound haptics over viscoelastic skin");
+    app.require_subcommand(1);
+    app.footer(footer);
+    app.set_version_flag("--version", version_text());
+    add_check(app, action);
+    add_plan(app, action);
+    add_run(app, action);
+    const std::string folder = "output folder of a run";
+    add_path_verb(app, action, "status", "done, running, failed, left, time to go", "DIR", folder,
+                  status_command);
+    add_path_verb(app, action, "reduce", "tables (CSV, Markdown) from the case files", "DIR",
+                  folder, reduce_command);
+    add_path_verb(app, action, "report", "figures and one HTML page", "DIR", folder,
+                  report_command);
+    add_path_verb(app, action, "show", "one case in words", "CASE", "case file (HDF5)",
+                  show_command);
+    add_bench(app, action);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const bool asked = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+        if (world.is_root()) app.exit(error);
+        return asked ? ExitCode::done : ExitCode::usage;
+    }
+    return action(world);
+}
+
+} // namespace shearwake

@@ -1,0 +1,60 @@
+#include "sweep/commands.hpp"
+
+#include "io/case_file_reader.hpp"
+#include "parallel/agree.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+std::string text_of(const CaseSummary& summary, const std::string& name) {
+    const auto found = summary.texts.find(name);
+    return found == summary.texts.end() ? "unknown" : found->second;
+}
+
+void print_case(const std::filesystem::path& path) {
+    CaseSummary s;
+    try {
+        s = read_case_summary(path);
+    } catch (const Error& error) {
+        throw UsageError(path.string() + " is no whole case file: " + error.what(),
+                         ExitCode::environment);
+    }
+    fmt::print("case {}{}: {}\n", text_of(s, "case_id"),
+               text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
+    fmt::print("swept:    {}\n", text_of(s, "settings"));
+    fmt::print("status:   {}\n", text_of(s, "status"));
+    const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
+    const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;
+    fmt::print("computed: {} to {} on {}, {:.0f} rank{}, {:.3g} s\n", text_of(s, "started"),
+               text_of(s, "ended"), text_of(s, "host"), ranks, ranks == 1.0 ? "" : "s", wall_s);
+    fmt::print("program:  {}, git {}, {} ({}), {}, {}, HDF5 {}\n", text_of(s, "program"),
+               text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
+               text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));
+    fmt::print("\nmeasures:\n");
+    for (const Variable& v : s.scalars) {
+        const double value = v.values.at(0);
+        const std::string shown = std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
+        fmt::print("  {:<28} {:>12}  {}{}\n", v.name, shown, v.long_name,
+                   v.note.empty() ? "" : " [" + v.note + "]");
+    }
+    fmt::print("\nseries in the root group (dimensions depth, time):\n");
+    for (const Variable& v : s.shapes) {
+        std::string shape;
+        for (const std::string& extent : v.dimensions)
+            shape += (shape.empty() ? "" : " x ") + extent;
+        fmt::print("  {:<28} {:>12}  {} [{}]\n", v.name, shape, v.long_name, v.units);
+    }
+    fmt::print("\nthe case, in SI units:\n{}", text_of(s, "case"));
+}
+
+} // namespace
+
+ExitCode show_command(const std::filesystem::path& case_file, const Comm& world) {
+    on_root(world, [&] { print_case(case_file); });
+    return ExitCode::done;
+}
+
+} // namespace shearwake

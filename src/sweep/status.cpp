@@ -1,0 +1,76 @@
+#include "sweep/commands.hpp"
+
+#include "io/case_file_reader.hpp"
+#include "io/journal.hpp"
+#include "io/plan_file.hpp"
+#include "parallel/agree.hpp"
+#include "sweep/output_folder.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+struct Tally {
+    std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
+    double seconds = 0.0; // of the cases done
+};
+
+Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder) {
+    Tally tally;
+    for (const IndexedCase& c : plan.cases) {
+        const auto entry = journal.cases.find(c.id);
+        const bool known = entry != journal.cases.end();
+        if (is_whole(folder.case_file(c.id), c.id)) {
+            ++tally.done;
+            if (known) tally.seconds += entry->second.seconds;
+        } else if (known && entry->second.state == CaseHistory::State::failed) {
+            ++tally.failed;
+        } else if (known && entry->second.state == CaseHistory::State::started) {
+            ++(journal.running ? tally.running : tally.interrupted);
+        } else {
+            ++tally.left;
+        }
+    }
+    return tally;
+}
+
+void print_status(const OutputFolder& folder) {
+    const PlanIndex plan = read_plan(folder.plan());
+    const JournalContents journal = read_journal(folder.journal());
+    const Tally tally = tally_of(plan, journal, folder);
+    fmt::print("{}: {}\n", plan.name, plan.title);
+    fmt::print("{} cases: {} done, {} running, {} failed, {} left", plan.cases.size(), tally.done,
+               tally.running, tally.failed, tally.left + tally.interrupted);
+    if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
+    fmt::print("\n");
+    const std::size_t to_do = tally.left + tally.interrupted + tally.running;
+    if (tally.done > 0 && to_do > 0)
+        fmt::print("to go: {:.3g} s of computing at {:.3g} s a case\n",
+                   static_cast<double>(to_do) * tally.seconds / static_cast<double>(tally.done),
+                   tally.seconds / static_cast<double>(tally.done));
+    for (const IndexedCase& c : plan.cases) {
+        const auto entry = journal.cases.find(c.id);
+        if (entry == journal.cases.end() || is_whole(folder.case_file(c.id), c.id)) continue;
+        if (entry->second.state == CaseHistory::State::failed)
+            fmt::print("failed {} {}: {}\n", c.id, settings_text(c.settings), entry->second.reason);
+    }
+    if (to_do > 0)
+        fmt::print("next: shearwake run {} --out {}\n", folder.job().string(),
+                   folder.root.string());
+    else if (tally.failed > 0)
+        fmt::print("next: shearwake run {} --out {} --retry-failed\n", folder.job().string(),
+                   folder.root.string());
+    else
+        fmt::print("next: shearwake reduce {0} && shearwake report {0}\n", folder.root.string());
+}
+
+} // namespace
+
+ExitCode status_command(const std::filesystem::path& folder, const Comm& world) {
+    on_root(world, [&] { print_status({folder}); });
+    return ExitCode::done;
+}
+
+} // namespace shearwake
