@@ -1,0 +1,55 @@
+#include "base/hash.hpp"
+#include "base/text.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace shearwake;
+
+TEST_CASE("an edit is an insertion, a deletion, a replacement or a swap", "[text]") {
+    CHECK(edit_distance("", "") == 0);
+    CHECK(edit_distance("speed", "speed") == 0);
+    CHECK(edit_distance("", "abc") == 3);
+    CHECK(edit_distance("abc", "") == 3);
+    CHECK(edit_distance("speed", "sped") == 1);
+    CHECK(edit_distance("speed", "spreed") == 1);
+    CHECK(edit_distance("speed", "spied") == 1);
+    CHECK(edit_distance("speed", "psede") == 2);
+    CHECK(edit_distance("kitten", "sitting") == 3);
+}
+
+TEST_CASE("the edit distance is symmetric", "[text]") {
+    const std::string a = GENERATE("peak_Pa", "fwhm_mm", "", "x");
+    const std::string b = GENERATE("pek_Pa", "whfm_mm", "duration_ms");
+    CHECK(edit_distance(a, b) == edit_distance(b, a));
+}
+
+TEST_CASE("a mistyped word suggests the nearest candidate, and a wild one none", "[text]") {
+    const std::vector<std::string> words = {"peak_Pa", "footprint", "carrier"};
+    CHECK(nearest("pek_Pa", words) == "peak_Pa");
+    CHECK(nearest("fotoprint", words) == "footprint");
+    CHECK(nearest("temperature", words) == std::nullopt);
+    CHECK(nearest("anything", {}) == std::nullopt);
+}
+
+TEST_CASE("a list is quoted and joined for a sentence", "[text]") {
+    const std::vector<std::string> words = {"a", "b", "c"};
+    CHECK(quoted_list(words) == R"("a", "b" or "c")");
+    CHECK(quoted_list(words, "and") == R"("a", "b" and "c")");
+    CHECK(quoted_list(std::vector<std::string>{"a"}) == R"("a")");
+    CHECK(quoted_list({}).empty());
+}
+
+TEST_CASE("exact text reads back as the same double", "[text]") {
+    const double value = GENERATE(0.1, 1.0 / 3.0, 1e-300, -2.5e17, 0.00075, 5e-324);
+    CHECK(std::strtod(exact(value).c_str(), nullptr) == value);
+}
+
+TEST_CASE("the stable hash is FNV-1a of 64 bits", "[hash]") {
+    // The published vectors of Fowler, Noll and Vo.
+    CHECK(stable_hash("") == 0xcbf29ce484222325ULL);
+    CHECK(stable_hash("a") == 0xaf63dc4c8601ec8cULL);
+    CHECK(stable_hash("foobar") == 0x85944171f73967e8ULL);
+    CHECK(hex(stable_hash("foobar")) == "85944171f73967e8");
+    CHECK(hex(1) == "0000000000000001");
+}
