@@ -169,13 +169,29 @@ void check_repeats(const Axis& axis, Diagnostics& findings) {
     }
 }
 
-void check_count(const Sweep& sweep, Diagnostics& findings) {
+/// Beyond these a sweep is taken for a slip, and would only cost time before it is refused.
+constexpr std::size_t most_keys = 50;
+constexpr std::size_t most_exclusions = 1000;
+
+void check_size(Sweep& sweep, Diagnostics& findings) {
     double cases = 1.0;
-    for (const Axis& axis : sweep.axes)
+    std::size_t keys = 0;
+    for (const Axis& axis : sweep.axes) {
         cases *= static_cast<double>(axis.size());
+        keys += axis.keys.size();
+    }
     if (cases > static_cast<double>(most_cases))
         findings.error(sweep.at, fmt::format("sweep makes {:.0f} cases; at most {} are possible",
                                              cases, most_cases));
+    if (sweep.exclusions.size() > most_exclusions)
+        findings.error(sweep.at,
+                       fmt::format("sweep.exclude has {} entries; at most {} are possible",
+                                   sweep.exclusions.size(), most_exclusions));
+    if (keys > most_keys) {
+        findings.error(sweep.at,
+                       fmt::format("sweep has {} keys; at most {} are possible", keys, most_keys));
+        sweep.axes.clear();
+    }
 }
 
 } // namespace
@@ -223,7 +239,7 @@ Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings) {
     read.at = sweep->at;
     for (const Axis& axis : read.axes)
         check_repeats(axis, findings);
-    check_count(read, findings);
+    check_size(read, findings);
     read.sound = findings.errors() == before;
     return read;
 }
