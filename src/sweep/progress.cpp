@@ -34,7 +34,7 @@ Progress::Progress(Style style)
       began_(std::chrono::steady_clock::now()), last_(began_) {}
 
 void Progress::update(const SweepCounts& counts) {
-    if (quiet_) return;
+    if (quiet_ || counts.total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
     const long ended = counts.done + counts.failed;
