@@ -57,7 +57,7 @@ struct LayeredOptions {
     std::optional<double> time_step_s;     // of the load; none: chosen from the load's bandwidth
     double window_factor = 2.0;            // period of the time transform over the duration
     double wrap_suppression = 1e6;         // what wraps around in time is divided by this
-    double interpolation_tolerance = 1e-8; // of H in |k|, relative to H nearby
+    double interpolation_tolerance = 1e-9; // of H in |k|, relative to H nearby
     bool operator==(const LayeredOptions&) const = default;
 };
 using SolverOptions = std::variant<LayeredOptions>;

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "engines/engine.hpp"
+#include "model/case.hpp"
+#include "sweep/surface_recorder.hpp"
+
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace shearwake::test {
+
+/// The layer of PHYSICS section 6: rho 1000, c_s 5, viscosity 1 Pa s.
+inline Layer tissue(double c_p_m_s = 50.0, double viscosity_Pa_s = 1.0) {
+    Layer layer{.name = "tissue",
+                .thickness_m = 0.0,
+                .density_kg_m3 = 1000.0,
+                .c_p_m_s = c_p_m_s,
+                .c_s_m_s = 5.0,
+                .loss = KelvinVoigt{viscosity_Pa_s}};
+    if (viscosity_Pa_s == 0.0) layer.loss = Lossless{};
+    return layer;
+}
+
+inline Medium half_space(const Layer& layer) {
+    return {{layer}, Base::half_space};
+}
+
+/// A focus of 1 Pa and 3 mm that starts at x = -49 mm at t = 0 and does not end within the run.
+inline Case moving_focus(const Medium& medium, const Motion& motion) {
+    Case c;
+    c.medium = medium;
+    c.load.peak_Pa = 1.0;
+    c.load.footprint = GaussianFootprint{3e-3};
+    c.load.modulation.kind = "STM";
+    c.load.modulation.trajectory = {{Travel{{{-49e-3, 0.0}, {300e-3, 0.0}}, motion}}};
+    c.domain = {256, 192, 0.75e-3, 0.0};
+    c.time = {224, 62.5e-6};
+    c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};
+    c.solver = LayeredOptions{};
+    return c;
+}
+
+/// Every frame of a run on this rank's slab.
+class FrameStore : public Observer {
+public:
+    void begin(const Slab& slab) override { slab_ = slab; }
+    void frame(const Frame& frame) override {
+        std::vector<double> values;
+        for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
+            const auto row = frame.u_z_m.row(i);
+            values.insert(values.end(), row.begin(), row.end());
+        }
+        frames_[{frame.depth, frame.number}] = std::move(values);
+    }
+    const Slab& slab() const { return slab_; }
+    const std::vector<double>& at(std::ptrdiff_t number, std::size_t depth = 0) const {
+        return frames_.at({depth, number});
+    }
+
+private:
+    Slab slab_;
+    std::map<std::pair<std::size_t, std::ptrdiff_t>, std::vector<double>> frames_;
+};
+
+/// All frames of a case on this rank alone.
+inline FrameStore frames_of(const Case& c) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    FrameStore store;
+    make_engine(c.solver)->run(c, alone, store);
+    return store;
+}
+
+/// The columns of the table for a case, computed on a team.
+inline std::map<std::string, double> columns_of(const Case& c, Engine& engine, const Comm& team) {
+    SurfaceRecorder recorder(c, team, nullptr, {});
+    engine.run(c, team, recorder);
+    recorder.finish();
+    std::map<std::string, double> values;
+    for (const Column& column : summarise(c, recorder.depths(), recorder.traces(), recorder.mach()))
+        values[column.name] = column.value;
+    return values;
+}
+
+} // namespace shearwake::test

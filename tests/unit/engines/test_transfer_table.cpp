@@ -1,0 +1,94 @@
+#include "engines/layered/transfer_table.hpp"
+
+#include "base/error.hpp"
+#include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/stack_response.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+using namespace shearwake;
+using Complex = std::complex<double>;
+
+TEST_CASE("the table's interpolation error in |k| is below 1e-6 of H everywhere", "[layered]") {
+    // |delta H| <= 1e-6 |H| at every (k, omega) of the grid makes the field's error at most 1e-6 of
+    // the field for any load whatever (Parseval). Media: a lossless half-space (sharp Rayleigh
+    // pole, head-wave branch point), one viscous layer, three layers with a stiff film.
+    const int which = GENERATE(0, 1, 2);
+    Medium medium = test::half_space(test::tissue(1500.0, 0.0));
+    if (which == 1) {
+        medium.base = Base::rigid;
+        medium.layers[0] = test::tissue(1500.0, 1.0);
+        medium.layers[0].thickness_m = 0.02;
+    } else if (which == 2) {
+        medium.layers.insert(medium.layers.begin(), medium.layers[0]);
+        medium.layers[0].c_s_m_s = 36.5;
+        medium.layers[0].thickness_m = 0.1e-3;
+        medium.layers[1].loss = FractionalKelvinVoigt{260e-6, 0.27};
+    }
+    Case c = test::moving_focus(medium, ConstantSpeed{7.0});
+    c.measure.depths_m = {0.0, 2e-3};
+    const LayeredOptions options;
+    const TransferKey key{.medium = medium,
+                          .depths_m = c.measure.depths_m,
+                          .nx = 128,
+                          .ny = 96,
+                          .spacing_m = 0.75e-3,
+                          .time = time_transform(c, options),
+                          .tolerance = options.interpolation_tolerance};
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    TransferTable table(key, 0, key.ny / 2 + 1, alone);
+
+    double worst[2] = {0.0, 0.0};
+    const double dk_x = 2.0 * std::numbers::pi / (128 * 0.75e-3);
+    const double dk_y = 2.0 * std::numbers::pi / (96 * 0.75e-3);
+    std::vector<Complex> exact(2);
+    for (std::ptrdiff_t m = 0; m < table.frequencies(); m += 7) {
+        const StackResponse response(medium, key.time.omega(m), key.depths_m);
+        for (std::ptrdiff_t ky = 0; ky <= 48; ky += 3) {
+            for (std::size_t depth = 0; depth < 2; ++depth) {
+                const auto row = table.row(ky, depth);
+                for (std::ptrdiff_t kx = 0; kx <= 64; ++kx) {
+                    response.evaluate(
+                        std::hypot(static_cast<double>(kx) * dk_x, static_cast<double>(ky) * dk_y),
+                        exact);
+                    const Complex h = row[static_cast<std::size_t>(kx * table.frequencies() + m)];
+                    worst[depth] =
+                        std::max(worst[depth], std::abs(h - exact[depth]) / std::abs(exact[depth]));
+                }
+            }
+        }
+    }
+    CHECK(worst[0] < 1e-6);
+    // At depth H falls by e^{-k z} within a panel, and the error is relative to the panel's
+    // largest.
+    CHECK(worst[1] < 1e-5);
+}
+
+TEST_CASE("packing a radial interpolant loses nothing", "[layered]") {
+    const auto f = [](double k, std::span<Complex> out) {
+        out[0] = 1.0 / Complex(k - 3.0, 0.01);
+        out[1] = std::exp(-k);
+    };
+    const auto fitted = RadialInterpolant::fit(f, 2, 10.0, 1e-10);
+    const auto packed = fitted.packed();
+    CHECK(packed.size() == RadialInterpolant::packed_size(fitted.panels(), 2));
+    const auto back = RadialInterpolant::unpacked(packed, 2);
+    const std::vector<double> k = {0.0, 1.0, 2.99, 3.0, 3.01, 9.0, 10.0};
+    for (std::size_t component = 0; component < 2; ++component) {
+        std::vector<Complex> before(k.size()), after(k.size()), exact(2);
+        fitted.evaluate(component, k, before.data(), 1);
+        back.evaluate(component, k, after.data(), 1);
+        CHECK(before == after);
+        for (std::size_t i = 0; i < k.size(); ++i) {
+            f(k[i], exact);
+            CHECK(std::abs(before[i] - exact[component]) < 1e-8 * 100.0); // of the peak, 1/0.01
+        }
+    }
+}
+
+TEST_CASE("a function with a pole on the axis is refused, not smoothed over", "[layered]") {
+    const auto f = [](double k, std::span<Complex> out) { out[0] = std::sqrt(std::abs(k - 1.0)); };
+    CHECK_THROWS_AS(RadialInterpolant::fit(f, 1, 3.0, 1e-12), CaseFailure);
+}
