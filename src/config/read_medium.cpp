@@ -15,7 +15,8 @@ ShearLoss kelvin_voigt(double viscosity_Pa_s) {
 ShearLoss read_law(Reader reader) {
     static const std::array<std::string, 4> laws = {"none", "kelvin-voigt", "fractional",
                                                     "standard-linear"};
-    const std::string law = reader.choice("law", laws);
+    if (!reader.has("law")) reader.missing("law");
+    const std::string law = reader.find_choice("law", laws).value_or("");
     ShearLoss loss = Lossless{};
     if (law == "kelvin-voigt")
         loss = kelvin_voigt(reader.number("viscosity_Pa_s", Range::at_least(0.0)));
@@ -25,7 +26,7 @@ ShearLoss read_law(Reader reader) {
     if (law == "standard-linear")
         loss = StandardLinearSolid{.tau_s = reader.number("tau_us", Range::above(0.0)),
                                    .strength = reader.number("strength", Range::above(0.0))};
-    reader.finish();
+    if (!law.empty() || !reader.has("law")) reader.finish(); // else its keys are another law's
     return loss;
 }
 

@@ -142,8 +142,9 @@ void check_wrap_around(const Case& c, Notes& notes) {
         needed_x_m = std::max(needed_x_m, 2.0 * (std::abs(focus.x) + reach_m));
         needed_y_m = std::max(needed_y_m, 2.0 * (std::abs(focus.y) + reach_m));
     });
-    if (back_s >= end_s * (1.0 - 1e-9)) return;
     const double out_s = back_s - c.domain.sponge_m / speed_m_s;
+    const bool starts_outside = out_s < 0.0; // told elsewhere
+    if (starts_outside || back_s >= end_s * (1.0 - 1e-9)) return;
     notes.add(
         Severity::warning, "domain.extent_mm",
         "waves of {:.4g} m/s that cross the edge at {:.3g} ms are back in the measured region "
