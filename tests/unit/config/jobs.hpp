@@ -1,0 +1,89 @@
+#pragma once
+
+#include "config/job.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake::test {
+
+/// A job without remarks, of one case that is quick to think about. Line numbers are part of the
+/// tests below: add at the end.
+constexpr std::string_view plain_job = R"(schema = 1
+[job]
+name = "plain"
+[medium]
+base = "rigid"
+[[medium.layer]]
+name = "tissue"
+thickness_mm = 20.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 3.0 }
+[load.modulation]
+kind = "AM-STM"
+path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }
+speed_m_s = 7.0
+am_frequency_Hz = 500.0
+[domain]
+extent_mm = [96.0, 64.0]
+spacing_mm = 0.75
+[time]
+duration_ms = 4.0
+output_interval_us = 50.0
+)";
+
+/// `text` with the first `old` replaced; the test fails if it is not there.
+inline std::string replaced(std::string_view text, std::string_view old, std::string_view by) {
+    std::string out(text);
+    const std::size_t at = out.find(old);
+    REQUIRE(at != std::string::npos);
+    return out.replace(at, old.size(), by);
+}
+
+inline std::string plain_with(std::string_view old, std::string_view by) {
+    return replaced(plain_job, old, by);
+}
+
+inline std::string plain_and(std::string_view more) {
+    return std::string(plain_job) + std::string(more);
+}
+
+/// Everything found in a job, good or bad, one text each.
+inline std::vector<std::string> findings_of(std::string_view job_text,
+                                            std::vector<Override> overrides = {}) {
+    std::vector<Finding> findings;
+    try {
+        findings = read_job(job_text, "job.toml", overrides).findings;
+    } catch (const BadJob& bad) {
+        findings = bad.findings();
+    }
+    std::vector<std::string> texts;
+    for (const Finding& finding : findings)
+        texts.push_back(text(finding));
+    return texts;
+}
+
+using Texts = std::vector<std::string>;
+
+inline bool any_contains(const Texts& texts, std::string_view part) {
+    return std::any_of(texts.begin(), texts.end(), [&](const std::string& text) {
+        return text.find(part) != std::string::npos;
+    });
+}
+
+/// The one case of a job.
+inline Case only_case(std::string_view job_text, std::vector<Override> overrides = {}) {
+    const Job job = read_job(job_text, "job.toml", overrides);
+    REQUIRE(job.plan.cases.size() == 1);
+    return job.plan.cases.front().physics;
+}
+
+} // namespace shearwake::test

@@ -1,0 +1,145 @@
+#include "unit/config/jobs.hpp"
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+TEST_CASE("what a job leaves out has stated defaults", "[config][case]") {
+    const Case c = only_case(plain_job);
+    CHECK(c.domain == Domain{128, 90, 0.00075, 0.0});
+    CHECK(c.time == TimeAxis{80, 5e-5});
+    CHECK(c.measure.at_s == c.time.duration_s());
+    CHECK(c.measure.settled_after_s == Approx(0.0012).epsilon(1e-14)); // 0.3 of it
+    CHECK(c.measure.focal_radius_m == 0.003);                          // 1 FWHM
+    CHECK(c.measure.depths_m == std::vector{0.0});
+    CHECK(c.record == RecordOptions{{{0.0, 0.0}}, {c.measure.at_s}, false});
+    CHECK(c.solver == SolverOptions(LayeredOptions{}));
+}
+
+TEST_CASE("what a job gives is read in SI", "[config][case]") {
+    const Case c = only_case(plain_and(R"(
+[solver]
+engine = "layered"
+[solver.layered]
+time_step_us = 12.5
+window_factor = 3
+wrap_suppression = 1e4
+interpolation_tolerance = 1e-6
+[measure]
+at_ms = 3
+settled_after_ms = 0.5
+focal_radius_mm = 2
+depths_mm = [0, 1.5, 4]
+[record]
+traces_mm = [[0, 0], [-3, 1]]
+snapshots_ms = [1, 2.05]
+frames = true
+)"));
+    CHECK(c.solver == SolverOptions(LayeredOptions{1.25e-5, 3.0, 1e4, 1e-6}));
+    CHECK(c.measure.at_s == Approx(0.003).epsilon(1e-14));
+    CHECK(c.measure.settled_after_s == 0.0005);
+    CHECK(c.measure.focal_radius_m == 0.002);
+    CHECK(c.measure.depths_m == std::vector{0.0, 0.0015, 0.004});
+    CHECK(c.record.traces_m == std::vector<Vec2>{{0.0, 0.0}, {-0.003, 0.001}});
+    CHECK(c.record.snapshots_s.at(1) == c.time.frame_s(40));
+    CHECK(c.record.frames);
+}
+
+TEST_CASE("a time that stands on a frame is that frame exactly", "[config][case]") {
+    const Case c = only_case(plain_and("[measure]\nat_ms = 3.35\n"));
+    CHECK(c.measure.at_s == c.time.frame_s(66));
+}
+
+TEST_CASE("a grid is as long as it must be and good to transform", "[config][case]") {
+    CHECK(only_case(plain_with("[96.0, 64.0]", "[96.1, 63.0]")).domain.nx == 140); // 129 -> 140
+    CHECK(only_case(plain_with("[96.0, 64.0]", "[96.1, 63.0]")).domain.ny == 84);
+}
+
+TEST_CASE("a mistake in domain or time stands in its place", "[config][case]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"[96.0, 64.0]", "[96.0, -64.0]",
+         "job.toml:22:20: error: domain.extent_mm must be above 0, and is -64"},
+        {"extent_mm", "extent_cm",
+         "job.toml:22:1: error: domain.extent_cm is unknown; extent is given in mm here: "
+         "extent_mm"},
+        {"[96.0, 64.0]", "[1e6, 64.0]",
+         "job.toml:23:14: error: domain.spacing_mm makes 1333334 points along 1e+06 mm; at most "
+         "32768 are possible"},
+        {"= 0.75", "= 0.75\nsponge_mm = 34",
+         "job.toml:24:13: error: domain.sponge_mm must leave something between the margins: below "
+         "33.75 mm, half of the shorter side; it is 34"},
+        {"= 4.0", "= 4.01",
+         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, and "
+         "4.01 ms are 80.2 times 50 us"},
+        {"= 4.0", "= 0.01",
+         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, and "
+         "0.01 ms are 0.2 times 50 us"},
+        {"= 50.0", "= 1e-6",
+         "job.toml:26:22: error: time.output_interval_us makes 4000000000 frames; at most 1000000 "
+         "are possible"},
+        {"duration_ms = 4.0\n", "", "job.toml:24:1: error: time.duration_ms is missing"},
+    }));
+    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+}
+
+TEST_CASE("a mistake in solver, measure or record stands in its place", "[config][case]") {
+    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+        {"[solver]\nengine = \"pstd\"\n[solver.pstd]\n",
+         "job.toml:28:10: error: solver.engine must be \"layered\", and is \"pstd\""},
+        {"[solver.layered]\nwindow_factor = 1",
+         "job.toml:28:17: error: solver.layered.window_factor must be at least 1.25, and is 1"},
+        {"[solver.layered]\nwrap_suppression = 1e9",
+         "job.toml:28:20: error: solver.layered.wrap_suppression must be between 10 and 100000000, "
+         "and is 1000000000"},
+        {"[solver.layered]\ninterpolation_tolerance = 1",
+         "job.toml:28:27: error: solver.layered.interpolation_tolerance must be between 1e-12 and "
+         "0.001, and is 1"},
+        {"[solver.layered]\ntime_step_us = 51",
+         "job.toml:28:16: error: solver.layered.time_step_us must not exceed "
+         "time.output_interval_us = 50, and is 51"},
+        {"[measure]\nat_ms = 5",
+         "job.toml:28:9: error: measure.at_ms must be a frame of the run: a multiple of "
+         "time.output_interval_us = 50 from one up to time.duration_ms = 4; 5 is none"},
+        {"[measure]\nat_ms = 3.99",
+         "job.toml:28:9: error: measure.at_ms must be a frame of the run: a multiple of "
+         "time.output_interval_us = 50 from one up to time.duration_ms = 4; 3.99 is none"},
+        {"[measure]\nat_ms = 3\nsettled_after_ms = 3",
+         "job.toml:29:20: error: measure.settled_after_ms must be before measure.at_ms = 3, and is "
+         "3"},
+        {"[measure]\nfocal_radius_mm = 3\nfocal_radius_fwhm = 1",
+         "job.toml:28:19: error: measure.focal_radius_mm and focal_radius_fwhm are both given; one "
+         "of them says it all"},
+        {"[measure]\ndepths_mm = [1, 0.5]",
+         "job.toml:28:13: error: measure.depths_mm must ascend, and 0.5 follows on 1"},
+        {"[measure]\ndepths_mm = [0, 20]",
+         "job.toml:28:13: error: measure.depths_mm must lie above the rigid base, 20 mm deep, and "
+         "holds 20"},
+        {"[measure]\ndepths_mm = [0, -1]",
+         "job.toml:28:17: error: measure.depths_mm must be at least 0, and is -1"},
+        {"[measure]\ndepths_mm = []",
+         "job.toml:28:13: error: measure.depths_mm must hold a depth; 0 is the surface"},
+        {"[measure]\ndepths_mm = 1",
+         "job.toml:28:13: error: measure.depths_mm must be a list of numbers, and is a number"},
+        {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
+         "job.toml:28:13: error: record.traces_mm must lie in the domain, within 48 and 33.75 mm "
+         "of its middle; [49, 0] does not"},
+        {"[record]\ntraces_mm = [0, 0]",
+         "job.toml:28:14: error: record.traces_mm must be a pair [x, y], and is a number"},
+        {"[record]\nsnapshots_ms = [2.01]",
+         "job.toml:28:16: error: record.snapshots_ms must be a frame of the run: a multiple of "
+         "time.output_interval_us = 50 from one up to time.duration_ms = 4; 2.01 is none"},
+        {"[record]\nframes = 1",
+         "job.toml:28:10: error: record.frames must be true or false, and is a number"},
+    }));
+    CHECK(findings_of(plain_and(more)) == Texts{finding});
+}
+
+TEST_CASE("a section that is no table is told so", "[config][case]") {
+    CHECK(findings_of("record = 3\n" + std::string(plain_job)) ==
+          Texts{"job.toml:1:10: error: record must be a table, and is a number"});
+}
+
+TEST_CASE("depths go as deep as they like in a half-space", "[config][case]") {
+    std::string job = plain_with("\"rigid\"", "\"half-space\"");
+    job = replaced(job, "thickness_mm = 20.0\n", "");
+    CHECK(findings_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
+}

@@ -1,0 +1,279 @@
+#include "unit/config/jobs.hpp"
+
+#include <random>
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+/// The example of the interface document, with a medium of layers only.
+constexpr std::string_view full_job = R"(schema = 1
+[job]
+name = "am-stm-frequency"
+title = "eta and IPR against amplitude-modulation frequency"
+[medium]
+base = "rigid"
+[[medium.layer]]
+name = "tissue"
+thickness_mm = 20.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 3.0 }
+carrier = "averaged"
+[load.modulation]
+kind = "AM-STM"
+path = { shape = "line", from_mm = [-49.0, 0.0], to_mm = [49.0, 0.0] }
+speed_m_s = 7.0
+am_frequency_Hz = 200.0
+[domain]
+extent_mm = [192.0, 128.0]
+spacing_mm = 0.75
+sponge_mm = 12.0
+[time]
+duration_ms = 14.0
+output_interval_us = 50.0
+[solver]
+engine = "layered"
+[measure]
+at_ms = 14.0
+settled_after_ms = 4.0
+focal_radius_fwhm = 1.0
+depths_mm = [0.0]
+[record]
+traces_mm = [[0.0, 0.0]]
+snapshots_ms = [7.0, 14.0]
+frames = false
+[sweep]
+"load.modulation.am_frequency_Hz" = [100, 200, 300, 400, 600, 800]
+"load.footprint.fwhm_mm" = [2.0, 3.0, 6.0]
+zip = [ { "load.modulation.speed_m_s" = [3, 5, 7], "domain.spacing_mm" = [1, 1, 0.75] } ]
+exclude = [ { "load.footprint.fwhm_mm" = 2.0, "load.modulation.speed_m_s" = 3 } ]
+[table]
+x = "load.modulation.am_frequency_Hz"
+series = ["load.footprint.fwhm_mm"]
+reference = { kind = "STM" }
+)";
+
+/// Every value of `full_job` before its sweep, in SI and written down by hand.
+Case full_case() {
+    Case c;
+    c.medium.base = Base::rigid;
+    c.medium.layers = {{"tissue", 0.02, 1000.0, 1500.0, 5.0, KelvinVoigt{1.0}}};
+    c.load.peak_Pa = 100.0;
+    c.load.footprint = GaussianFootprint{0.003};
+    c.load.modulation = {"AM-STM",
+                         {{Travel{{{-0.049, 0.0}, {0.049, 0.0}}, ConstantSpeed{7.0}}}},
+                         {{SineGain{200.0}}}};
+    c.domain = {256, 180, 0.00075, 0.012}; // 171 points make 180: 2 2 3 3 5
+    c.time = {280, 5e-5};
+    c.measure = {0.014, 0.004, 0.003, {0.0}};
+    c.record = {{{0.0, 0.0}}, {0.007, 0.014}, false};
+    return c;
+}
+
+} // namespace
+
+TEST_CASE("the interface's example means what it says", "[job]") {
+    const std::string unswept(full_job.substr(0, full_job.find("[sweep]")));
+    CHECK(canonical_text(only_case(unswept)) == canonical_text(full_case()));
+    CHECK(only_case(unswept) == full_case());
+}
+
+TEST_CASE("the interface's example makes a case of every combination not excluded", "[job]") {
+    const Job job = read_job(full_job, "job.toml");
+    CHECK(job.text == full_job);
+    CHECK(job.plan.name == "am-stm-frequency");
+    CHECK(job.plan.title == "eta and IPR against amplitude-modulation frequency");
+    CHECK(job.plan.swept_keys == Texts{"load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm",
+                                       "load.modulation.speed_m_s", "domain.spacing_mm"});
+    CHECK(job.plan.table.x == "load.modulation.am_frequency_Hz");
+    CHECK(job.plan.table.series == Texts{"load.footprint.fwhm_mm"});
+    // 6 x 3 x 3 less 6 excluded, and a reference for each of the 8 that remain without frequency.
+    CHECK(job.plan.cases.size() == 48 + 8);
+    for (const Finding& finding : job.findings)
+        CHECK(finding.severity == Severity::warning);
+}
+
+TEST_CASE("a plain job has one case and nothing to say", "[job]") {
+    const Job job = read_job(plain_job, "job.toml");
+    REQUIRE(job.plan.cases.size() == 1);
+    CHECK(job.plan.cases[0].settings.empty());
+    CHECK(job.plan.cases[0].id == case_id(job.plan.cases[0].physics));
+    CHECK(job.plan.cases[0].reference_id.empty());
+    CHECK(job.findings.empty());
+    CHECK(job.plan.table == TableOptions{});
+}
+
+TEST_CASE("the same job in another order and spelling has the same id", "[job]") {
+    const std::string other = R"(
+job.name = "other-name"
+schema = 1
+time = { output_interval_us = 50, duration_ms = 4 }
+[load.modulation]
+am_depth = 1
+am_frequency_Hz = 5e2
+mach = 1.4
+kind = 'AM-STM'
+[load.modulation.path]
+to_mm = [14, 0]
+from_mm = [-14, -0.0]
+shape = "line"
+[domain]
+spacing_mm = 75e-2
+extent_mm = [96, 64]
+[load]
+footprint.fwhm_mm = 3
+footprint.shape = "gaussian"
+carrier = "averaged"
+peak_Pa = 1_00
+[[medium.layer]]
+loss = { viscosity_Pa_s = 1, law = "kelvin-voigt" }
+c_s_m_s = 5
+c_p_m_s = 1500
+density_kg_m3 = 1000
+thickness_mm = 20
+name = "tissue"
+[medium]
+base = "rigid"
+)";
+    CHECK(canonical_text(only_case(other)) == canonical_text(only_case(plain_job)));
+}
+
+TEST_CASE("a mistake in who the job is stands in its place", "[job]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"schema = 1\n", "",
+         "job.toml: error: schema is missing: the first line of a job is schema = 1"},
+        {"schema = 1", "schema = 2",
+         "job.toml:1:10: error: schema must be 1, the only one this program reads, and is 2"},
+        {"name = \"plain\"\n", "", "job.toml:2:1: error: job.name is missing"},
+        {"[job]\nname = \"plain\"\n", "", "job.toml: error: job is missing"},
+        {"name =", "nam =", "job.toml:3:1: error: job.nam is unknown; did you mean name?"},
+        {"\"plain\"", "3", "job.toml:3:8: error: job.name must be a string, and is a number"},
+        {"[load]", "[laod]\n[load]", "job.toml:13:2: error: laod is unknown; did you mean load?"},
+    }));
+    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+}
+
+TEST_CASE("a text that is no TOML is one finding in its place", "[job]") {
+    const Texts found = findings_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].starts_with("job.toml:14:11: error: this is no TOML: "));
+}
+
+TEST_CASE("a name that could leave the output directory is refused", "[job]") {
+    const std::string name = GENERATE("", ".", "..", "../x", "a/b", "a b", ".hidden", "a\\\\b",
+                                      "\\u00e4", "a\\u0000", std::string(101, 'x'));
+    const Texts found = findings_of(plain_with("\"plain\"", "\"" + name + "\""));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].starts_with("job.toml:3:8: error: job.name becomes the name of a folder"));
+}
+
+TEST_CASE("every missing table is reported at once", "[job]") {
+    CHECK(findings_of("schema = 1\n[job]\nname = \"x\"\n") ==
+          Texts{"job.toml: error: [medium] is missing", "job.toml: error: [load] is missing",
+                "job.toml: error: [domain] is missing", "job.toml: error: [time] is missing"});
+}
+
+TEST_CASE("every mistake of a job is reported at once, in the order of the file", "[job]") {
+    std::string text = plain_with("20.0", "-20.0");
+    text = replaced(text, "peak_Pa = 100.0", "peak_Pa = \"much\"");
+    text = replaced(text, "am_frequency_Hz", "am_frequncy_Hz");
+    text = replaced(text, "spacing_mm = 0.75\n", "");
+    CHECK(findings_of(text) ==
+          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, and is -20",
+                "job.toml:14:11: error: load.peak_Pa must be a number, and is a string (\"much\")",
+                "job.toml:20:1: error: load.modulation.am_frequncy_Hz is unknown; did you mean "
+                "am_frequency_Hz?",
+                "job.toml:21:1: error: domain.spacing_mm is missing"});
+}
+
+TEST_CASE("a bad job is a usage error that prints one finding a line", "[job]") {
+    std::string text(plain_job);
+    for (int i = 0; i < 80; ++i)
+        text += "unknown_" + std::to_string(i) + " = 1\n";
+    try {
+        read_job(text, "job.toml");
+        FAIL("it was taken for a good job");
+    } catch (const BadJob& bad) {
+        const std::string what = bad.what();
+        CHECK(bad.code() == ExitCode::bad_job);
+        CHECK(bad.findings().size() == 80);
+        CHECK(std::count(what.begin(), what.end(), '\n') == 50);
+        CHECK(what.ends_with("\nand 30 more"));
+    }
+}
+
+TEST_CASE("an error is not crowded out by warnings", "[job]") {
+    std::string text = plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\nexclude = [\n");
+    for (int i = 0; i < 80; ++i)
+        text += "{ \"load.peak_Pa\" = " + std::to_string(i + 3) + " },\n";
+    text += "]\n[nonsense]\n";
+    try {
+        read_job(text, "job.toml");
+        FAIL("it was taken for a good job");
+    } catch (const BadJob& bad) {
+        CHECK(std::string(bad.what()).find("nonsense is unknown") != std::string::npos);
+    }
+}
+
+TEST_CASE("noise is refused in one short sentence", "[job]") {
+    std::mt19937 random(1);
+    std::string noise(1'000'000, '\0');
+    const int kind = GENERATE(0, 1, 2);
+    for (char& c : noise)
+        c = static_cast<char>(kind == 0 ? random() % 256 : kind == 1 ? 32 + random() % 95 : 0);
+    const Texts found = findings_of(noise);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].size() < 300);
+    CHECK(found[0].starts_with("job.toml:1:"));
+}
+
+TEST_CASE("a text too long for a job is refused unread", "[job]") {
+    CHECK(findings_of(std::string(10'000'000, '#')) ==
+          Texts{"job.toml: error: this has 10000000 bytes and is taken for no job file: those have "
+                "at most 4000000"});
+}
+
+TEST_CASE("nesting without end is refused", "[job]") {
+    std::string text = "a = ";
+    SECTION("lists") {
+        text += std::string(1'000'000, '[');
+    }
+    SECTION("tables") {
+        for (int i = 0; i < 100'000; ++i)
+            text += "{ a = ";
+    }
+    SECTION("dotted keys") {
+        text = "a";
+        for (int i = 0; i < 1'000'000; ++i)
+            text += i % 2 ? ".a" : " . \"b\"";
+        text += " = 1";
+    }
+    SECTION("headers") {
+        text = "[a";
+        for (int i = 0; i < 1'000'000; ++i)
+            text += ".a";
+        text += "]";
+    }
+    SECTION("well-formed lists") {
+        text += std::string(200, '[') + std::string(200, ']');
+    }
+    CHECK(any_contains(findings_of(text), "error: "));
+}
+
+TEST_CASE("a long number, sentence or list is no endless key", "[job]") {
+    std::string text(plain_job);
+    text += "# ";
+    for (int i = 0; i < 100; ++i)
+        text += "e.g. 0.5 a.b. ";
+    text += "\n[measure]\ndepths_mm = [0.0";
+    for (int i = 1; i < 100; ++i)
+        text += ",0." + std::to_string(100 + i);
+    text += "]\n";
+    CHECK(findings_of(text).empty());
+}
