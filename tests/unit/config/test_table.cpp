@@ -1,0 +1,101 @@
+#include "unit/config/jobs.hpp"
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+Plan plan_of(std::string_view more) {
+    return read_job(plain_and(more), "job.toml").plan;
+}
+
+const std::string two_axes = "[sweep]\n\"load.modulation.am_frequency_Hz\" = [500, 600]\n"
+                             "\"load.footprint.fwhm_mm\" = [3.0, 4.0]\n";
+
+} // namespace
+
+TEST_CASE("a table has the first axis as rows and the others as curves", "[config][table]") {
+    const TableOptions table = plan_of(two_axes).table;
+    CHECK(table.x == "load.modulation.am_frequency_Hz");
+    CHECK(table.series == Texts{"load.footprint.fwhm_mm"});
+}
+
+TEST_CASE("a table can be turned round", "[config][table]") {
+    const TableOptions table = plan_of(two_axes + "[table]\nx = \"load.footprint.fwhm_mm\"").table;
+    CHECK(table.x == "load.footprint.fwhm_mm");
+    CHECK(table.series == Texts{"load.modulation.am_frequency_Hz"});
+}
+
+TEST_CASE("a key zipped with the rows is no curve of its own", "[config][table]") {
+    const std::string zip = "[sweep]\nzip = [ { load.peak_Pa = [1, 2], domain.spacing_mm = [0.5, "
+                            "0.75] } ]\nload.footprint.fwhm_mm = [3, 4]\n";
+    CHECK(plan_of(zip).table.series == Texts{"load.footprint.fwhm_mm"});
+    const std::string twice = "[sweep]\nzip = [ { load.peak_Pa = [1, 1], domain.spacing_mm = [0.5, "
+                              "0.75] } ]\n";
+    CHECK(plan_of(twice).table.series == Texts{"domain.spacing_mm"});
+}
+
+TEST_CASE("a reference stands once for all cases that differ from it alike", "[config][table]") {
+    const Plan plan = plan_of(two_axes + "[table]\nreference = { kind = \"STM\" }\n");
+    REQUIRE(plan.cases.size() == 6);
+    const PlannedCase &first = plan.cases[4], &second = plan.cases[5];
+    CHECK(first.is_reference);
+    CHECK(first.settings == std::vector<Setting>{{"load.footprint.fwhm_mm", 3.0}});
+    CHECK(second.settings == std::vector<Setting>{{"load.footprint.fwhm_mm", 4.0}});
+    CHECK(first.reference_id.empty());
+    for (std::size_t i = 0; i < 4; ++i) {
+        CHECK_FALSE(plan.cases[i].is_reference);
+        CHECK(plan.cases[i].reference_id == plan.cases[4 + i % 2].id);
+    }
+    const std::string alone = plain_with("kind = \"AM-STM\"", "kind = \"STM\"");
+    CHECK(first.physics == only_case(replaced(alone, "am_frequency_Hz = 500.0\n", "")));
+}
+
+TEST_CASE("a reference that is a case of the sweep is not computed twice", "[config][table]") {
+    const Plan plan = plan_of("[sweep]\nload.modulation.kind = [\"STM\", \"AM-STM\"]\n[table]\n"
+                              "reference = { kind = \"STM\" }\n");
+    REQUIRE(plan.cases.size() == 2);
+    CHECK(plan.cases[0].reference_id == plan.cases[0].id);
+    CHECK(plan.cases[1].reference_id == plan.cases[0].id);
+}
+
+TEST_CASE("a job without a sweep can have a reference", "[config][table]") {
+    const Plan plan = plan_of("[table]\nreference = { kind = \"STM\" }\n");
+    REQUIRE(plan.cases.size() == 2);
+    CHECK(plan.cases[1].is_reference);
+    CHECK(plan.cases[1].settings.empty());
+    CHECK(plan.cases[0].reference_id == plan.cases[1].id);
+}
+
+TEST_CASE("a reference may change keys of the kind it keeps", "[config][table]") {
+    const Plan plan = plan_of("[sweep]\nload.modulation.am_depth = [0.5, 1]\nload.peak_Pa = [1, "
+                              "2]\n[table]\nreference = { am_depth = 0 }\n");
+    REQUIRE(plan.cases.size() == 6);
+    CHECK(plan.cases[4].settings == std::vector<Setting>{{"load.peak_Pa", 1.0}});
+}
+
+TEST_CASE("a mistake in the table stands in its place", "[config][table]") {
+    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+        {"x = \"load.pek_Pa\"",
+         "job.toml:30:5: error: table.x names \"load.pek_Pa\", which is not swept; did you mean "
+         "\"load.peak_Pa\"?"},
+        {"x = 3", "job.toml:30:5: error: table.x must be a string, and is a number"},
+        {"series = [\"load.peak_Pa\"]",
+         "job.toml:30:10: error: table.series names \"load.peak_Pa\", which is x already"},
+        {"series = \"load.peak_Pa\"",
+         "job.toml:30:10: error: table.series must be a list of strings, and is a string "
+         "(\"load.peak_Pa\")"},
+        {"xx = 3", "job.toml:30:1: error: table.xx is unknown; did you mean x?"},
+        {"reference = { kind = \"STMM\" }",
+         "job.toml:30:22: error: load.modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\" "
+         "or \"SM-STM\", and is \"STMM\"; did you mean \"STM\"?"},
+        {"reference = { kind = \"STM\", foo = 1 }",
+         "job.toml:30:29: error: load.modulation.foo is unknown"},
+        {"reference = \"STM\"",
+         "job.toml:30:13: error: table.reference must be a table, and is a string (\"STM\")"},
+        {"reference = {}", "job.toml:30:13: error: table.reference must change something, for "
+                           "example { kind = \"STM\" }"},
+    }));
+    CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more + "\n")) ==
+          Texts{finding});
+}
