@@ -233,6 +233,13 @@ TEST_CASE("noise is refused in one short sentence", "[job]") {
     CHECK(found[0].starts_with("job.toml:1:"));
 }
 
+TEST_CASE("a header that is none is refused in a build with asserts too", "[job]") {
+    const std::string header = GENERATE("[ =", "[[[", "[#]", "[a.=]", "[", "[a", "[[a]");
+    const Texts found = findings_of(header);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].starts_with("job.toml:1:"));
+}
+
 TEST_CASE("a text too long for a job is refused unread", "[job]") {
     CHECK(findings_of(std::string(10'000'000, '#')) ==
           Texts{"job.toml: error: this has 10000000 bytes and is taken for no job file: those have "
