@@ -13,8 +13,8 @@ namespace {
 std::vector<double> trace_at_centre(const test::FrameStore& frames, const Case& c) {
     std::vector<double> u;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-        u.push_back(frames.at(n)[static_cast<std::size_t>(c.domain.nx / 2 * c.domain.ny +
-                                                          c.domain.ny / 2)]);
+        u.push_back(frames.at(
+            n)[static_cast<std::size_t>(c.domain.nx / 2 * c.domain.ny + c.domain.ny / 2)]);
     return u;
 }
 
@@ -43,19 +43,25 @@ TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     const auto u_averaged = trace_at_centre(test::frames_of(averaged), averaged);
     const auto u_resolved = trace_at_centre(test::frames_of(resolved), resolved);
     std::vector<double> frequencies;
-    for (double f = 0.0; f <= 2000.0; f += 20.0) frequencies.push_back(f);
+    for (double f = 0.0; f <= 2000.0; f += 20.0)
+        frequencies.push_back(f);
     const auto a = amplitude_spectrum(u_averaged, 5e-6, frequencies);
     const auto b = amplitude_spectrum(u_resolved, 5e-6, frequencies);
     CHECK(difference(b, a) < 0.01); // the requirement
-    // And the carrier is really there: the resolved trace moves at 40 kHz, the averaged does not.
-    const std::vector<double> carrier = {40e3};
-    const double moved = amplitude_spectrum(u_resolved, 5e-6, carrier)[0];
-    CHECK(moved > 100.0 * amplitude_spectrum(u_averaged, 5e-6, carrier)[0]);
+    // And the carrier is really there: what the two differ by is a line at 40 kHz.
+    std::vector<double> rest;
+    for (std::size_t i = 0; i < u_resolved.size(); ++i)
+        rest.push_back(u_resolved[i] - u_averaged[i]);
+    const std::vector<double> around = {36e3, 40e3, 44e3};
+    const auto line = amplitude_spectrum(rest, 5e-6, around);
+    CHECK(line[1] > 10.0 * line[0]);
+    CHECK(line[1] > 10.0 * line[2]);
 }
 
 TEST_CASE("the quickstart job is converged: half the spacing, twice the samples", "[verify]") {
     const std::string text = read_file(JOBS_DIRECTORY "/quickstart.toml");
-    const std::vector<Override> coarse = {{"sweep", "{\"load.modulation.am_frequency_Hz\" = [200]}"}};
+    const std::vector<Override> coarse = {
+        {"sweep", "{\"load.modulation.am_frequency_Hz\" = [200]}"}};
     std::vector<Override> fine = coarse;
     fine.push_back({"domain.spacing_mm", "0.375"});
     fine.push_back({"time.output_interval_us", "25"});
@@ -67,10 +73,8 @@ TEST_CASE("the quickstart job is converged: half the spacing, twice the samples"
         const Case &a = before.plan.cases[i].physics, &b = after.plan.cases[i].physics;
         REQUIRE(b.domain.nx == 2 * a.domain.nx);
         REQUIRE(b.time.frames == 2 * a.time.frames);
-        const double eta_a =
-            test::columns_of(a, *make_engine(a.solver), alone).at("eta_period_1");
-        const double eta_b =
-            test::columns_of(b, *make_engine(b.solver), alone).at("eta_period_1");
+        const double eta_a = test::columns_of(a, *make_engine(a.solver), alone).at("eta_period_1");
+        const double eta_b = test::columns_of(b, *make_engine(b.solver), alone).at("eta_period_1");
         CAPTURE(before.plan.cases[i].is_reference);
         CHECK(eta_b == Approx(eta_a).epsilon(0.005)); // the requirement
     }
@@ -94,25 +98,7 @@ TEST_CASE("the field converges with the load's time step at fourth order", "[ver
     const double at_25 = difference(surface(25e-6), exact);
     const double at_12 = difference(surface(12.5e-6), exact);
     CAPTURE(at_50, at_25, at_12);
-    CHECK(at_50 < 2e-3); // 0.2 % at the step that jobs use
+    CHECK(at_50 < 1e-4); // at the step that jobs use; 5e-6 is seen
+    CHECK(std::log2(at_50 / at_25) > 3.9);
     CHECK(std::log2(at_25 / at_12) > 3.9);
-}
-
-TEST_CASE("what lies below moves less, and nothing moves on a rigid base", "[verify]") {
-    Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    c.medium.base = Base::rigid;
-    c.medium.layers[0].thickness_m = 20e-3;
-    c.domain = {128, 96, 0.75e-3, 0.0};
-    c.time = {80, 50e-6};
-    c.measure.at_s = 4e-3;
-    c.measure.depths_m = {0.0, 2e-3, 4e-3, 19.999e-3};
-    const auto frames = test::frames_of(c);
-    const auto rms = [&](std::size_t depth) {
-        double sum = 0.0;
-        for (const double u : frames.at(79, depth)) sum += u * u;
-        return std::sqrt(sum);
-    };
-    CHECK(rms(1) < 0.8 * rms(0));
-    CHECK(rms(2) < 0.8 * rms(1));
-    CHECK(rms(3) < 1e-4 * rms(0));
 }

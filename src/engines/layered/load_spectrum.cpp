@@ -67,9 +67,21 @@ std::vector<double> sample_weights(const Case& c, const TimeTransform& time) {
     return weights;
 }
 
+std::vector<double> roll_off(const TimeTransform& time) {
+    std::vector<double> factors(static_cast<std::size_t>(time.samples));
+    for (std::ptrdiff_t m = 0; m < time.samples; ++m) {
+        const auto nearest = static_cast<double>(std::min(m, time.samples - m));
+        const double of_highest = nearest / (0.5 * static_cast<double>(time.samples));
+        const double x = std::clamp((of_highest - 0.8) / 0.2, 0.0, 1.0);
+        factors[static_cast<std::size_t>(m)] = std::pow(std::cos(0.5 * std::numbers::pi * x), 2);
+    }
+    return factors;
+}
+
 LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time)
     : nx_(c.domain.nx), ny_(c.domain.ny), samples_(time.samples),
-      forward_(time.samples, Direction::forward), weighted_(static_cast<std::size_t>(time.samples)),
+      forward_(time.samples, Direction::forward), roll_off_(roll_off(time)),
+      weighted_(static_cast<std::size_t>(time.samples)),
       buffer_(static_cast<std::size_t>(time.samples)) {
     const auto n = static_cast<std::size_t>(samples_);
     const std::vector<double> weights = sample_weights(c, time);
@@ -94,7 +106,10 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time)
         const double kx = signed_mode(i, nx_) * dkx;
         for (std::size_t t = 0; t < n; ++t)
             line[t] = weighted_[t] * std::polar(1.0, -kx * focus[t].x);
-        if (y_rests_) forward_.execute(line);
+        if (!y_rests_) continue;
+        forward_.execute(line);
+        for (std::size_t m = 0; m < n; ++m)
+            line[m] *= roll_off_[m];
     }
     const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
     for (std::size_t j = 0; j < modes; ++j)
@@ -114,6 +129,8 @@ std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky
         for (std::size_t t = 0; t < n; ++t)
             buffer_[t] = x[t] * y[t];
         forward_.execute(buffer_.data());
+        for (std::size_t m = 0; m < n; ++m)
+            buffer_[m] *= roll_off_[m];
     }
     return buffer_;
 }

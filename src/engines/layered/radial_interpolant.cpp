@@ -12,6 +12,8 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr int n = RadialInterpolant::order;
+/// Below this share of the first component, a component's rounding errors are all there is to fit.
+constexpr double floor = 1e-6;
 
 struct ChebyshevRule {
     std::array<double, n> nodes; // on (-1, 1)
@@ -61,6 +63,7 @@ private:
     /// Coefficients of all components into panel_; whether their tails are short enough.
     bool resolved() {
         bool fine = true;
+        double first = 0.0;
         for (std::size_t c = 0; c < components_; ++c) {
             double largest = 0.0;
             for (std::size_t j = 0; j < n; ++j) {
@@ -73,7 +76,8 @@ private:
             if (!std::isfinite(largest)) throw CaseFailure("H(k, omega) is not finite");
             const double tail =
                 std::max(std::abs(panel_[c * n + n - 1]), std::abs(panel_[c * n + n - 2]));
-            fine = fine && tail <= tolerance_ * largest;
+            if (c == 0) first = largest;
+            fine = fine && tail <= tolerance_ * std::max(largest, floor * first);
         }
         return fine;
     }

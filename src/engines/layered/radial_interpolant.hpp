@@ -8,7 +8,8 @@
 namespace shearwake {
 
 /// A complex vector-valued function of k on [0, k_max] as Chebyshev panels: degree 15 on each, cut
-/// in half until the last two coefficients are below `tolerance` times the panel's largest one.
+/// in half until the last two coefficients are below `tolerance` times the panel's largest one (or
+/// times 1e-6 of the first component's, the surface's, where that is more).
 /// Poles and branch points near the real axis cost panels, never accuracy.
 class RadialInterpolant {
 public:
