@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
     Catch::Session session;
     int verdict = session.applyCommandLine(argc, argv);
     if (verdict == 0) {
-        if (rank != 0) session.configData().outputFilename = "%debug";
+        if (rank != 0) session.configData().outputFilename = "/dev/null";
         verdict = session.run();
     }
     verdict = std::clamp(verdict, 0, 255);

@@ -1,0 +1,105 @@
+#include "base/error.hpp"
+#include "io/case_file_reader.hpp"
+#include "io/case_file_writer.hpp"
+#include "io/h5.hpp"
+#include "parallel/agree.hpp"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <unistd.h>
+
+using namespace shearwake;
+
+namespace {
+
+/// A folder that all ranks know and that goes with the test.
+class SharedFolder {
+public:
+    explicit SharedFolder(const Comm& world) : world_(world) {
+        path_ = world.broadcast(
+            (std::filesystem::temp_directory_path() / ("shearwake-" + std::to_string(::getpid())))
+                .string());
+        on_root(world_, [&] { std::filesystem::create_directories(path_); });
+    }
+    ~SharedFolder() {
+        world_.barrier();
+        if (world_.is_root()) std::filesystem::remove_all(path_);
+    }
+    std::filesystem::path file(const std::string& name) const { return path_ / name; }
+
+private:
+    Comm world_;
+    std::filesystem::path path_;
+};
+
+const std::vector<Attribute> complete = {{"title", std::string("a title")},
+                                         {"case_id", std::string("00ff")},
+                                         {"ranks", 2L},
+                                         {"status", std::string("complete")}};
+
+} // namespace
+
+TEST_CASE("slabs of all ranks make one surface in the file", "[mpi]") {
+    const Comm world = Comm::world();
+    const SharedFolder folder(world);
+    const Domain domain{4, 6, 1e-3, 0.0}; // on 5 ranks the last one has no row
+    const std::ptrdiff_t per_rank = (domain.nx + world.size() - 1) / world.size();
+    const std::ptrdiff_t start = std::min(domain.nx, per_rank * world.rank());
+    const std::ptrdiff_t rows = std::min(domain.nx, start + per_rank) - start;
+    const auto value = [](std::size_t t, std::ptrdiff_t i, std::ptrdiff_t j) {
+        return 1000.0 * static_cast<double>(t) + static_cast<double>(10 * i + j);
+    };
+    {
+        CaseFileWriter writer(folder.file("00ff.h5"), world, {domain, {0.1, 0.2}, {0.0}});
+        for (std::size_t t = 0; t < 2; ++t) {
+            std::vector<double> slab(static_cast<std::size_t>(rows * 8), -1.0); // padded rows
+            for (std::ptrdiff_t i = 0; i < rows; ++i)
+                for (std::ptrdiff_t j = 0; j < 6; ++j)
+                    slab[static_cast<std::size_t>(i * 8 + j)] = value(t, start + i, j);
+            writer.write_surface(t, 0, View2<const double>(slab.data(), rows, 6, 8), start);
+        }
+        writer.commit({{"", {{"eta_at_1", {}, {0.25}, "1", "eta", ""}}}}, complete);
+    }
+    bool fine = true;
+    on_root(world, [&] {
+        fine = is_whole(folder.file("00ff.h5"), "00ff") && !is_whole(folder.file("00ff.h5"), "0") &&
+               !std::filesystem::exists(folder.file("00ff.h5.part"));
+        const CaseSummary summary = read_case_summary(folder.file("00ff.h5"));
+        fine = fine && summary.scalars.at(0).values.at(0) == 0.25 &&
+               summary.numbers.at("ranks") == 2.0;
+        const h5::Id file = h5::open_file(folder.file("00ff.h5"), h5::Access::read);
+        const auto u = h5::read_all(h5::open_dataset(file.raw(), "surface/u_z"));
+        for (std::size_t t = 0; t < 2; ++t)
+            for (std::ptrdiff_t i = 0; i < 4; ++i)
+                for (std::ptrdiff_t j = 0; j < 6; ++j)
+                    fine =
+                        fine && u[t * 24 + static_cast<std::size_t>(6 * i + j)] == value(t, i, j);
+    });
+    CHECK(world.max(fine ? 0 : 1) == 0);
+}
+
+TEST_CASE("a file that is not committed leaves nothing behind", "[mpi]") {
+    const Comm world = Comm::world();
+    const SharedFolder folder(world);
+    { const CaseFileWriter writer(folder.file("a.h5"), world, {}); }
+    world.barrier();
+    CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
+    CHECK_FALSE(std::filesystem::exists(folder.file("a.h5.part")));
+    // Where no file can be, all ranks hear of it together.
+    CHECK_THROWS_AS(CaseFileWriter(folder.file("none/a.h5"), world, {}), Error);
+}
+
+TEST_CASE("a truncated file is damaged, not whole", "[mpi]") {
+    const Comm world = Comm::world();
+    const SharedFolder folder(world);
+    const auto path = folder.file("00ff.h5");
+    CaseFileWriter(path, world, {})
+        .commit({{"", {{"t", {"t"}, std::vector<double>(1000, 1.0), "s", "time", ""}}}}, complete);
+    int fine = 0;
+    on_root(world, [&] {
+        std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+        fine = is_whole(path, "00ff") ? 1 : 0;
+        CHECK_THROWS_AS(read_case_summary(path), Error);
+    });
+    CHECK(world.max(fine) == 0);
+}

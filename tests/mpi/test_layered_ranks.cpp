@@ -1,0 +1,90 @@
+// The same numbers on any number of ranks: the whole world as one team against each rank alone.
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+Case small_case() {
+    Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
+    Layer film = c.medium.layers[0];
+    film.thickness_m = 0.3e-3;
+    film.c_s_m_s = 20.0;
+    c.medium.layers.insert(c.medium.layers.begin(), film);
+    c.domain = {70, 54, 0.75e-3, 3e-3}; // divided by 2 only
+    c.time = {60, 50e-6};
+    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    travel.path.from_m = {-15e-3, -2e-3};
+    c.load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
+    c.measure.at_s = 3e-3;
+    c.measure.settled_after_s = 1e-3;
+    c.measure.depths_m = {0.0, 1e-3};
+    c.record.traces_m = {{0.0, 0.0}, {3.3e-3, -1.1e-3}};
+    return c;
+}
+
+} // namespace
+
+TEST_CASE("frames are the same on any number of ranks", "[mpi]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    Case c = small_case();
+    const bool oblique = GENERATE(false, true); // the general path of the load's transform
+    if (oblique)
+        std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.to_m = {150e-3, 40e-3};
+    test::FrameStore shared, single;
+    make_engine(c.solver)->run(c, world, shared);
+    make_engine(c.solver)->run(c, alone, single);
+    double worst = 0.0;
+    for (std::size_t depth = 0; depth < 2; ++depth) {
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+            const auto &part = shared.at(n, depth), &whole = single.at(n, depth);
+            double largest = 0.0;
+            for (const double u : whole)
+                largest = std::max(largest, std::abs(u));
+            const auto offset = static_cast<std::size_t>(shared.slab().x_start * c.domain.ny);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                worst = std::max(worst, std::abs(part[i] - whole[offset + i]) / largest);
+        }
+    }
+    CHECK(world.max(worst) < 1e-12); // the requirement
+}
+
+TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    const Case c = small_case();
+    const auto record = [&](const Comm& team) {
+        SurfaceRecorder recorder(c, team, nullptr, {});
+        make_engine(c.solver)->run(c, team, recorder);
+        recorder.finish();
+        return std::pair(recorder.depths(), recorder.traces());
+    };
+    const auto [depths, traces] = record(world);
+    const auto [depths_alone, traces_alone] = record(alone);
+    double worst = 0.0;
+    const auto compare = [&](double a, double b) {
+        worst = std::max(worst, std::abs(a - b) / std::abs(b));
+    };
+    for (std::size_t d = 0; d < depths.size(); ++d) {
+        for (std::size_t n = 0; n < depths[d].frames.size(); ++n) {
+            const SurfaceSums &a = depths[d].frames[n], &b = depths_alone[d].frames[n];
+            compare(a.abs_u, b.abs_u);
+            compare(a.u2, b.u2);
+            compare(a.u4, b.u4);
+            compare(a.focal_u2, b.focal_u2);
+            compare(a.focal_weight, b.focal_weight);
+            compare(a.peak, b.peak);
+            // Volume is conserved: the signed sum is what cancellation leaves of sum |u|.
+            worst = std::max(worst, std::abs(a.u - b.u) / b.abs_u);
+        }
+    }
+    for (std::size_t i = 0; i < traces.size(); ++i) {
+        double largest = 0.0;
+        for (const double u : traces_alone[i].u_m)
+            largest = std::max(largest, std::abs(u));
+        for (std::size_t n = 0; n < traces[i].u_m.size(); ++n)
+            worst = std::max(worst, std::abs(traces[i].u_m[n] - traces_alone[i].u_m[n]) / largest);
+    }
+    CHECK(world.max(worst) < 1e-12); // the requirement
+}
