@@ -41,12 +41,14 @@ std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
 class FieldSpectra {
 public:
     FieldSpectra(const Case& c, const TransferKey& key, const SlabShare& share,
-                 std::ptrdiff_t most_frames)
+                 std::ptrdiff_t most_frames, AlignedVector<Complex>& memory)
         : case_(c), time_(key.time), share_(share), per_frame_(samples_per_frame(c, key.time)),
           coarse_(key.time.samples / per_frame_), load_(c, key.time),
           backward_(coarse_, Direction::backward),
-          lines_(static_cast<std::size_t>(coarse_ * lines_together)),
-          spectra_(static_cast<std::size_t>(most_frames * plane())) {}
+          lines_(static_cast<std::size_t>(coarse_ * lines_together)), spectra_(memory) {
+        const auto needed = static_cast<std::size_t>(most_frames * plane());
+        if (spectra_.size() < needed) spectra_.resize(needed);
+    }
 
     std::ptrdiff_t plane() const { return share_.ky_count * case_.domain.nx; }
     const Complex* frame(std::ptrdiff_t in_batch) const {
@@ -119,7 +121,7 @@ private:
     LoadSpectrum load_;
     LineTransform backward_;
     AlignedVector<Complex> lines_;
-    AlignedVector<Complex> spectra_;
+    AlignedVector<Complex>& spectra_;
 };
 
 } // namespace
@@ -172,7 +174,7 @@ void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer) {
     std::optional<FieldSpectra> spectra;
     AlignedVector<double> plane;
     together(team, [&] {
-        spectra.emplace(c, table_->key(), share, batch);
+        spectra.emplace(c, table_->key(), share, batch, batch_);
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 

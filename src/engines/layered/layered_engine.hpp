@@ -22,6 +22,8 @@ private:
     std::unique_ptr<TransferTable> table_;
     std::unique_ptr<SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
+    // The largest batch so far: fresh pages for each case cost as much as its transforms.
+    AlignedVector<std::complex<double>> batch_;
 };
 
 } // namespace shearwake
