@@ -164,7 +164,7 @@ MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& lo
     if (!frame_s) reader.error("at_ms", off_frame_message(time, *at_s));
     measure.at_s = frame_s.value_or(time.duration_s());
     measure.settled_after_s = settled_after_s.value_or(
-        std::round(0.3 * measure.at_s / time.interval_s) * time.interval_s);
+        std::round(0.25 * measure.at_s / time.interval_s) * time.interval_s);
     if (!(measure.settled_after_s < measure.at_s)) {
         reader.error("settled_after_ms",
                      fmt::format("must be before measure.at_ms = {}, and is {}",

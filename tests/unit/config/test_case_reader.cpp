@@ -8,7 +8,7 @@ TEST_CASE("what a job leaves out has stated defaults", "[config][case]") {
     CHECK(c.domain == Domain{128, 90, 0.00075, 0.0});
     CHECK(c.time == TimeAxis{80, 5e-5});
     CHECK(c.measure.at_s == c.time.duration_s());
-    CHECK(c.measure.settled_after_s == Approx(0.0012).epsilon(1e-14)); // 0.3 of it
+    CHECK(c.measure.settled_after_s == Approx(0.0010).epsilon(1e-14)); // a quarter of it
     CHECK(c.measure.focal_radius_m == 0.003);                          // 1 FWHM
     CHECK(c.measure.depths_m == std::vector{0.0});
     CHECK(c.record == RecordOptions{{{0.0, 0.0}}, {c.measure.at_s}, false});
