@@ -1,0 +1,73 @@
+#include "base/error.hpp"
+#include "io/files.hpp"
+#include "io/journal.hpp"
+#include "io/plan_file.hpp"
+#include "support/cases.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+Plan small_plan() {
+    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    Plan plan{.name = "a", .title = "\"quoted\" \xc3\xbc", .swept_keys = {"load.peak_Pa", "kind"}};
+    plan.table = {.x = "load.peak_Pa", .series = {"kind"}};
+    plan.cases.push_back(
+        {"01", c, {{"load.peak_Pa", 0.1}, {"kind", std::string("STM")}}, false, "02"});
+    plan.cases.push_back({"02", c, {}, true, ""});
+    return plan;
+}
+
+} // namespace
+
+TEST_CASE("a plan reads back as it was written", "[plan]") {
+    const test::TemporaryFolder folder;
+    const Plan plan = small_plan();
+    write_file(folder / "plan.json", plan_text(plan));
+    CHECK(plan_text(plan) == plan_text(small_plan()));
+    const PlanIndex index = read_plan(folder / "plan.json");
+    CHECK(index.name == plan.name);
+    CHECK(index.title == plan.title);
+    CHECK(index.swept_keys == plan.swept_keys);
+    CHECK(index.table == plan.table);
+    REQUIRE(index.cases.size() == 2);
+    CHECK(index.cases[0].settings == plan.cases[0].settings);
+    CHECK(index.cases[0].reference_id == "02");
+    CHECK(index.cases[1].is_reference);
+}
+
+TEST_CASE("what is no plan is told so", "[plan]") {
+    const test::TemporaryFolder folder;
+    for (const char* text : {"", "{", "[]", "{\"name\": 3}", "{\"name\": \"a\"}"}) {
+        write_file(folder / "plan.json", text);
+        CHECK_THROWS_AS(read_plan(folder / "plan.json"), UsageError);
+    }
+}
+
+TEST_CASE("the journal tells the latest of each case, and passes over a line cut short",
+          "[journal]") {
+    const test::TemporaryFolder folder;
+    const Journal journal(folder / "journal.jsonl");
+    CHECK(read_journal(folder / "journal.jsonl").cases.empty());
+    journal.run_started(2, 1, 3);
+    journal.started("a", 2);
+    journal.finished("a", 0.5);
+    journal.started("b", 2);
+    journal.failed("b", "a reason with \"quotes\",\na line break and \xff");
+    journal.started("c", 2);
+    append_line(folder / "journal.jsonl", "{\"event\": \"fini");
+    JournalContents contents = read_journal(folder / "journal.jsonl");
+    CHECK(contents.running);
+    CHECK(contents.cases.at("a").state == CaseHistory::State::finished);
+    CHECK(contents.cases.at("a").seconds == 0.5);
+    CHECK(contents.cases.at("b").state == CaseHistory::State::failed);
+    CHECK(contents.cases.at("b").reason.find("line break") != std::string::npos);
+    CHECK(contents.cases.at("c").state == CaseHistory::State::started);
+    journal.run_ended("done");
+    contents = read_journal(folder / "journal.jsonl");
+    CHECK_FALSE(contents.running);
+    CHECK(contents.last_run_ended == "done");
+}

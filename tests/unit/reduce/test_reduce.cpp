@@ -1,0 +1,73 @@
+#include "reduce/reduce.hpp"
+
+#include "io/case_file_writer.hpp"
+#include "io/files.hpp"
+#include "io/journal.hpp"
+#include "io/plan_file.hpp"
+#include "support/cases.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+using namespace shearwake;
+
+TEST_CASE("cells that CSV and Markdown could not carry are quoted", "[reduce]") {
+    const Table table{{"a", "b,c"},
+                      {{1.0 / 3.0, std::string("say \"x|y\",\nthen z")},
+                       {std::numeric_limits<double>::quiet_NaN(), std::string()}}};
+    CHECK(csv(table) == "a,\"b,c\"\n0.333333333,\"say \"\"x|y\"\",\nthen z\"\n,\n");
+    CHECK(markdown(table, {"b,c", "a", "none"}) ==
+          "| b,c | a |\n| --- | --- |\n| say \"x\\|y\", then z | 0.3333 |\n|  |  |\n");
+}
+
+TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") {
+    const test::TemporaryFolder folder;
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    Plan plan{.name = "job", .title = "title", .swept_keys = {"load.peak_Pa"}};
+    for (const char* id : {"good", "failed", "damaged", "missing", "reference"})
+        plan.cases.push_back({id, c, {{"load.peak_Pa", 5.0}}, false, "reference"});
+    plan.cases.back().is_reference = true;
+    plan.cases.back().reference_id.clear();
+    write_file(folder / "plan.json", plan_text(plan));
+    make_directory(folder / "cases");
+    const auto write = [&](const std::string& id, double eta, double rms, const std::string& note) {
+        CaseFileWriter(folder / ("cases/" + id + ".h5"), alone, {})
+            .commit({{"",
+                      {{"eta_period_1", {}, {eta}, "1", "eta", ""},
+                       {"focal_rms_um", {}, {rms}, "um", "rms", note}}}},
+                    {{"title", std::string("t")},
+                     {"case_id", id},
+                     {"wall_s", 0.25},
+                     {"status", std::string("complete")}});
+    };
+    write("good", 0.2, std::numeric_limits<double>::quiet_NaN(), "no disc");
+    write("reference", 0.1, 2.0, "");
+    write_file(folder / "cases/damaged.h5", "no HDF5");
+    Journal(folder / "journal.jsonl").failed("failed", "out of memory");
+
+    const ReduceInput input{folder / "plan.json", folder / "journal.jsonl", folder / "cases",
+                            folder / "tables"};
+    const Table table = table_of(input);
+    const auto cell = [&](std::size_t row, const std::string& column) {
+        const auto found = std::find(table.columns.begin(), table.columns.end(), column);
+        REQUIRE(found != table.columns.end());
+        return table.rows.at(row).at(static_cast<std::size_t>(found - table.columns.begin()));
+    };
+    REQUIRE(table.rows.size() == 5);
+    CHECK(std::get<double>(cell(0, "eta_period_1")) == 0.2);
+    CHECK(std::get<double>(cell(0, "eta_period_over_reference_1")) == 2.0);
+    CHECK(std::isnan(std::get<double>(cell(0, "focal_rms_um"))));
+    CHECK(std::get<std::string>(cell(0, "note")) == "focal_rms_um: no disc");
+    CHECK(std::get<double>(cell(0, "wall_s")) == 0.25);
+    CHECK(std::get<std::string>(cell(1, "status")) == "failed");
+    CHECK(std::get<std::string>(cell(1, "note")) == "out of memory");
+    CHECK(std::get<std::string>(cell(2, "status")) == "damaged");
+    CHECK(std::get<std::string>(cell(3, "status")) == "missing");
+    CHECK(std::get<std::string>(cell(4, "reference")) == "yes");
+    const ReducedTables written = reduce(input);
+    CHECK(written.rows == 5);
+    CHECK(written.whole == 2);
+    CHECK(read_file(written.csv) == csv(table));
+}

@@ -1,0 +1,65 @@
+#include "sweep/teams.hpp"
+
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+using namespace shearwake;
+
+namespace {
+
+struct Cases {
+    std::vector<PlannedCase> planned;
+    std::vector<const PlannedCase*> pointers() const {
+        std::vector<const PlannedCase*> all;
+        for (const PlannedCase& p : planned)
+            all.push_back(&p);
+        return all;
+    }
+};
+
+Cases alike(int count) {
+    Cases cases;
+    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    for (int i = 0; i < count; ++i)
+        cases.planned.push_back({std::to_string(i), c, {}, false, ""});
+    return cases;
+}
+
+} // namespace
+
+TEST_CASE("many small cases go side by side, one alone gets all ranks", "[teams]") {
+    const TeamLayout many = choose_teams(alike(400).pointers(), 4, 0);
+    CHECK(many.ranks_per_case == 1);
+    CHECK(many.teams == 4);
+    const TeamLayout one = choose_teams(alike(1).pointers(), 4, 0);
+    CHECK(one.ranks_per_case == 4);
+    CHECK(one.teams == 1);
+}
+
+TEST_CASE("a wanted team size is kept, and ranks left over join the last team", "[teams]") {
+    const TeamLayout layout = choose_teams(alike(10).pointers(), 5, 2);
+    CHECK(layout.ranks_per_case == 2);
+    CHECK(layout.teams == 2);
+    std::vector<int> sizes(2, 0);
+    for (int rank = 0; rank < 5; ++rank)
+        ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
+    CHECK(sizes == std::vector<int>{2, 3});
+    CHECK(choose_teams(alike(3).pointers(), 2, 64).ranks_per_case == 2); // no more than there are
+    CHECK(choose_teams({}, 3, 0).teams >= 1);                            // nothing to do
+}
+
+TEST_CASE("long cases come first and those of one medium together", "[teams]") {
+    Cases cases = alike(6);
+    cases.planned[1].physics.domain.nx = 512; // long
+    cases.planned[2].physics.medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[4].physics.medium.layers[0].c_s_m_s = 4.0;
+    const auto order = order_of_work(cases.pointers());
+    CHECK(order.front() == 1);
+    CHECK(std::set<std::size_t>(order.begin(), order.end()).size() == 6);
+    const auto place = [&](std::size_t index) {
+        return std::find(order.begin(), order.end(), index) - order.begin();
+    };
+    CHECK(std::abs(place(2) - place(4)) == 1); // the softer medium's two
+}
