@@ -166,10 +166,12 @@ TEST_CASE("a text that is no TOML is one finding in its place", "[job]") {
 }
 
 TEST_CASE("a name that could leave the output directory is refused", "[job]") {
-    const std::string name = GENERATE("", ".", "..", "../x", "a/b", "a b", ".hidden", "a\\\\b",
-                                      "\\u00e4", "a\\u0000", std::string(101, 'x'));
+    const std::string name =
+        GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b", ".hidden", "a\\\\b",
+                 "\\u00e4", "a\\u0000", std::string(101, 'x'));
     const Texts found = findings_of(plain_with("\"plain\"", "\"" + name + "\""));
     REQUIRE(found.size() == 1);
+    CAPTURE(found[0]);
     CHECK(found[0].starts_with("job.toml:3:8: error: job.name becomes the name of a folder"));
 }
 
