@@ -1,0 +1,207 @@
+"""A measure against the swept key: the period reading above, the instant below."""
+import math
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
+
+import layout
+import style
+from figure import Figure
+from words import SUPERSCRIPTS, axis_label, key_name, number, value_text
+
+
+def set_x_axis(axes, sweep):
+    """Ticks at the swept values while they fit, words where x has no numbers."""
+    values = layout.x_values(sweep)
+    axes.set_xlabel(axis_label(sweep.x))
+    if not layout.is_numeric(sweep):
+        axes.set_xticks(range(len(values)), [value_text(sweep.x, v) for v in values],
+                        rotation=0 if len(values) <= 6 else 30, ha="center" if len(values) <= 6 else "right")
+        axes.set_xlim(-0.5, len(values) - 0.5)
+        axes.grid(False, axis="x")
+        return
+    if layout.is_logarithmic(values):
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(ScalarFormatter())
+        places = np.log(values)
+    else:
+        places = np.array(values, dtype=float)
+    room = np.ptp(places) or 1.0
+    if len(values) <= 12 and (len(values) < 2 or np.min(np.diff(places)) > 0.055 * room):
+        axes.set_xticks(values, [number(float(v), 6) for v in values])
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def points(sweep, group, column, scale=1.0):
+    x = [layout.x_position(sweep, c) for c in group.cases]
+    return np.array(x), scale * np.array([c.value(column) for c in group.cases])
+
+
+def draw_reference(axes, sweep, group, column, colour, line, labels, name):
+    """One reference: a line across. One for each x: a line through them."""
+    found = layout.references(sweep, group)
+    if len(found) == 1:
+        value = found[0].value(column)
+        if math.isnan(value):
+            return
+        axes.axhline(value, color=colour, linestyle=line, linewidth=1.3, zorder=1.5)
+    else:
+        pairs = [(layout.x_position(sweep, c), sweep.reference_of(c).value(column))
+                 for c in group.cases if sweep.reference_of(c)]
+        if not pairs or all(math.isnan(v) for _, v in pairs):
+            return
+        axes.plot(*zip(*pairs), color=colour, linestyle=line, linewidth=1.3, zorder=1.5)
+        value = [v for _, v in pairs if not math.isnan(v)][-1]
+    words = f"{name}\n{number(value, 3)}" if len(found) == 1 else name
+    if (words, colour) not in [(w, c) for _, w, c in labels]:
+        labels.append((value, words, colour))
+
+
+def reference_lines(axes, sweep, curves, column, line):
+    """All references of one panel, with their labels for the right edge."""
+    names = layout.reference_name(layout.all_references(sweep))
+    shared = len(layout.all_references(sweep)) == 1
+    labels = []
+    for group, colour, _ in curves[:1] if shared else curves:
+        own = shared or len(curves) == 1
+        name = names if own else f"{names},\n{group.label}"
+        draw_reference(axes, sweep, group, column, style.INK if own else colour, line, labels, name)
+    return labels if len(labels) <= 6 else []
+
+
+def widen(axes, least=0.02):
+    """A flat curve is shown flat, not its rounding."""
+    if axes.get_yscale() == "log":
+        return
+    low, high = axes.get_ylim()
+    middle = 0.5 * (low + high)
+    if middle and high - low < least * abs(middle):
+        axes.set_ylim(middle * (1 - least / 2), middle * (1 + least / 2))
+
+
+def legend_above(figure, sweep, curves, top_in=0.08):
+    """One entry a curve, over the panels, never over data."""
+    if len(curves) < 2:
+        return
+    lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
+             for group, colour, marker in curves]
+    keys = ", ".join(key_name(k) for k in layout.group_keys(sweep))
+    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=min(len(lines), 4), loc="upper center",
+                  bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
+
+
+def curves_of(sweep):
+    found = layout.groups(sweep)
+    colours = style.distinct(len(found))
+    return [(g, colours[i], style.MARKERS[i % len(style.MARKERS)]) for i, g in enumerate(found)]
+
+
+def legend_rows(curves):
+    return 0 if len(curves) < 2 else 1 + math.ceil(len(curves) / 4)
+
+
+def panels(count, curves, height_in=2.35):
+    """Stacked axes with room for labels at the right and the legend above, all in inches."""
+    top, bottom, between = 0.3 + 0.22 * legend_rows(curves), 0.62, 0.42
+    total = top + bottom + count * height_in + (count - 1) * between
+    figure = plt.figure(figsize=(style.WIDTH_in, total))
+    made = []
+    for i in range(count):
+        y = bottom + (count - 1 - i) * (height_in + between)
+        made.append(figure.add_axes([0.85 / style.WIDTH_in, y / total, 5.65 / style.WIDTH_in,
+                                     height_in / total], sharex=made[0] if made else None))
+    for axes in made[:-1]:
+        axes.tick_params(labelbottom=False)
+    return figure, made
+
+
+def has_any(sweep, column):
+    return any(not math.isnan(c.value(column)) for c in layout.ordinary(sweep))
+
+
+def move_power_to_label(axes):
+    """'1.9 ... 2.7 (10⁻⁷ mm²)' instead of a power of ten floating over the axis."""
+    largest = max(abs(limit) for limit in axes.get_ylim())
+    if axes.get_yscale() == "log" or not 0 < largest < 1e-3:
+        return
+    exponent = math.floor(math.log10(largest))
+    power = f"10{str(exponent).translate(SUPERSCRIPTS)}"
+    axes.yaxis.set_major_formatter(lambda value, _: number(value / 10.0**exponent))
+    axes.set_ylabel(axes.get_ylabel().replace("(mm²)", f"({power} mm²)"))
+
+
+def spans_decades(sweep, column):
+    values = [c.value(column) for c in [*layout.ordinary(sweep), *layout.all_references(sweep)]]
+    values = [v for v in values if not math.isnan(v)]
+    return min(values) > 0 and max(values) > 10 * min(values)
+
+
+def instant_words(sweep):
+    """'at the instant, t = 14 ms', if it is the same for all."""
+    times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(sweep)}
+    return "at the instant" + (f", t = {number(times.pop())} ms" if len(times) == 1 else "")
+
+
+def measure_figure(sweep, folder, measure):
+    """Writes the figure of one measure; None when no case has it."""
+    period, instant = measure["period"], measure["instant"]
+    rows = [c for c in (period, instant) if has_any(sweep, c)]
+    if not sweep.x or not rows:
+        return None
+    curves = curves_of(sweep)
+    numeric = layout.is_numeric(sweep)
+    figure, made = panels(len(rows), curves)
+    for axes, column in zip(made, rows):
+        whole_periods = column == period
+        for group, colour, marker in curves:
+            x, y = points(sweep, group, column)
+            look = {"marker": marker, "color": colour, "markersize": 6,
+                    "linestyle": "-" if numeric else "none"}
+            if whole_periods:
+                axes.plot(x, y, **look, clip_on=False, zorder=3)
+                continue
+            axes.plot(x, y, **{**look, "linewidth": 0.7}, markerfacecolor="white", zorder=3)
+            if numeric and period in rows:
+                axes.plot(*points(sweep, group, period), color=colour, linewidth=3.0, alpha=0.25)
+        if measure.get("log") and spans_decades(sweep, column):
+            axes.set_yscale("log")
+        labels = reference_lines(axes, sweep, curves, column, "--" if whole_periods else ":")
+        axes.margins(y=0.12)
+        widen(axes)
+        axes.set_ylabel(measure["label"])
+        move_power_to_label(axes)
+        axes.yaxis.set_label_coords(-0.105, 0.5)
+        axes.set_title("period reading" if whole_periods else instant_words(sweep), loc="left",
+                       color="#555555")
+        style.label_right(axes, labels)
+    set_x_axis(made[-1], sweep)
+    legend_above(figure, sweep, curves)
+    style.save(figure, folder / (measure["name"] + ".png"))
+    return Figure(measure["name"], measure["title"].format(x=key_name(sweep.x)),
+                  measure["caption"] + reading_words(sweep, rows, period, instant, numeric),
+                  f"{measure['title'].format(x=key_name(sweep.x))}: period reading and instant, "
+                  "with the reference as dashed lines")
+
+
+def reading_words(sweep, rows, period, instant, numeric):
+    words = []
+    if period in rows:
+        words.append(" Filled markers: energy-weighted over whole modulation periods.")
+    if instant in rows:
+        upper = " the pale band repeats the period reading." if numeric and period in rows else ""
+        words.append(" Open markers, thin line: the single instant; it catches whichever phase the "
+                     "modulation happens to have then and is aliased by it, so its ups and downs "
+                     "are no trend" + (";" + upper if upper else "."))
+    if layout.all_references(sweep):
+        words.append(f" Dashed and dotted: {layout.reference_name(layout.all_references(sweep))}, "
+                     "the asymptote, by the same reading.")
+    missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
+    if missing:
+        words.append(f" {missing} of {len(layout.ordinary(sweep))} cases have no period reading: "
+                     "the reasons stand below the table.")
+    if period in rows:
+        words.append(" The vertical axes do not begin at zero.")
+    return "".join(words)

@@ -1,0 +1,204 @@
+"""A measure over time for every case: a small panel each, or all in one when they are many."""
+import math
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import layout
+import style
+from figure import Figure
+from words import axis_label, key_name, listed, number
+
+PANELS = 12  # up to so many cases have a panel each
+COLUMNS = 2
+
+
+def in_mm2(case, name):
+    spacing_mm = 1e3 * case.setting("domain", "spacing_m")
+    return case.series[name] * spacing_mm**2
+
+
+MEASURES = [
+    {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
+     "value": lambda case: case.series["eta"], "needs": "eta",
+     "caption": "η(t), the share of Σu² inside the focal disc."},
+    {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
+     "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
+     "needs": "ipr_abs", "caption": "The area over which the displacement is spread."},
+    {"name": "ipr_time", "title": "Literal inverse participation ratio over time",
+     "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
+     "log": True,
+     "caption": "The literal ipr(t): in nearly incompressible tissue it measures compressibility, "
+                "not spread; it dips whenever Σu changes its sign."},
+]
+
+
+def time_ms(case):
+    return 1e3 * case.series["time"]
+
+
+def settled(case):
+    after, at = case.setting("measure", "settled_after_s"), case.setting("measure", "at_s")
+    time = case.series["time"]
+    return (time >= after) & (time <= at * (1 + 1e-9))
+
+
+def limits(cases, measure):
+    """From the settled part alone: before the waves have gone anywhere the measures say nothing."""
+    values = np.concatenate([measure["value"](c)[settled(c)] for c in cases])
+    values = values[np.isfinite(values)]
+    if not measure.get("log"):
+        return (0.0, 1.08 * values.max()) if len(values) and values.max() > 0 else None
+    values = values[values > 0]
+    if not len(values):
+        return None
+    low, high = np.percentile(values, [1.0, 100.0])
+    return low / 2.0, high * 2.0
+
+
+def colours_by_x(sweep, cases):
+    """A colour for each case: by the rank of x while few, by its number beyond; words are distinct."""
+    if not sweep.x:
+        return {c.id: style.PALETTE[0] for c in cases}
+    values = layout.x_values(sweep)
+    if not layout.is_numeric(sweep):
+        table = dict(zip(values, style.distinct(len(values))))
+        return {c.id: table[c.settings[sweep.x]] for c in cases}
+    if len(values) <= style.DIRECT_LABELS:
+        fractions = {v: i / max(1, len(values) - 1) for i, v in enumerate(values)}
+        return {c.id: style.sequential(fractions[c.settings[sweep.x]]) for c in cases}
+    norm = x_norm(sweep)
+    return {c.id: style.sequential(float(norm(c.settings[sweep.x]))) for c in cases}
+
+
+def x_norm(sweep):
+    values = layout.x_values(sweep)
+    kind = plt.matplotlib.colors.LogNorm if layout.is_logarithmic(values) else plt.Normalize
+    return kind(values[0], values[-1])
+
+
+def mark_times(axes, case):
+    """Grey where the run is not settled, a line at the instant."""
+    after, at = (1e3 * case.setting("measure", k) for k in ("settled_after_s", "at_s"))
+    if after > 0:
+        axes.axvspan(0.0, after, color="#f1f1f1", zorder=0, linewidth=0)
+    axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
+
+
+def draw(axes, case, measure, **look):
+    values = np.array(measure["value"](case), dtype=float)
+    if measure.get("log"):
+        values[values <= 0] = math.nan
+    axes.plot(time_ms(case), values, **look)
+
+
+def frame(axes, cases, measure, y_limits):
+    axes.set_xlim(0.0, max(time_ms(c)[-1] for c in cases) * 1.005)
+    if measure.get("log") and y_limits:
+        axes.set_yscale("log")
+    if y_limits:
+        axes.set_ylim(*y_limits)
+
+
+def small_panels(sweep, measure, cases, colours):
+    """One panel a case on shared axes; its reference in grey."""
+    columns = min(COLUMNS, len(cases))
+    rows = math.ceil(len(cases) / columns)
+    height = 1.25 if rows > 1 else 2.4
+    figure, made = plt.subplots(rows, columns, sharex=True, sharey=True, squeeze=False,
+                                figsize=(style.WIDTH_in, 0.95 + rows * (height + 0.24)))
+    y_limits = limits(cases + [r for c in cases if (r := sweep.reference_of(c))], measure)
+    for axes, case in zip(made.flat, cases):
+        reference = sweep.reference_of(case)
+        if reference and reference is not case:
+            draw(axes, reference, measure, color="#b0b0b0", linewidth=1.2)
+        draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
+        mark_times(axes, case)
+        frame(axes, cases, measure, y_limits)
+        axes.set_title(layout.case_label(sweep, case), loc="left", color=colours[case.id], pad=3,
+                       fontweight="bold")
+    for axes in made.flat[len(cases):]:
+        axes.set_visible(False)
+    for column in range(columns):
+        last = made[(len(cases) - 1 - column) // columns, column]
+        last.tick_params(labelbottom=True)
+        last.set_xlabel("time (ms)")
+    figure.supylabel(measure["label"], fontsize=9.5, x=0.012)
+    add_key(figure, sweep, cases)
+    figure.tight_layout(rect=(0.012, 0.0, 1.0, 1.0 - 0.26 / figure.get_figheight()), h_pad=0.5)
+    return figure
+
+
+def add_key(figure, sweep, cases):
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not yet settled")]
+    at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="the instant")]
+    reference = layout.reference_name(layout.all_references(sweep))
+    grey = [plt.Line2D([], [], color="#b0b0b0", linewidth=1.6, label=reference)]
+    has_reference = any(sweep.reference_of(c) for c in cases)
+    figure.legend(handles=(grey if has_reference else []) + after + at, ncol=3, loc="upper center",
+                  bbox_to_anchor=(0.5, 1.0))
+
+
+def overlay(sweep, measure, cases, colours):
+    """A panel for each series, its cases as thin lines coloured by x."""
+    found = layout.groups(sweep)
+    figure, made = plt.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False,
+                                figsize=(style.WIDTH_in, 1.1 + 2.3 * len(found)),
+                                layout="constrained")
+    y_limits = limits(cases + layout.all_references(sweep), measure)
+    for axes, group in zip(made[:, 0], found):
+        for case in group.cases:
+            draw(axes, case, measure, color=colours[case.id], linewidth=0.7)
+        for reference in layout.references(sweep, group):
+            draw(axes, reference, measure, color="black", linewidth=1.8)
+        mark_times(axes, group.cases[0])
+        frame(axes, cases, measure, y_limits)
+        axes.set_title(group.label, loc="left", color="#555555")
+        axes.set_ylabel(measure["label"])
+    made[-1, 0].set_xlabel("time (ms)")
+    add_x_bar(figure, list(made[:, 0]), sweep, colours)
+    return figure
+
+
+def add_x_bar(figure, all_axes, sweep, colours):
+    """What the colours of many lines mean."""
+    if layout.is_numeric(sweep):
+        shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
+        bar = figure.colorbar(shown, ax=all_axes, label=axis_label(sweep.x), aspect=30, pad=0.02)
+        bar.outline.set_visible(False)
+    elif sweep.x:
+        found = {c.settings[sweep.x]: colours[c.id] for c in layout.ordinary(sweep)}
+        all_axes[0].legend([plt.Line2D([], [], color=c) for c in found.values()],
+                           [str(v) for v in found], loc="lower left", bbox_to_anchor=(0, 1.1),
+                           ncol=4)
+
+
+def time_figure(sweep, folder, measure):
+    cases = [c for group in layout.groups(sweep) for c in group.cases
+             if measure["needs"] in c.series and len(c.series["time"])]
+    if not cases:
+        return None
+    colours = colours_by_x(sweep, cases)
+    many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
+    figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
+    style.save(figure, folder / (measure["name"] + ".png"))
+    return Figure(measure["name"], measure["title"], measure["caption"] + words(sweep, cases, many),
+                  f"{measure['title']}, one line a case")
+
+
+def words(sweep, cases, many):
+    after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
+    at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
+    text = (f" Shaded: before the run counts as settled ({listed(map(number, after))} ms); dotted: "
+            f"the instant ({listed(map(number, at))} ms). The vertical axis is set by the settled "
+            "part; earlier values may leave it.")
+    if any(sweep.reference_of(c) for c in cases):
+        name = layout.reference_name(layout.all_references(sweep))
+        text += f" {'Black' if many else 'Grey'}: {name}."
+    if many and sweep.x:
+        text += f" The colour is the {key_name(sweep.x)}."
+    return text
+
+
+def figures(sweep, folder):
+    return [f for m in MEASURES if (f := time_figure(sweep, folder, m))]

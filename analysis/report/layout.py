@@ -1,0 +1,102 @@
+"""How the cases of a sweep are laid out: x, one group a curve, and the references."""
+from dataclasses import dataclass
+
+import numpy as np
+
+from words import value_text
+
+
+@dataclass
+class Group:
+    """One curve: the whole cases that share their series settings, in the order of x."""
+    label: str
+    cases: list
+
+
+def is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def ordinary(sweep):
+    return [c for c in sweep.cases if c.whole and not c.is_reference]
+
+
+def is_numeric(sweep):
+    values = [c.settings.get(sweep.x) for c in sweep.cases if not c.is_reference]
+    return bool(sweep.x) and bool(values) and all(is_number(v) for v in values)
+
+
+def group_keys(sweep):
+    """The keys that tell curves apart; other swept keys join when x alone leaves doubles."""
+    keys = [k for k in sweep.series_keys if k != sweep.x]
+    seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
+    if len(set(seen)) < len(seen):
+        keys += [k for k in sweep.swept_keys if k != sweep.x and k not in keys]
+    return keys
+
+
+def groups(sweep):
+    keys, found = group_keys(sweep), {}
+    for case in ordinary(sweep):
+        values = [case.settings.get(k, "") for k in keys]
+        label = ", ".join(value_text(k, v) for k, v in zip(keys, values))
+        found.setdefault(label, Group(label, [])).cases.append(case)
+    if is_numeric(sweep):
+        for group in found.values():
+            group.cases.sort(key=lambda c: c.settings[sweep.x])
+    return list(found.values())
+
+
+def x_values(sweep):
+    """Every value of x among the whole cases: sorted numbers, or words in the order of the plan."""
+    values = list(dict.fromkeys(c.settings[sweep.x] for c in ordinary(sweep) if sweep.x in c.settings))
+    return sorted(values) if is_numeric(sweep) else values
+
+
+def x_position(sweep, case):
+    """Where a case stands on the x axis: its number, or the place of its word."""
+    value = case.settings.get(sweep.x)
+    return float(value) if is_numeric(sweep) else float(x_values(sweep).index(value))
+
+
+def is_logarithmic(values):
+    """Numbers that are spread more evenly by ratio than by difference, over a decade or more."""
+    values = np.asarray(values, dtype=float)
+    if len(values) < 3 or values.min() <= 0 or values.max() < 10 * values.min():
+        return False
+    steps, ratios = np.diff(values), np.diff(np.log(values))
+    return np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps)
+
+
+def case_label(sweep, case):
+    """A case by its swept values: '200 Hz, 3 mm'."""
+    if case.is_reference or not sweep.swept_keys:
+        own = [value_text(k, v) for k, v in case.settings.items()]
+        name = reference_name([case]) if case.is_reference else "this case"
+        return ", ".join([name, *own])
+    keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
+    return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
+
+
+def references(sweep, group):
+    """The distinct whole references of a group, in the order of its cases."""
+    found = {}
+    for case in group.cases:
+        reference = sweep.reference_of(case)
+        if reference:
+            found[reference.id] = reference
+    return list(found.values())
+
+
+def all_references(sweep):
+    """Every whole case that others are compared with, once."""
+    found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}
+    return list(found.values())
+
+
+def reference_name(cases):
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in cases}
+    if len(kinds) != 1 or kinds == {""}:
+        return "reference"
+    kind = kinds.pop()
+    return f"plain {kind}" if kind == "STM" else f"reference {kind}"

@@ -1,0 +1,53 @@
+"""What theory draws into a snapshot: path, focal disc and the two fronts of the wake."""
+import math
+
+import numpy as np
+
+import style
+
+LINE = "#111111"
+
+
+def focus_at(case, t_s):
+    """Focus in mm and unit direction of motion (None at rest) at a time of the run."""
+    time = case.series["time"]
+    path = 1e3 * np.column_stack([case.series["focus_x"], case.series["focus_y"]])
+    now = int(np.argmin(np.abs(time - t_s)))
+    before = max(0, min(now, len(time) - 1) - 1)
+    step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]
+    length = float(np.hypot(*step))
+    return path[now], step / length if length > 1e-9 else None, path[: now + 1]
+
+
+def fronts(focus, direction, angle_deg, length):
+    """The two lines behind the focus at +- angle from the reversed direction of motion."""
+    for sign in (1.0, -1.0):
+        a = math.pi + sign * math.radians(angle_deg)
+        turned = np.array([math.cos(a) * direction[0] - math.sin(a) * direction[1],
+                           math.sin(a) * direction[0] + math.cos(a) * direction[1]])
+        yield np.array([focus, focus + length * turned])
+
+
+def front_length(case, focus, path, angle_deg):
+    """A front is as long as the path made it: its far end left where the motion began."""
+    return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
+
+
+def draw_theory(axes, case, t_s, width=1.0):
+    """Path travelled, focal disc and Mach lines; True when there were lines to draw."""
+    focus, direction, path = focus_at(case, t_s)
+    if len(path) > 1 and np.ptp(path, axis=0).max() > 0:
+        axes.plot(*path.T, color=LINE, linewidth=0.7 * width, linestyle=(0, (1, 2)))
+    radius = 1e3 * case.setting("measure", "focal_radius_m")
+    around = np.linspace(0.0, 2.0 * np.pi, 100)
+    axes.plot(focus[0] + radius * np.cos(around), focus[1] + radius * np.sin(around), color=LINE,
+              linewidth=1.1 * width, path_effects=style.halo(2.2 * width))
+    angle = case.value("mach_angle_theory_deg")
+    if direction is None or math.isnan(angle):
+        return False
+    length = front_length(case, focus, path, angle)
+    for line in fronts(focus, direction, angle, length):
+        start = line[0] + (line[1] - line[0]) * min(1.0, radius / max(length, 1e-9))
+        axes.plot(*np.array([start, line[1]]).T, color=LINE, linewidth=1.1 * width,
+                  linestyle=(0, (6, 4)), path_effects=style.halo(2.0 * width))
+    return True

@@ -1,0 +1,84 @@
+"""Keys, units and numbers in words, as a reader of a figure wants them."""
+import math
+import re
+
+# Suffix of a key -> unit on an axis; the suffixes of the job file.
+UNITS = {
+    "_kg_m3": "kg/m³", "_g_cm3": "g/cm³", "_m_s": "m/s", "_mm_s": "mm/s", "_cm_s": "cm/s",
+    "_km_s": "km/s", "_Pa_s": "Pa s", "_mPa_s": "mPa s", "_kHz": "kHz", "_Hz": "Hz", "_MHz": "MHz",
+    "_kPa": "kPa", "_MPa": "MPa", "_Pa": "Pa", "_mm": "mm", "_um": "µm", "_nm": "nm", "_cm": "cm",
+    "_m": "m", "_ms": "ms", "_us": "µs", "_ns": "ns", "_s": "s", "_deg": "°", "_rad": "rad",
+    "_mN": "mN", "_N": "N",
+}
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+NAMES = {
+    "am_frequency": "AM frequency", "sm_frequency": "SM frequency", "am_depth": "AM depth",
+    "am_phase": "AM phase", "am_on": "AM acts on", "sm_phase": "SM phase",
+    "draw_frequency": "draw frequency", "speed": "focus speed", "mach": "Mach number v/c_s",
+    "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
+    "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
+    "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
+    "focal_radius": "focal radius", "focal_radius_fwhm": "focal radius in FWHM",
+}
+
+
+def split_unit(key):
+    """The last word of a dotted key without its unit, and the unit ('' if it has none)."""
+    word = key.split(".")[-1]
+    found = [s for s in UNITS if word.endswith(s) and len(word) > len(s)]
+    if not found:
+        return word, ""
+    suffix = max(found, key=len)
+    return word[: -len(suffix)], UNITS[suffix]
+
+
+def key_name(key):
+    """'medium.layer.0.c_s_m_s' -> 'shear-wave speed'; layers and bodies keep their number."""
+    word, _ = split_unit(key)
+    name = NAMES.get(word, word.replace("_", " "))
+    place = re.search(r"\b(layer|body)\W*(\d+)", key)
+    return f"{name}, {place.group(1)} {place.group(2)}" if place else name
+
+
+def axis_label(key):
+    name, unit = key_name(key), split_unit(key)[1]
+    name = name[:1].upper() + name[1:]
+    return f"{name} ({unit})" if unit else name
+
+
+def number(value, digits=4):
+    """Digits that matter, a true minus sign, a power of ten only where it helps; '' for NaN."""
+    if value is None or not math.isfinite(value):
+        return ""
+    if value == 0 or 1e-4 <= abs(value) < 1e6:
+        rounded = float(f"{value:.{digits}g}")
+        decimals = 0
+        if rounded:
+            decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
+        shown = f"{rounded:.{decimals}f}"
+        if decimals:
+            shown = shown.rstrip("0").rstrip(".")
+    else:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        shown = f"{mantissa}×10{str(int(exponent)).translate(SUPERSCRIPTS)}"
+    return shown.replace("-", "\N{MINUS SIGN}")
+
+
+def value_text(key, value):
+    """'200 Hz', '3 mm', 'AM-STM'."""
+    if isinstance(value, str):
+        return value
+    unit = split_unit(key)[1]
+    gap = "" if unit in ("", "°") else "\u00a0"
+    return f"{number(float(value), 6)}{gap}{unit}"
+
+
+def counted(count, noun):
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def listed(words):
+    words = list(words)
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
