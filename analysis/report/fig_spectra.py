@@ -24,14 +24,20 @@ def own_frequency_Hz(sweep, case):
     return factor * value
 
 
+def spectrum(case):
+    """Without the mean: one-sided, it counts half and would look like a step."""
+    frequency, amplitude = case.spectrum
+    return frequency[frequency > 0], amplitude[frequency > 0]
+
+
 def unit_of(cases):
     """nm for a spectrum that fits it, um above."""
-    largest = max(np.nanmax(c.spectrum[1]) for c in cases)
+    largest = max(np.nanmax(spectrum(c)[1], initial=0.0) for c in cases)
     return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
 
 
 def draw_case(axes, sweep, case, factor, colour, **look):
-    frequency, amplitude = case.spectrum
+    frequency, amplitude = spectrum(case)
     axes.plot(frequency, factor * amplitude, color=colour, **look)
     own = own_frequency_Hz(sweep, case)
     if own <= SHOWN_Hz:
@@ -42,8 +48,9 @@ def draw_case(axes, sweep, case, factor, colour, **look):
 def draw_group(axes, sweep, group, colours, factor, few):
     for reference in layout.references(sweep, group):
         if reference.spectrum:
-            axes.plot(reference.spectrum[0], factor * reference.spectrum[1], color="black",
-                      linewidth=1.8, label=layout.reference_name([reference]) if few else None)
+            frequency, amplitude = spectrum(reference)
+            axes.plot(frequency, factor * amplitude, color="black", linewidth=1.8,
+                      label=layout.reference_name([reference]) if few else None)
     for case in group.cases:
         if case.spectrum:
             word = value_text(sweep.x, case.settings[sweep.x]) if sweep.x else "this case"
@@ -71,13 +78,22 @@ def figures(sweep, folder):
         axes.set_title(group.label, loc="left", color="#555555")
     made[-1, 0].set_xlabel("frequency (Hz)")
     if few:
-        handles, labels = made[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside right upper", handlelength=1.4)
+        made[0, 0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), handlelength=1.4)
     else:
         fig_time.add_x_bar(figure, list(made[:, 0]), sweep, colours)
     style.save(figure, folder / "spectra.png")
     return [Figure("spectra", "Spectra at the centre", caption(sweep, cases), "Amplitude spectra of "
                    "the displacement at the centre, one line a case")]
+
+
+def passing_ms(case):
+    """When the moving focus comes nearest to the trace, if it covers it once; else None."""
+    radius = case.setting("measure", "focal_radius_m")
+    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
+                        case.series["focus_y"] - case.trace_at_m[1])
+    covered = distance <= radius
+    entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
+    return None if entries != 1 or covered.all() else 1e3 * case.series["time"][distance.argmin()]
 
 
 def caption(sweep, cases):
@@ -89,6 +105,10 @@ def caption(sweep, cases):
         run = duration.pop()
         text += (f" A run of {number(1e3 * run)} ms separates nothing closer than "
                  f"{number(1 / run, 2)} Hz.")
+    passing = {number(t, 3) if (t := passing_ms(c)) is not None else None for c in cases}
+    if len(passing) == 1 and None not in passing:
+        text += (f" The focus passes this point once, at {passing.pop()} ms: the curves show that "
+                 "passage, and their heights the phase that the modulation has just then.")
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
         text += f" Ticks on the axis: each case's own {key_name(sweep.x)}."
     if layout.all_references(sweep):

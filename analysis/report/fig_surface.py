@@ -13,6 +13,7 @@ from figure import Figure
 from words import listed, number
 
 ROWS_OF_SERIES = 3  # at most so many series have a figure
+AWAY = 4.0  # focal radii from the focus on: the wake
 
 
 @dataclass
@@ -45,7 +46,7 @@ def scale(shots):
     outside = []
     for s in shots:
         focus, _, _ = wake.focus_at(s.case, s.t_s)
-        radius = 2.5e3 * s.case.setting("measure", "focal_radius_m")
+        radius = AWAY * 1e3 * s.case.setting("measure", "focal_radius_m")
         far = np.hypot(s.x_mm[:, None] - focus[0], s.y_mm[None, :] - focus[1]) > radius
         outside.append(np.nanmax(np.abs(s.u_um[far])) if far.any() else 0.0)
     end, peak = max(outside), max(np.nanmax(np.abs(s.u_um)) for s in shots)
@@ -153,7 +154,8 @@ def caption(shots, any_lines, clipped):
     text = ("Displacement of the surface seen from above, one colour scale for all; circle: the "
             "focal disc; dotted: the path travelled.")
     if clipped:
-        text += (" The scale ends at the largest displacement away from the focus, so that the wake "
+        text += (f" The scale ends at the largest displacement beyond {number(AWAY)} "
+                 "focal radii from the focus, so that the wake "
                  "can be seen; what exceeds it is clipped.")
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}

@@ -41,7 +41,7 @@ def draw_theory(axes, case, t_s, width=1.0):
     radius = 1e3 * case.setting("measure", "focal_radius_m")
     around = np.linspace(0.0, 2.0 * np.pi, 100)
     axes.plot(focus[0] + radius * np.cos(around), focus[1] + radius * np.sin(around), color=LINE,
-              linewidth=1.1 * width, path_effects=style.halo(2.2 * width))
+              linewidth=1.0 * width, path_effects=style.halo(1.8 * width))
     angle = case.value("mach_angle_theory_deg")
     if direction is None or math.isnan(angle):
         return False

@@ -1,0 +1,79 @@
+"""The compact table of the page: the columns of `shearwake reduce`'s Markdown table."""
+import html
+import math
+
+from words import number
+
+MEASURES = [
+    "eta_at_1", "eta_period_1", "eta_period_over_reference_1", "ipr_at_1", "ipr_period_1",
+    "ipr_abs_period_mm2", "participation_period_mm2", "peak_um", "focal_rms_um",
+    "focal_rms_over_reference_1", "impulse_mN_ms", "peak_frequency_Hz", "rms_40_400_um",
+    "mach_angle_deg",
+]
+RATIOS = {"eta_period_over_reference_1": "eta_period_1",
+          "focal_rms_over_reference_1": "focal_rms_um"}
+
+
+def value(sweep, case, column):
+    """A measure, or its ratio to the reference."""
+    if column not in RATIOS:
+        return case.value(column)
+    reference = sweep.by_id(case.reference_id) if case.reference_id else None
+    below = reference.value(RATIOS[column]) if reference else math.nan
+    return case.value(RATIOS[column]) / below if below else math.nan
+
+
+def note(case):
+    """Why cells are empty, columns of one reason together; or why the whole row is."""
+    if not case.whole:
+        return case.reason
+    by_reason = {}
+    for column, reason in case.notes.items():
+        if math.isnan(case.value(column)):
+            by_reason.setdefault(reason, []).append(column)
+    return "; ".join(f"{', '.join(columns)}: {reason}" for reason, columns in by_reason.items())
+
+
+def numeric_cell(amount):
+    if amount is None or math.isnan(amount):
+        return '<td class="n empty">–</td>'
+    return f'<td class="n" title="{amount:.9g}">{number(amount)}</td>'
+
+
+def setting_cell(case, key):
+    setting = case.settings.get(key)
+    if isinstance(setting, str):
+        return f"<td>{html.escape(setting)}</td>"
+    return numeric_cell(math.nan if setting is None else float(setting))
+
+
+def head(columns):
+    cells = "".join(f'<th scope="col">{html.escape(c).replace("_", "_<wbr>")}</th>' for c in columns)
+    return f"<thead><tr>{cells}</tr></thead>"
+
+
+def table(sweep):
+    """The table and, below it, the notes that its last column numbers."""
+    keys = sweep.swept_keys
+    measures = [m for m in MEASURES
+                if any(RATIOS.get(m, m) in c.scalars for c in sweep.cases)]
+    notes, rows = {}, []
+    for case in sweep.cases:
+        words = note(case)
+        mark = ""
+        if words:
+            n = notes.setdefault(words, len(notes) + 1)
+            mark = f'<a href="#note-{n}">{n}</a>'
+        cells = [f'<td><code>{html.escape(case.id)}</code></td>',
+                 f'<td>{"yes" if case.is_reference else ""}</td>']
+        cells += [setting_cell(case, k) for k in keys]
+        cells += [numeric_cell(value(sweep, case, m)) for m in measures]
+        wall = case.attributes.get("wall_s", math.nan) if case.whole else math.nan
+        cells += [numeric_cell(wall),
+                  f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
+        kind = ' class="reference"' if case.is_reference else ""
+        rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
+    columns = ["id", "reference", *keys, *measures, "wall_s", "status", "note"]
+    body = f'<div class="scroll" tabindex="0"><table>{head(columns)}<tbody>{"".join(rows)}</tbody></table></div>'
+    listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
+    return body + (f'<ol class="notes">{listed}</ol>' if notes else "")
