@@ -20,7 +20,6 @@ def set_x_axis(axes, sweep):
         axes.set_xticks(range(len(values)), [value_text(sweep.x, v) for v in values],
                         rotation=0 if len(values) <= 6 else 30, ha="center" if len(values) <= 6 else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
-        axes.grid(False, axis="x")
         return
     if layout.is_logarithmic(values):
         axes.set_xscale("log")
@@ -178,6 +177,8 @@ def measure_figure(sweep, folder, measure):
                        color="#555555")
         style.label_right(axes, labels)
     set_x_axis(made[-1], sweep)
+    for axes in made if not numeric else []:
+        axes.grid(False, axis="x")
     legend_above(figure, sweep, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
     return Figure(measure["name"], measure["title"].format(x=key_name(sweep.x)),
@@ -187,6 +188,9 @@ def measure_figure(sweep, folder, measure):
 
 
 def reading_words(sweep, rows, period, instant, numeric):
+    """What the marks mean: told at length with eta, which comes first."""
+    if period != "eta_period_1":
+        return " Marks and readings as in the first figure."
     words = []
     if period in rows:
         words.append(" Filled markers: energy-weighted over whole modulation periods.")

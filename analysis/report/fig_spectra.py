@@ -8,7 +8,7 @@ import fig_time
 import layout
 import style
 from figure import Figure
-from words import key_name, listed, number, split_unit, value_text
+from words import key_name, listed, number, split_unit
 
 SHOWN_Hz = 1000.0
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
@@ -45,45 +45,40 @@ def draw_case(axes, sweep, case, factor, colour, **look):
                   transform=axes.get_xaxis_transform())
 
 
-def draw_group(axes, sweep, group, colours, factor, few):
-    for reference in layout.references(sweep, group):
-        if reference.spectrum:
-            frequency, amplitude = spectrum(reference)
-            axes.plot(frequency, factor * amplitude, color="black", linewidth=1.8,
-                      label=layout.reference_name([reference]) if few else None)
-    for case in group.cases:
-        if case.spectrum:
-            word = value_text(sweep.x, case.settings[sweep.x]) if sweep.x else "this case"
-            draw_case(axes, sweep, case, factor, colours[case.id], linewidth=1.3 if few else 0.7,
-                      label=word if few else None)
-    axes.set_xlim(0.0, SHOWN_Hz)
-
-
 def figures(sweep, folder):
-    found = [g for g in layout.groups(sweep) if any(c.spectrum for c in g.cases)]
-    cases = [c for g in found for c in g.cases if c.spectrum]
-    if not cases:
+    cases = [c for c in layout.ordinary(sweep) if c.spectrum]
+    rows = [(title, [c for c in drawn if c.spectrum], reference)
+            for title, drawn, reference in layout.rows(sweep)]
+    rows = [row for row in rows if row[1]]
+    if not cases or not rows:
         return []
     colours = fig_time.colours_by_x(sweep, cases)
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
     unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
-    height = 3.4 if len(found) == 1 else 2.3
-    figure, made = plt.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False,
-                                figsize=(style.WIDTH_in, 0.75 + height * len(found)),
-                                layout="constrained")
-    for axes, group in zip(made[:, 0], found):
-        draw_group(axes, sweep, group, colours, factor, few)
-        axes.set_ylabel(f"amplitude of $u_z$ ({unit})")
+    height = 3.4 if len(rows) == 1 else 2.3
+    figure, made = plt.subplots(len(rows), 1, sharex=True, squeeze=False, layout="constrained",
+                                figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
+    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        if reference and reference.spectrum:
+            frequency, amplitude = spectrum(reference)
+            axes.plot(frequency, factor * amplitude, color="black", linewidth=1.8)
+        for case in drawn:
+            draw_case(axes, sweep, case, factor, colours[case.id], linewidth=1.3 if few else 0.9)
+        axes.set_xlim(0.0, min(SHOWN_Hz, drawn[0].spectrum[0][-1]))
         axes.set_ylim(bottom=0.0)
-        axes.set_title(group.label, loc="left", color="#555555")
+        axes.set_ylabel(f"amplitude of $u_z$ ({unit})")
+        axes.set_title(title, loc="left", color="#555555")
     made[-1, 0].set_xlabel("frequency (Hz)")
-    if few:
-        made[0, 0].legend(loc="upper left", bbox_to_anchor=(1.01, 1.03), handlelength=1.4)
-    else:
-        fig_time.add_x_bar(figure, list(made[:, 0]), sweep, colours)
+    if sweep.x:
+        fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
     style.save(figure, folder / "spectra.png")
-    return [Figure("spectra", "Spectra at the centre", caption(sweep, cases), "Amplitude spectra of "
-                   "the displacement at the centre, one line a case")]
+    return [Figure("spectra", spectra_title(cases), caption(sweep, cases), "Amplitude spectra of "
+                   "the displacement at one point, one line a case")]
+
+
+def spectra_title(cases):
+    at_centre = all(math.hypot(*c.trace_at_m) < 1e-9 for c in cases)
+    return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
 
 
 def passing_ms(case):
@@ -111,6 +106,6 @@ def caption(sweep, cases):
                  "passage, and their heights the phase that the modulation has just then.")
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
         text += f" Ticks on the axis: each case's own {key_name(sweep.x)}."
-    if layout.all_references(sweep):
+    if any(reference for _, _, reference in layout.rows(sweep)):
         text += f" Black: {layout.reference_name(layout.all_references(sweep))}."
     return text

@@ -59,7 +59,7 @@ def window(shots, end):
     """The rectangle, common to all, in which anything is seen, and the path with it."""
     low, high = np.full(2, math.inf), np.full(2, -math.inf)
     for s in shots:
-        seen = np.abs(s.u_um) > 0.04 * end
+        seen = np.abs(s.u_um) > 0.06 * end
         for axis, places in enumerate((s.x_mm, s.y_mm)):
             where = places[seen.any(axis=1 - axis)]
             if len(where):

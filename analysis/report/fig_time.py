@@ -7,7 +7,7 @@ import numpy as np
 import layout
 import style
 from figure import Figure
-from words import axis_label, key_name, listed, number
+from words import axis_label, key_name, listed, number, value_text
 
 PANELS = 12  # up to so many cases have a panel each
 COLUMNS = 2
@@ -24,7 +24,8 @@ MEASURES = [
      "caption": "η(t), the share of Σu² inside the focal disc."},
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
-     "needs": "ipr_abs", "caption": "The area over which the displacement is spread."},
+     "needs": "ipr_abs", "caption": "The area over which the displacement is spread: it grows as long as waves run out "
+                "from the path."},
     {"name": "ipr_time", "title": "Literal inverse participation ratio over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
@@ -57,18 +58,21 @@ def limits(cases, measure):
 
 
 def colours_by_x(sweep, cases):
-    """A colour for each case: by the rank of x while few, by its number beyond; words are distinct."""
+    """A colour for each case: by the rank of x while few, by its number beyond; words are distinct.
+    A reference that has an x of its own has its colour, any other is black."""
     if not sweep.x:
         return {c.id: style.PALETTE[0] for c in cases}
+    colours = dict.fromkeys((c.id for c in layout.all_references(sweep)), "black")
+    cases = [c for c in [*layout.all_references(sweep), *cases] if sweep.x in c.settings]
     values = layout.x_values(sweep)
     if not layout.is_numeric(sweep):
         table = dict(zip(values, style.distinct(len(values))))
-        return {c.id: table[c.settings[sweep.x]] for c in cases}
+        return colours | {c.id: table[c.settings[sweep.x]] for c in cases}
     if len(values) <= style.DIRECT_LABELS:
         fractions = {v: i / max(1, len(values) - 1) for i, v in enumerate(values)}
-        return {c.id: style.sequential(fractions[c.settings[sweep.x]]) for c in cases}
+        return colours | {c.id: style.sequential(fractions[c.settings[sweep.x]]) for c in cases}
     norm = x_norm(sweep)
-    return {c.id: style.sequential(float(norm(c.settings[sweep.x]))) for c in cases}
+    return colours | {c.id: style.sequential(float(norm(c.settings[sweep.x]))) for c in cases}
 
 
 def x_norm(sweep):
@@ -141,36 +145,45 @@ def add_key(figure, sweep, cases):
 
 def overlay(sweep, measure, cases, colours):
     """A panel for each series, its cases as thin lines coloured by x."""
-    found = layout.groups(sweep)
-    figure, made = plt.subplots(len(found), 1, sharex=True, sharey=True, squeeze=False,
-                                figsize=(style.WIDTH_in, 1.1 + 2.3 * len(found)),
+    rows = layout.rows(sweep)
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
+                                figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
                                 layout="constrained")
     y_limits = limits(cases + layout.all_references(sweep), measure)
-    for axes, group in zip(made[:, 0], found):
-        for case in group.cases:
-            draw(axes, case, measure, color=colours[case.id], linewidth=0.7)
-        for reference in layout.references(sweep, group):
+    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        for case in drawn:
+            draw(axes, case, measure, color=colours[case.id], linewidth=0.9)
+        if reference:
             draw(axes, reference, measure, color="black", linewidth=1.8)
-        mark_times(axes, group.cases[0])
+        mark_times(axes, drawn[0])
         frame(axes, cases, measure, y_limits)
-        axes.set_title(group.label, loc="left", color="#555555")
+        axes.set_title(title, loc="left", color="#555555")
         axes.set_ylabel(measure["label"])
     made[-1, 0].set_xlabel("time (ms)")
-    add_x_bar(figure, list(made[:, 0]), sweep, colours)
+    add_x_key(figure, list(made[:, 0]), sweep, colours)
     return figure
 
 
-def add_x_bar(figure, all_axes, sweep, colours):
-    """What the colours of many lines mean."""
-    if layout.is_numeric(sweep):
+def add_x_key(figure, all_axes, sweep, colours):
+    """What the colours of many lines mean: a legend of few values, a bar of many."""
+    values = layout.x_values(sweep)
+    if layout.is_numeric(sweep) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
         bar = figure.colorbar(shown, ax=all_axes, label=axis_label(sweep.x), aspect=30, pad=0.02)
         bar.outline.set_visible(False)
-    elif sweep.x:
-        found = {c.settings[sweep.x]: colours[c.id] for c in layout.ordinary(sweep)}
-        all_axes[0].legend([plt.Line2D([], [], color=c) for c in found.values()],
-                           [str(v) for v in found], loc="lower left", bbox_to_anchor=(0, 1.1),
-                           ncol=4)
+        bar.ax.grid(False)
+        if layout.is_logarithmic(values):
+            bar.set_ticks(values[:: max(1, len(values) // 8)])
+            bar.minorticks_off()
+            bar.ax.yaxis.set_major_formatter(lambda value, _: number(value))
+        return
+    found = {c.settings[sweep.x]: colours[c.id] for c in layout.ordinary(sweep)}
+    handles = [plt.Line2D([], [], color=found[v], label=value_text(sweep.x, v)) for v in values]
+    if any(reference for _, _, reference in layout.rows(sweep)):
+        name = layout.reference_name(layout.all_references(sweep))
+        handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.8, label=name))
+    all_axes[0].legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.03),
+                       handlelength=1.4)
 
 
 def time_figure(sweep, folder, measure):
@@ -182,7 +195,7 @@ def time_figure(sweep, folder, measure):
     many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
-    return Figure(measure["name"], measure["title"], measure["caption"] + words(sweep, cases, many),
+    return Figure(measure["name"], measure["title"], measure["caption"] + (words(sweep, cases, many) if measure is MEASURES[0] else ""),
                   f"{measure['title']}, one line a case")
 
 
@@ -194,7 +207,10 @@ def words(sweep, cases, many):
             "part; earlier values may leave it.")
     if any(sweep.reference_of(c) for c in cases):
         name = layout.reference_name(layout.all_references(sweep))
-        text += f" {'Black' if many else 'Grey'}: {name}."
+        if not many:
+            text += f" Grey: {name}."
+        elif any(reference for _, _, reference in layout.rows(sweep)):
+            text += f" Black: {name}."
     if many and sweep.x:
         text += f" The colour is the {key_name(sweep.x)}."
     return text

@@ -100,3 +100,16 @@ def reference_name(cases):
         return "reference"
     kind = kinds.pop()
     return f"plain {kind}" if kind == "STM" else f"reference {kind}"
+
+
+def rows(sweep):
+    """Panels of overlaid lines: each group's cases with its one reference, or its several
+    references in a panel of their own. (title, cases, the one reference or None)"""
+    made = []
+    for group in groups(sweep):
+        found = references(sweep, group)
+        made.append((group.label, group.cases, found[0] if len(found) == 1 else None))
+        if len(found) > 1:
+            name = reference_name(found)
+            made.append((f"{name}, {group.label}" if group.label else name, found, None))
+    return made

@@ -41,7 +41,9 @@ summary { cursor: pointer; font-weight: 600; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .2rem 1rem; font-size: .9rem; }
 dt { color: #555; } dd { margin: 0; overflow-wrap: anywhere; }
 a { color: #0072B2; }
-@media (max-width: 700px) { figure img { min-width: 36rem; } body { padding-top: 1rem; } }
+.hint { display: none; }
+@media (max-width: 700px) { figure img { min-width: 32rem; } body { padding-top: 1rem; }
+  .hint { display: block; color: #555; font-size: .9rem; } }
 """
 
 FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
@@ -122,7 +124,8 @@ def page(sweep, figures, folder, problems):
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         f"<title>{escape(sweep.title)}</title><style>{CSS}</style></head><body>",
         f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>',
-        f'<p class="counts">{escape(counts(sweep))}</p></header><main>', lone,
+        f'<p class="counts">{escape(counts(sweep))}</p>'
+        '<p class="hint">Figures and the table scroll sideways.</p></header><main>', lone,
         *[picture(f, folder) for f in figures],
         "<h2>All cases</h2>", table.table(sweep), trouble(sweep, problems), "</main><footer>",
         job(sweep), provenance(sweep), "</footer></body></html>\n"])

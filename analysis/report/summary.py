@@ -14,27 +14,33 @@ def where(sweep, case):
     return ", ".join(f"{key_name(k)} {value_text(k, case.settings[k])}" for k in keys)
 
 
-def of_reference(sweep, case):
-    """'6.5 % above plain STM (0.179)'."""
+def gain(sweep, case):
+    """eta over that of the case's reference; NaN for the reference itself."""
     reference = sweep.reference_of(case)
-    if not reference or reference is case or math.isnan(reference.value("eta_period_1")):
-        return ""
-    name = layout.reference_name([reference])
-    change = case.value("eta_period_1") / reference.value("eta_period_1") - 1.0
-    shown = f"{number(100 * abs(change), 2)} % {'above' if change > 0 else 'below'}"
-    return f", {shown} {name} ({number(reference.value('eta_period_1'), 3)})"
+    below = reference.value("eta_period_1") if reference and reference is not case else math.nan
+    return case.value("eta_period_1") / below if below else math.nan
 
 
 def efficiency(sweep):
     cases = known(sweep, "eta_period_1")
     if not cases:
         return "No case has a period reading of η."
-    if len(cases) == 1 or not sweep.x:
-        return (f"η over whole periods is {number(cases[0].value('eta_period_1'), 3)}"
-                f"{of_reference(sweep, cases[0])}.")
-    best = max(cases, key=lambda c: c.value("eta_period_1"))
-    return (f"η over whole periods is highest, {number(best.value('eta_period_1'), 3)}, at "
-            f"{where(sweep, best)}{of_reference(sweep, best)}.")
+    compared = [c for c in cases if not math.isnan(gain(sweep, c))]
+    if not compared:
+        best = max(cases, key=lambda c: c.value("eta_period_1"))
+        value = number(best.value("eta_period_1"), 3)
+        if not sweep.x:
+            return f"η over whole periods is {value}."
+        return f"η over whole periods is highest, {value}, at {where(sweep, best)}."
+    best = max(compared, key=lambda c: gain(sweep, c))
+    reference = sweep.reference_of(best)
+    name = layout.reference_name(layout.all_references(sweep))
+    change = gain(sweep, best) - 1.0
+    at = f"is highest at {where(sweep, best)}" if sweep.x else "stands"
+    values = (f"{number(best.value('eta_period_1'), 3)} against "
+              f"{number(reference.value('eta_period_1'), 3)}")
+    return (f"Relative to {name}, η over whole periods {at}: {values}, "
+            f"{number(100 * abs(change), 2)} % {'more' if change >= 0 else 'less'}.")
 
 
 def strength(sweep):
@@ -55,7 +61,7 @@ def strength(sweep):
     low, high = ratio[lowest.id], ratio[highest.id]
     if len(ratio) == 1 or high - low < 0.005 * high:
         return f" The focal rms is {number(high, 2)} times that of {name}."
-    return (f" The focal rms lies between {number(low, 2)} ({where(sweep, lowest)}) and "
+    return (f" The focal rms is {number(low, 2)} ({where(sweep, lowest)}) to "
             f"{number(high, 2)} ({where(sweep, highest)}) times that of {name}.")
 
 
