@@ -10,7 +10,7 @@ import load
 import style
 import wake
 from figure import Figure
-from words import listed, number
+from words import counted, listed, number
 
 ROWS_OF_SERIES = 3  # at most so many series have a figure
 AWAY = 4.0  # focal radii from the focus on: the wake
@@ -162,9 +162,13 @@ def caption(shots, any_lines, clipped):
         text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that "
                  f"instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the path has "
                  "made them.")
-    else:
-        reasons = {s.case.notes.get("mach_angle_theory_deg", "") for s in shots} - {""}
-        text += " No Mach lines: " + "; ".join(sorted(reasons)) + "." if reasons else ""
+    without = {}
+    for s in shots:
+        if reason := s.case.notes.get("mach_angle_theory_deg"):
+            without.setdefault(reason, []).append(s.case)
+    for reason, cases in without.items():
+        which = f" in {counted(len(cases), 'panel')}" if any_lines else ""
+        text += f" No Mach lines{which}: {reason}."
     return text
 
 

@@ -11,6 +11,7 @@ class Group:
     """One curve: the whole cases that share their series settings, in the order of x."""
     label: str
     cases: list
+    values: tuple = ()  # of the keys that tell curves apart
 
 
 def is_number(value):
@@ -40,11 +41,14 @@ def groups(sweep):
     for case in ordinary(sweep):
         values = [case.settings.get(k, "") for k in keys]
         label = ", ".join(value_text(k, v) for k, v in zip(keys, values))
-        found.setdefault(label, Group(label, [])).cases.append(case)
+        found.setdefault(label, Group(label, [], tuple(values))).cases.append(case)
     if is_numeric(sweep):
         for group in found.values():
             group.cases.sort(key=lambda c: c.settings[sweep.x])
-    return list(found.values())
+    made = list(found.values())
+    if all(is_number(v) for group in made for v in group.values):
+        made.sort(key=lambda group: group.values)
+    return made
 
 
 def x_values(sweep):
