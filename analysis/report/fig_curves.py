@@ -17,8 +17,9 @@ def set_x_axis(axes, sweep):
     values = layout.x_values(sweep)
     axes.set_xlabel(axis_label(sweep.x))
     if not layout.is_numeric(sweep):
+        few = len(values) <= 6
         axes.set_xticks(range(len(values)), [value_text(sweep.x, v) for v in values],
-                        rotation=0 if len(values) <= 6 else 30, ha="center" if len(values) <= 6 else "right")
+                        rotation=0 if few else 30, ha="center" if few else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
         return
     if layout.is_logarithmic(values):
@@ -88,8 +89,8 @@ def legend_above(figure, sweep, curves, top_in=0.08):
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
              for group, colour, marker in curves]
     keys = ", ".join(key_name(k) for k in layout.group_keys(sweep))
-    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=min(len(lines), 4), loc="upper center",
-                  bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
+    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=min(len(lines), 4),
+                  loc="upper center", bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
 
 def curves_of(sweep):

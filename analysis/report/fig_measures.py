@@ -69,7 +69,7 @@ def focal_rms(reference):
 
 
 def impulse_words(sweep, name):
-    """A modulation that halves the mean force halves the displacement too: say what was delivered."""
+    """A modulation that halves the mean force halves the displacement: say what was delivered."""
     shares = [c.value("impulse_mN_ms") / sweep.reference_of(c).value("impulse_mN_ms")
               for c in layout.ordinary(sweep)
               if sweep.reference_of(c) and sweep.reference_of(c).value("impulse_mN_ms")]

@@ -154,9 +154,8 @@ def caption(shots, any_lines, clipped):
     text = ("Displacement of the surface seen from above, one colour scale for all; circle: the "
             "focal disc; dotted: the path travelled.")
     if clipped:
-        text += (f" The scale ends at the largest displacement beyond {number(AWAY)} "
-                 "focal radii from the focus, so that the wake "
-                 "can be seen; what exceeds it is clipped.")
+        text += (f" The scale ends at the largest displacement beyond {number(AWAY)} focal radii "
+                 "from the focus, so that the wake can be seen; what exceeds it is clipped.")
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
         text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that "

@@ -53,7 +53,8 @@ def groups(sweep):
 
 def x_values(sweep):
     """Every value of x among the whole cases: sorted numbers, or words in the order of the plan."""
-    values = list(dict.fromkeys(c.settings[sweep.x] for c in ordinary(sweep) if sweep.x in c.settings))
+    cases = [c for c in ordinary(sweep) if sweep.x in c.settings]
+    values = list(dict.fromkeys(c.settings[sweep.x] for c in cases))
     return sorted(values) if is_numeric(sweep) else values
 
 

@@ -25,8 +25,9 @@ img { display: block; width: 100%; max-width: 730px; height: auto; }
 figcaption { max-width: 44rem; margin-top: .3rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .82rem; font-variant-numeric: tabular-nums; }
-th, td { padding: .3rem .55rem; text-align: left; vertical-align: bottom; border-bottom: 1px solid #e4e4e4; }
-th { font-weight: 600; max-width: 8.5rem; min-width: 4.2rem; overflow-wrap: anywhere; border-bottom: 1.5px solid #888; }
+th, td { padding: .3rem .55rem; text-align: left; vertical-align: bottom;
+  border-bottom: 1px solid #e4e4e4; }
+th { font-weight: 600; min-width: 4.2rem; max-width: 8.5rem; border-bottom: 1.5px solid #888; }
 td { white-space: nowrap; }
 td.n { text-align: right; }
 td.empty { color: #999; }

@@ -65,7 +65,7 @@ def spread(places, gap):
 
 
 def label_right(axes, labels):
-    """Writes (y, text, colour) beside the right edge, at the height of the line, none on another."""
+    """Writes (y, text, colour) beside the right edge, at the height of y, none on another."""
     if not labels:
         return
     fractions = [axes.transLimits.transform(axes.transScale.transform((1.0, y)))[1]

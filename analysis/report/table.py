@@ -48,7 +48,8 @@ def setting_cell(case, key):
 
 
 def head(columns):
-    cells = "".join(f'<th scope="col">{html.escape(c).replace("_", "_<wbr>")}</th>' for c in columns)
+    words = (html.escape(c).replace("_", "_<wbr>") for c in columns)
+    cells = "".join(f'<th scope="col">{w}</th>' for w in words)
     return f"<thead><tr>{cells}</tr></thead>"
 
 
@@ -74,6 +75,7 @@ def table(sweep):
         kind = ' class="reference"' if case.is_reference else ""
         rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
     columns = ["id", "reference", *keys, *measures, "wall_s", "status", "note"]
-    body = f'<div class="scroll" tabindex="0"><table>{head(columns)}<tbody>{"".join(rows)}</tbody></table></div>'
+    body = (f'<div class="scroll" tabindex="0"><table>{head(columns)}'
+            f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     return body + (f'<ol class="notes">{listed}</ol>' if notes else "")

@@ -62,6 +62,8 @@ def number(value, digits=4):
             shown = shown.rstrip("0").rstrip(".")
     else:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        if "." in mantissa:
+            mantissa = mantissa.rstrip("0").rstrip(".")
         shown = f"{mantissa}×10{str(int(exponent)).translate(SUPERSCRIPTS)}"
     return shown.replace("-", "\N{MINUS SIGN}")
 
