@@ -158,8 +158,8 @@ def caption(shots, any_lines, clipped):
                  "from the focus, so that the wake can be seen; what exceeds it is clipped.")
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
-        text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that "
-                 f"instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the path has "
+        text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at "
+                 f"that instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the path has "
                  "made them.")
     without = {}
     for s in shots:

@@ -24,7 +24,8 @@ MEASURES = [
      "caption": "η(t), the share of Σu² inside the focal disc."},
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
-     "needs": "ipr_abs", "caption": "The area over which the displacement is spread: it grows as long as waves run out "
+     "needs": "ipr_abs",
+     "caption": "The area over which the displacement is spread: it grows as long as waves run out "
                 "from the path."},
     {"name": "ipr_time", "title": "Literal inverse participation ratio over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
@@ -195,7 +196,8 @@ def time_figure(sweep, folder, measure):
     many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
-    return Figure(measure["name"], measure["title"], measure["caption"] + (words(sweep, cases, many) if measure is MEASURES[0] else ""),
+    marks = words(sweep, cases, many) if measure is MEASURES[0] else ""  # once on the page
+    return Figure(measure["name"], measure["title"], measure["caption"] + marks,
                   f"{measure['title']}, one line a case")
 
 

@@ -48,8 +48,11 @@ def setting_cell(case, key):
 
 
 def head(columns):
-    words = (html.escape(c).replace("_", "_<wbr>") for c in columns)
-    cells = "".join(f'<th scope="col">{w}</th>' for w in words)
+    cells = ""
+    for column in columns:
+        kind = "" if column in ("id", "reference", "status") else ' class="n"'
+        words = html.escape(column).replace("_", "_<wbr>").replace(".", ".<wbr>")
+        cells += f'<th scope="col"{kind}>{words}</th>'
     return f"<thead><tr>{cells}</tr></thead>"
 
 

@@ -293,7 +293,7 @@ class ReportTest(unittest.TestCase):
             folder.add({FWHM: width}, is_reference=True, kind="STM")
         page = Page(folder.report())
         groups = layout.groups(load.load(self.root))
-        self.assertEqual([g.label for g in groups], ["3\N{NO-BREAK SPACE}mm", "10\N{NO-BREAK SPACE}mm"])
+        self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
         self.assertEqual(len(page.images), 11)  # a snapshot for each series
 
@@ -317,8 +317,10 @@ class ReportTest(unittest.TestCase):
 class WordsTest(unittest.TestCase):
     def test_keys_become_labels(self):
         self.assertEqual(words.axis_label(AM), "AM frequency (Hz)")
-        self.assertEqual(words.axis_label("medium.layer[1].c_s_m_s"), "Shear-wave speed, layer 1 (m/s)")
-        self.assertEqual(words.axis_label("medium.layer[2].viscosity_Pa_s"), "Viscosity, layer 2 (Pa s)")
+        self.assertEqual(words.axis_label("medium.layer[1].c_s_m_s"),
+                         "Shear-wave speed, layer 1 (m/s)")
+        self.assertEqual(words.axis_label("medium.layer[2].viscosity_Pa_s"),
+                         "Viscosity, layer 2 (Pa s)")
         self.assertEqual(words.axis_label("load.modulation.kind"), "Modulation")
 
     def test_numbers_are_short_and_have_true_minus_signs(self):
