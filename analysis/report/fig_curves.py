@@ -28,7 +28,9 @@ def set_x_axis(axes, sweep):
         places = np.log(values)
     else:
         places = np.array(values, dtype=float)
-    room = np.ptp(places) or 1.0
+    room = np.ptp(places) or max(1.0, abs(places[0]))
+    ends = np.array([places[0] - 0.045 * room, places[-1] + 0.045 * room])
+    axes.set_xlim(*(np.exp(ends) if axes.get_xscale() == "log" else ends))
     if len(values) <= 12 and (len(values) < 2 or np.min(np.diff(places)) > 0.055 * room):
         axes.set_xticks(values, [number(float(v), 6) for v in values])
         axes.xaxis.set_minor_locator(NullLocator())
@@ -41,7 +43,7 @@ def points(sweep, group, column, scale=1.0):
 
 
 def draw_reference(axes, sweep, group, column, colour, line, labels, name):
-    """One reference: a line across. One for each x: a line through them."""
+    """One reference: a line across. One for each x: a line through them, in the curve's colour."""
     found = layout.references(sweep, group)
     if len(found) == 1:
         value = found[0].value(column)
@@ -53,7 +55,12 @@ def draw_reference(axes, sweep, group, column, colour, line, labels, name):
                  for c in group.cases if sweep.reference_of(c)]
         if not pairs or all(math.isnan(v) for _, v in pairs):
             return
-        axes.plot(*zip(*pairs), color=colour, linestyle=line, linewidth=1.3, zorder=1.5)
+        look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
+        if layout.is_numeric(sweep):
+            axes.plot(*zip(*pairs), **look)
+        else:  # words are not neighbours: a dash at each
+            for x, value in pairs:
+                axes.plot([x - 0.3, x + 0.3], [value, value], **look)
         value = [v for _, v in pairs if not math.isnan(v)][-1]
     words = f"{name}\n{number(value, 3)}" if len(found) == 1 else name
     if (words, colour) not in [(w, c) for _, w, c in labels]:
@@ -66,9 +73,8 @@ def reference_lines(axes, sweep, curves, column, line):
     shared = len(layout.all_references(sweep)) == 1
     labels = []
     for group, colour, _ in curves[:1] if shared else curves:
-        own = shared or len(curves) == 1
-        name = names if own else f"{names},\n{group.label}"
-        draw_reference(axes, sweep, group, column, style.INK if own else colour, line, labels, name)
+        own = style.INK if shared or len(curves) == 1 else colour
+        draw_reference(axes, sweep, group, column, own, line, labels, names)
     return labels if len(labels) <= 6 else []
 
 
