@@ -3,8 +3,19 @@
 
 #include <algorithm>
 #include <mpi.h>
+#include <string>
 
-/// Runs the same tests on every rank; only rank 0 reports, and the worst verdict is everybody's.
+namespace {
+
+/// Rank 0 reports where it is asked to; the others say nothing, or write `<file>.<rank>` beside it.
+std::string report_of(int rank, const std::string& file) {
+    if (rank == 0) return file;
+    return file.empty() ? "/dev/null" : file + "." + std::to_string(rank);
+}
+
+} // namespace
+
+/// Runs the same tests on every rank; the worst verdict is everybody's.
 int main(int argc, char** argv) {
     MPI_Init(&argc, &argv);
     int rank = 0;
@@ -12,7 +23,8 @@ int main(int argc, char** argv) {
     Catch::Session session;
     int verdict = session.applyCommandLine(argc, argv);
     if (verdict == 0) {
-        if (rank != 0) session.configData().outputFilename = "/dev/null";
+        std::string& file = session.configData().outputFilename;
+        file = report_of(rank, file);
         verdict = session.run();
     }
     verdict = std::clamp(verdict, 0, 255);
