@@ -2,6 +2,8 @@
 
 #include "base/error.hpp"
 
+#include <filesystem>
+#include <fmt/format.h>
 #include <new>
 
 namespace shearwake {
@@ -19,6 +21,9 @@ Outcome outcome_of(const std::function<void()>& work) {
         return {};
     } catch (const UsageError& error) {
         return {2, static_cast<long>(error.code()), error.what()};
+    } catch (const std::filesystem::filesystem_error& error) {
+        return {2, static_cast<long>(ExitCode::environment),
+                fmt::format("{}: {}", error.path1().string(), error.code().message())};
     } catch (const std::bad_alloc&) {
         return {1, 0, "out of memory"};
     } catch (const std::exception& error) {
