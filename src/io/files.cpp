@@ -43,6 +43,11 @@ public:
             text.remove_prefix(static_cast<std::size_t>(written));
         }
     }
+    bool ends_within_a_line() const {
+        const off_t end = ::lseek(fd_, 0, SEEK_END);
+        char last = '\n';
+        return end > 0 && ::pread(fd_, &last, 1, end - 1) == 1 && last != '\n';
+    }
     void flush() const {
         if (::fsync(fd_) != 0) refuse("cannot flush", path_, errno);
     }
@@ -74,23 +79,24 @@ std::string read_file(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::string_view text) {
-    const fs::path part = path.string() + ".part";
+    // Another run may write the same file at the same time.
+    const fs::path part = fmt::format("{}.{}.part", path.string(), ::getpid());
     try {
         Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);
         file.write(text);
         file.flush();
         file.commit();
+        publish(part, path);
     } catch (...) {
         std::error_code ignored;
         fs::remove(part, ignored);
         throw;
     }
-    publish(part, path);
 }
 
 void append_line(const fs::path& path, std::string_view line) {
-    Descriptor file(path, O_WRONLY | O_CREAT | O_APPEND);
-    file.write(std::string(line) + "\n");
+    Descriptor file(path, O_RDWR | O_CREAT | O_APPEND);
+    file.write((file.ends_within_a_line() ? "\n" : "") + std::string(line) + "\n");
     file.flush();
     file.commit();
 }

@@ -14,7 +14,8 @@ std::string read_file(const std::filesystem::path& path);
 /// Whole or not at all: written beside, flushed to the disk, renamed.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// One line at the end of a file in a single write, flushed to the disk.
+/// One line at the end of a file in a single write, flushed to the disk. A last line that a kill or
+/// a full disk has cut short is ended first.
 void append_line(const std::filesystem::path& path, std::string_view line);
 
 void make_directory(const std::filesystem::path& path);
