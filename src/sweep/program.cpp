@@ -1,10 +1,13 @@
 #include "sweep/commands.hpp"
 
+#include "base/text.hpp"
 #include "sweep/provenance.hpp"
 
+#include <algorithm>
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <functional>
+#include <optional>
 
 namespace shearwake {
 namespace {
@@ -95,6 +98,20 @@ constexpr const char* footer =
     "Exit codes: 0 done, 1 internal error, 2 usage, 3 bad job, 4 some cases failed,\n"
     "5 differs from baseline, 6 files or environment, 75 stopped early: start it again.";
 
+/// The first word that should be a verb and is none. CLI11 would only say that one is required.
+std::optional<std::string> unknown_verb(const CLI::App& app, int argc, char** argv) {
+    if (argc < 2 || std::string_view(argv[1]).starts_with("-")) return std::nullopt;
+    std::vector<std::string> verbs;
+    for (const CLI::App* verb : app.get_subcommands({}))
+        verbs.push_back(verb->get_name());
+    const std::string word = argv[1];
+    if (std::find(verbs.begin(), verbs.end(), word) != verbs.end()) return std::nullopt;
+    const auto meant = nearest(word, verbs);
+    return fmt::format("{} is no verb of shearwake; {}", word,
+                       meant ? "did you mean " + *meant + "?"
+                             : "there are " + quoted_list(verbs, "and"));
+}
+
 } // namespace
 
 ExitCode program(int argc, char** argv, const Comm& world) {
@@ -116,6 +133,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     add_path_verb(app, action, "show", "one case in words", "CASE", "case file (HDF5)",
                   show_command);
     add_bench(app, action);
+    if (const auto message = unknown_verb(app, argc, argv)) throw UsageError(*message);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
