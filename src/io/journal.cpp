@@ -37,6 +37,8 @@ void take(const Json& line, JournalContents& contents) {
     if (name == "run_started" || name == "run_ended") {
         contents.running = name == "run_started";
         if (name == "run_ended") contents.last_run_ended = line.at("how");
+        if (name == "run_started")
+            contents.overrides = line.value("overrides", std::vector<std::string>{});
         return;
     }
     CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
@@ -57,11 +59,13 @@ void take(const Json& line, JournalContents& contents) {
 
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
-void Journal::run_started(int ranks, int teams, std::size_t cases_left) const {
+void Journal::run_started(int ranks, int teams, std::size_t cases_left,
+                          const std::vector<std::string>& overrides) const {
     Json line = event("run_started");
     line["ranks"] = ranks;
     line["teams"] = teams;
     line["cases_left"] = cases_left;
+    if (!overrides.empty()) line["overrides"] = overrides;
     append_line(path_, text(line));
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace shearwake {
 
@@ -13,7 +14,8 @@ public:
     explicit Journal(std::filesystem::path path);
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
-    void run_started(int ranks, int teams, std::size_t cases_left) const;
+    void run_started(int ranks, int teams, std::size_t cases_left,
+                     const std::vector<std::string>& overrides) const;
     void run_ended(const std::string& how) const;
     void started(const std::string& id, int ranks) const;
     void finished(const std::string& id, double seconds) const;
@@ -34,11 +36,12 @@ struct CaseHistory {
 
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
-    bool running = false;       // a run has started and none has said since that it ended
-    std::string last_run_ended; // how
+    bool running = false;               // a run has started and none has said since that it ended
+    std::string last_run_ended;         // how
+    std::vector<std::string> overrides; // of the last run, key=value
 };
 
-/// Empty when there is no journal.
+/// Empty when there is no journal. Throws UsageError (environment) when it cannot be read.
 JournalContents read_journal(const std::filesystem::path& path);
 
 std::string host_name();

@@ -143,6 +143,7 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
         {"job", short_enough ? facts.job_text
                              : fmt::format("{} bytes: see job.toml beside the folder of the cases",
                                            facts.job_text.size())}};
+    if (!facts.overrides.empty()) attributes.push_back({"overrides", facts.overrides});
     for (Attribute& attribute : program_attributes())
         attributes.push_back(std::move(attribute));
     attributes.push_back({"ranks", static_cast<long>(facts.ranks)});

@@ -19,6 +19,7 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
 struct RunFacts {
     std::string job_title;
     std::string job_text;
+    std::string overrides;
     int ranks = 1;
     double wall_s = 0.0;
     std::string started, ended; // UTC

@@ -5,9 +5,22 @@
 #include "io/plan_file.hpp"
 
 #include <fmt/format.h>
-#include <vector>
 
 namespace shearwake {
+namespace {
+
+/// Whether a folder without a plan holds anything but what a run that is just beginning makes.
+bool holds_foreign_files(const OutputFolder& folder) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.root)) {
+        const std::filesystem::path& path = entry.path();
+        const bool ours = path == folder.cases() || path == folder.job() || path == folder.plan() ||
+                          path.extension() == ".part";
+        if (!ours) return true;
+    }
+    return false;
+}
+
+} // namespace
 
 void prepare_output(const OutputFolder& folder, const Job& job) {
     namespace fs = std::filesystem;
@@ -19,7 +32,7 @@ void prepare_output(const OutputFolder& folder, const Job& job) {
                             "from this job's); choose another folder with --out, or "
                             "remove that one",
                             folder.root.string()));
-    } else if (fs::exists(folder.root) && !fs::is_empty(folder.root)) {
+    } else if (fs::exists(folder.root) && holds_foreign_files(folder)) {
         throw UsageError(fmt::format("{} is not empty and holds no plan of this program; choose "
                                      "another folder with --out",
                                      folder.root.string()));
@@ -28,11 +41,11 @@ void prepare_output(const OutputFolder& folder, const Job& job) {
     if (!fs::exists(folder.job())) write_file(folder.job(), job.text);
     // The plan last: a folder without one was never begun.
     if (!fs::exists(folder.plan())) write_file(folder.plan(), text);
-    std::vector<fs::path> stale;
-    for (const auto& entry : fs::directory_iterator(folder.cases()))
-        if (entry.path().extension() == ".part") stale.push_back(entry.path());
-    for (const fs::path& path : stale)
-        fs::remove(path);
+}
+
+void clear_half_written(const OutputFolder& folder, const std::vector<std::string>& ids) {
+    for (const std::string& id : ids)
+        std::filesystem::remove(folder.case_file(id).string() + ".part");
 }
 
 } // namespace shearwake

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace shearwake {
 
@@ -21,7 +22,11 @@ struct OutputFolder {
 };
 
 /// Makes the folder for this job, or finds it again. Throws UsageError when it holds another plan,
-/// or cannot be written. Removes what a killed run has left half-written. Not collective.
+/// or cannot be written. Not collective.
 void prepare_output(const OutputFolder& folder, const Job& job);
+
+/// Removes what a killed run has left half-written of these cases; other runs may be at work on the
+/// others. Not collective.
+void clear_half_written(const OutputFolder& folder, const std::vector<std::string>& ids);
 
 } // namespace shearwake

@@ -3,9 +3,11 @@
 #include "engines/engine.hpp"
 #include "io/case_file_reader.hpp"
 #include "io/journal.hpp"
+#include "io/run_lock.hpp"
 #include "parallel/agree.hpp"
 #include "parallel/shared_counters.hpp"
 #include "sweep/job_source.hpp"
+#include "sweep/next_command.hpp"
 #include "sweep/output_folder.hpp"
 #include "sweep/progress.hpp"
 #include "sweep/run_case.hpp"
@@ -15,6 +17,7 @@
 
 #include <chrono>
 #include <fmt/format.h>
+#include <optional>
 #include <thread>
 
 namespace shearwake {
@@ -120,6 +123,13 @@ private:
     std::chrono::steady_clock::time_point last_tick_{};
 };
 
+std::vector<std::string> ids_of(const Plan& plan, const std::vector<std::size_t>& indices) {
+    std::vector<std::string> ids;
+    for (const std::size_t index : indices)
+        ids.push_back(plan.cases[index].id);
+    return ids;
+}
+
 std::string warnings_of(const Job& job) {
     std::string all;
     for (const Finding& finding : job.findings)
@@ -128,23 +138,22 @@ std::string warnings_of(const Job& job) {
 }
 
 std::string epilogue(const OutputFolder& folder, const Selection& selection, long finished,
-                     long failures, bool stopped, const std::string& job) {
+                     long failures, bool stopped, const RunArguments& arguments) {
     std::string text =
         fmt::format("{} cases: {} computed now, {} there before, {} failed", selection.total,
                     finished, selection.whole, failures + selection.failed_before);
     if (selection.not_selected > 0)
         text += fmt::format(", {} not selected", selection.not_selected);
-    const std::string root = folder.root.string();
     if (stopped)
         return text +
-               fmt::format("\nstopped early, everything computed is saved\nnext: shearwake run {}",
-                           job);
+               fmt::format("\nstopped early, everything computed is saved\nnext: {}",
+                           run_command_line(arguments.job, arguments.overrides, arguments.out));
     if (selection.failed_before > 0)
         text += "\ncases that failed before are not tried again without --retry-failed";
     if (failures + selection.failed_before > 0)
-        text += fmt::format("\nreasons: shearwake status {}", root);
-    return text + fmt::format("\nresults: {}\nnext: shearwake reduce {} && shearwake report {}",
-                              folder.cases().string(), root, root);
+        text += "\nreasons: shearwake status " + shell_word(folder.root.string());
+    return text + fmt::format("\nresults: {}\nnext: {}", folder.cases().string(),
+                              reduce_command_line(folder));
 }
 
 } // namespace
@@ -159,9 +168,14 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
         fmt::print(stderr, "{}", warnings_of(job));
 
     Selection selection;
+    std::optional<RunLock> lock; // to the end of the run
     on_root(world, [&] {
         prepare_output(folder, job);
+        const bool part_only = !arguments.shard.empty() || !arguments.only.empty();
+        lock.emplace(folder.journal(),
+                     part_only ? RunLock::Sharing::with_others : RunLock::Sharing::alone);
         selection = select_cases(job.plan, folder, arguments);
+        clear_half_written(folder, ids_of(job.plan, selection.work));
     });
     selection = share(selection, world);
     std::vector<const PlannedCase*> cases, work;
@@ -177,11 +191,14 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
                                  layout.teams == 1 ? "" : "s", layout.ranks_per_case,
                                  layout.ranks_per_case == 1 ? "" : "s", folder.root.string()));
     const Journal journal(folder.journal());
-    on_root(world, [&] { journal.run_started(world.size(), layout.teams, work.size()); });
+    on_root(world, [&] {
+        journal.run_started(world.size(), layout.teams, work.size(), arguments.overrides);
+    });
 
     watch_for_stop_signals();
     const Comm team = world.split(layout.team_of(world.rank()));
-    const JobFacts facts{job.plan.title, job.text};
+    const JobFacts facts{job.plan.title, job.text,
+                         fmt::format("{}", fmt::join(arguments.overrides, "\n"))};
     Worker worker(work, facts, folder, world, team, arguments.fail_fast, progress);
     worker.work();
     worker.wait_for_others(layout.teams);
@@ -194,8 +211,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
         journal.run_ended(stopped ? "stopped" : failures > 0 ? "with failures" : "done");
     });
     if (world.is_root())
-        fmt::print("{}\n", epilogue(folder, selection, finished, failures, stopped,
-                                    arguments.job.string()));
+        fmt::print("{}\n", epilogue(folder, selection, finished, failures, stopped, arguments));
     if (stopped) return ExitCode::stopped_early;
     return failures + selection.failed_before > 0 ? ExitCode::some_cases_failed : ExitCode::done;
 }

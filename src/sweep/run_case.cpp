@@ -54,8 +54,11 @@ SurfaceLayout layout_of(const Case& c) {
 double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
                 const std::filesystem::path& path, const std::function<void()>& tick) {
     const auto began = std::chrono::steady_clock::now();
-    RunFacts facts{
-        .job_title = job.title, .job_text = job.text, .ranks = team.size(), .started = timestamp()};
+    RunFacts facts{.job_title = job.title,
+                   .job_text = job.text,
+                   .overrides = job.overrides,
+                   .ranks = team.size(),
+                   .started = timestamp()};
     const Case& c = planned.physics;
     refuse_too_large(c, engine, team);
 

@@ -13,6 +13,7 @@ namespace shearwake {
 struct JobFacts {
     std::string title;
     std::string text;
+    std::string overrides; // key=value, one a line
 };
 
 /// Computes one case on a team and writes its file. Returns the seconds it took. Collective over

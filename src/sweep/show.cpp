@@ -25,6 +25,7 @@ void print_case(const std::filesystem::path& path) {
     fmt::print("case {}{}: {}\n", text_of(s, "case_id"),
                text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
     fmt::print("swept:    {}\n", text_of(s, "settings"));
+    if (s.texts.contains("overrides")) fmt::print("given:    -S {}\n", text_of(s, "overrides"));
     fmt::print("status:   {}\n", text_of(s, "status"));
     const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
     const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;

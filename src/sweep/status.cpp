@@ -3,7 +3,9 @@
 #include "io/case_file_reader.hpp"
 #include "io/journal.hpp"
 #include "io/plan_file.hpp"
+#include "io/run_lock.hpp"
 #include "parallel/agree.hpp"
+#include "sweep/next_command.hpp"
 #include "sweep/output_folder.hpp"
 
 #include <algorithm>
@@ -15,20 +17,26 @@ namespace {
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
     double seconds = 0.0; // of the cases done
+    std::vector<std::string> damaged;
 };
 
 Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder) {
     Tally tally;
+    // A killed run could not say that it ended; its lock is gone all the same.
+    const bool running = is_locked(folder.journal()).value_or(journal.running);
     for (const IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
         if (is_whole(folder.case_file(c.id), c.id)) {
             ++tally.done;
             if (known) tally.seconds += entry->second.seconds;
-        } else if (known && entry->second.state == CaseHistory::State::failed) {
+            continue;
+        }
+        if (std::filesystem::exists(folder.case_file(c.id))) tally.damaged.push_back(c.id);
+        if (known && entry->second.state == CaseHistory::State::failed) {
             ++tally.failed;
         } else if (known && entry->second.state == CaseHistory::State::started) {
-            ++(journal.running ? tally.running : tally.interrupted);
+            ++(running ? tally.running : tally.interrupted);
         } else {
             ++tally.left;
         }
@@ -56,14 +64,15 @@ void print_status(const OutputFolder& folder) {
         if (entry->second.state == CaseHistory::State::failed)
             fmt::print("failed {} {}: {}\n", c.id, settings_text(c.settings), entry->second.reason);
     }
+    for (const std::string& id : tally.damaged)
+        fmt::print("damaged {}: its file is not whole; a run computes it again\n", id);
+    const std::string run = run_command_line(folder.job(), journal.overrides, folder.root);
     if (to_do > 0)
-        fmt::print("next: shearwake run {} --out {}\n", folder.job().string(),
-                   folder.root.string());
+        fmt::print("next: {}\n", run);
     else if (tally.failed > 0)
-        fmt::print("next: shearwake run {} --out {} --retry-failed\n", folder.job().string(),
-                   folder.root.string());
+        fmt::print("next: {} --retry-failed\n", run);
     else
-        fmt::print("next: shearwake reduce {0} && shearwake report {0}\n", folder.root.string());
+        fmt::print("next: {}\n", reduce_command_line(folder));
 }
 
 } // namespace
