@@ -51,6 +51,16 @@ Comm Comm::world() {
 Comm Comm::split(int color) const {
     MPI_Comm part = MPI_COMM_NULL;
     checked(MPI_Comm_split(raw(), color, rank_, &part));
+    return owned(part);
+}
+
+Comm Comm::split_by_machine() const {
+    MPI_Comm part = MPI_COMM_NULL;
+    checked(MPI_Comm_split_type(raw(), MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &part));
+    return owned(part);
+}
+
+Comm Comm::owned(MPI_Comm part) {
     const auto free_it = [](const MPI_Comm* handle) {
         int finalized = 0;
         MPI_Finalized(&finalized);

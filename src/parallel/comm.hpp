@@ -18,6 +18,8 @@ public:
     static Comm world();
     /// Ranks of equal colour, ordered by their rank here.
     Comm split(int color) const;
+    /// Ranks that share this rank's memory.
+    Comm split_by_machine() const;
 
     int rank() const { return rank_; } // not collective
     int size() const { return size_; } // not collective
@@ -40,6 +42,7 @@ public:
 
 private:
     explicit Comm(std::shared_ptr<const MPI_Comm> handle);
+    static Comm owned(MPI_Comm part);        // freed with its last copy
     std::shared_ptr<const MPI_Comm> handle_; // shared: freed by the last copy
     int rank_ = 0;
     int size_ = 1;

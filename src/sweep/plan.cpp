@@ -2,10 +2,13 @@
 
 #include "base/text.hpp"
 #include "sweep/job_source.hpp"
+#include "sweep/memory.hpp"
+#include "sweep/next_command.hpp"
 #include "sweep/teams.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <numbers>
 
 namespace shearwake {
@@ -41,6 +44,9 @@ std::string resolution_of(const Case& c) {
 
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const Job job = load_job(arguments.job, arguments.overrides, world);
+    // Another number of ranks is meant for another machine.
+    const double available_B =
+        arguments.ranks > 0 ? std::numeric_limits<double>::infinity() : memory_per_rank_B(world);
     if (!world.is_root()) return ExitCode::done;
     for (const Finding& finding : job.findings)
         fmt::print("{}\n", text(finding));
@@ -49,7 +55,7 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     std::vector<const PlannedCase*> cases;
     for (const PlannedCase& planned : job.plan.cases)
         cases.push_back(&planned);
-    const TeamLayout layout = choose_teams(cases, ranks, arguments.ranks_per_case);
+    const TeamLayout layout = choose_teams(cases, ranks, arguments.ranks_per_case, available_B);
 
     fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
                "points a focus", "MB/rank", "seconds");
@@ -58,10 +64,11 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     for (const PlannedCase& planned : job.plan.cases) {
         const Case& c = planned.physics;
         const Estimate e = make_engine(c.solver)->estimate(c, layout.ranks_per_case);
-        memory_B = std::max(memory_B, e.memory_per_rank_B);
+        const double needed_B = memory_needed_B(c, layout.ranks_per_case);
+        memory_B = std::max(memory_B, needed_B);
         fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", planned.id,
                    fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
-                   resolution_of(c), e.memory_per_rank_B / 1e6, e.seconds, settings_of(planned));
+                   resolution_of(c), needed_B / 1e6, e.seconds, settings_of(planned));
     }
     const Domain& d = job.plan.cases.front().physics.domain;
     fmt::print("\n{} cases; the grid of the first covers {:g} x {:g} mm\n", cases.size(),
@@ -69,7 +76,10 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     fmt::print("on {} rank{}: {} team{} of {}, {:.0f} MB a rank at most, about {:.2g} s\n", ranks,
                ranks == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
                layout.ranks_per_case, memory_B / 1e6, layout.seconds);
-    fmt::print("next: shearwake run {}\n", arguments.job.string());
+    if (memory_B > available_B)
+        fmt::print("warning: a rank may use {:.0f} MB: the cases that need more will fail\n",
+                   available_B / 1e6);
+    fmt::print("next: {}\n", run_command_line(arguments.job, arguments.overrides, {}));
     return ExitCode::done;
 }
 

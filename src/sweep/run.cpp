@@ -7,6 +7,7 @@
 #include "parallel/agree.hpp"
 #include "parallel/shared_counters.hpp"
 #include "sweep/job_source.hpp"
+#include "sweep/memory.hpp"
 #include "sweep/next_command.hpp"
 #include "sweep/output_folder.hpp"
 #include "sweep/progress.hpp"
@@ -184,7 +185,8 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
     for (const std::size_t index : order_of_work(cases))
         work.push_back(cases[index]);
 
-    const TeamLayout layout = choose_teams(work, world.size(), arguments.ranks_per_case);
+    const double memory_B = memory_per_rank_B(world);
+    const TeamLayout layout = choose_teams(work, world.size(), arguments.ranks_per_case, memory_B);
     if (world.is_root() && !arguments.quiet)
         progress.say(fmt::format("{}: {} cases to compute on {} team{} of {} rank{}, into {}",
                                  job.plan.name, work.size(), layout.teams,
@@ -198,7 +200,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
     watch_for_stop_signals();
     const Comm team = world.split(layout.team_of(world.rank()));
     const JobFacts facts{job.plan.title, job.text,
-                         fmt::format("{}", fmt::join(arguments.overrides, "\n"))};
+                         fmt::format("{}", fmt::join(arguments.overrides, "\n")), memory_B};
     Worker worker(work, facts, folder, world, team, arguments.fail_fast, progress);
     worker.work();
     worker.wait_for_others(layout.teams);

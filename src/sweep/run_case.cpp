@@ -6,40 +6,23 @@
 #include "io/xdmf.hpp"
 #include "parallel/agree.hpp"
 #include "sweep/case_content.hpp"
+#include "sweep/memory.hpp"
 #include "sweep/surface_recorder.hpp"
 
 #include <chrono>
 #include <fmt/format.h>
-#include <fstream>
 
 namespace shearwake {
 namespace {
 
-/// Bytes that this machine can still give, infinity where it does not say.
-double available_memory_B() {
-    std::ifstream info("/proc/meminfo");
-    for (std::string key; info >> key;) {
-        double kB = 0.0;
-        std::string unit;
-        if (!(info >> kB)) break;
-        std::getline(info, unit);
-        if (key == "MemAvailable:") return 1024.0 * kB;
-    }
-    return std::numeric_limits<double>::infinity();
-}
-
 /// Asked before it is used: Linux grants memory that it does not have, and then kills.
-void refuse_too_large(const Case& c, const Engine& engine, const Comm& team) {
-    const double needed = engine.estimate(c, team.size()).memory_per_rank_B;
-    const double available = available_memory_B();
-    together(team, [&] {
-        if (needed > available)
-            throw CaseFailure(
-                fmt::format("out of memory: a rank needs {:.1f} GB and the machine has "
-                            "{:.1f} GB left; enlarge domain.spacing_mm, shrink "
-                            "domain.extent_mm or use more ranks per case",
-                            needed / 1e9, available / 1e9));
-    });
+void refuse_too_large(const Case& c, const Comm& team, double available_B) {
+    const double needed_B = memory_needed_B(c, team.size());
+    if (needed_B <= available_B) return;
+    throw CaseFailure(fmt::format("out of memory: a rank needs {:.1f} GB and may use {:.1f} GB; "
+                                  "enlarge domain.spacing_mm, shrink domain.extent_mm, or use "
+                                  "more ranks per case or fewer ranks on a machine",
+                                  needed_B / 1e9, available_B / 1e9));
 }
 
 SurfaceLayout layout_of(const Case& c) {
@@ -60,7 +43,7 @@ double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
                    .ranks = team.size(),
                    .started = timestamp()};
     const Case& c = planned.physics;
-    refuse_too_large(c, engine, team);
+    refuse_too_large(c, team, job.memory_per_rank_B);
 
     const SurfaceLayout layout = layout_of(c);
     CaseFileWriter writer(path, team, layout);

@@ -9,11 +9,12 @@
 
 namespace shearwake {
 
-/// The job that a case belongs to, as its file tells it.
+/// What all cases of a run share: the job, as their files tell it, and the memory of a rank.
 struct JobFacts {
     std::string title;
     std::string text;
     std::string overrides; // key=value, one a line
+    double memory_per_rank_B = 0.0;
 };
 
 /// Computes one case on a team and writes its file. Returns the seconds it took. Collective over

@@ -1,7 +1,10 @@
 #include "sweep/teams.hpp"
 
+#include "sweep/memory.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -30,8 +33,10 @@ std::vector<Estimate> estimates_of(const std::vector<const PlannedCase*>& cases,
 
 } // namespace
 
-TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted) {
+TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
+                        double memory_per_rank_B) {
     TeamLayout best;
+    std::ptrdiff_t best_unfit = std::numeric_limits<std::ptrdiff_t>::max();
     best.seconds = std::numeric_limits<double>::infinity();
     for (int size = 1; size <= ranks; ++size) {
         if (wanted > 0 && size != std::min(wanted, ranks)) continue;
@@ -49,7 +54,14 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
         if (!useful && wanted <= 0) continue;
         // What is shared is computed by every team for itself.
         layout.seconds = shared + std::max(longest, work / layout.teams);
-        if (layout.seconds < 0.99 * best.seconds) best = layout; // small teams when it is a tie
+        const auto unfit = std::count_if(cases.begin(), cases.end(), [&](const PlannedCase* c) {
+            return memory_needed_B(c->physics, size) > memory_per_rank_B;
+        });
+        // Small teams when it is a tie.
+        const bool better = unfit == best_unfit && layout.seconds < 0.99 * best.seconds;
+        if (unfit > best_unfit || (unfit == best_unfit && !better)) continue;
+        best_unfit = unfit;
+        best = layout;
     }
     if (!std::isfinite(best.seconds)) best.seconds = 0.0;
     return best;

@@ -19,8 +19,9 @@ struct TeamLayout {
 
 /// The layout that finishes the cases first: small cases side by side, each on one rank, large ones
 /// on several. `wanted` > 0 fixes the ranks per case. A team never has more ranks than the slabs
-/// can use, nor more than the world has.
-TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted);
+/// can use, nor more than the world has. As many cases as can be must fit into a rank's memory.
+TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
+                        double memory_per_rank_B);
 
 /// Longest first, so that no long case is left for the end; cases that share a medium together, so
 /// that its transfer function is computed once. Positions in `cases`.
