@@ -1,0 +1,211 @@
+"""Runs the real program in temporary folders, for the tests beside this file."""
+import contextlib
+import csv
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
+
+# A 3 mm focus at 7 m/s for 4 ms: three frequencies and the reference, a fraction of a second each.
+JOB = """\
+schema = 1
+
+[job]
+name = "small"
+title = "a small sweep, \u03b7 against frequency"
+
+[medium]
+base = "rigid"
+
+[[medium.layer]]
+name = "tissue"
+thickness_mm = 20.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 4.5 }
+
+[load.modulation]
+kind = "AM-STM"
+path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }
+speed_m_s = 7.0
+am_frequency_Hz = 500.0
+
+[domain]
+extent_mm = [64.0, 48.0]
+spacing_mm = 1.5
+
+[time]
+duration_ms = 4.0
+output_interval_us = 100.0
+
+[solver]
+engine = "layered"
+
+[measure]
+at_ms = 4.0
+settled_after_ms = 1.0
+
+[record]
+traces_mm = [[0.0, 0.0], [3.2, 1.1]]
+frames = true
+
+[sweep]
+"load.modulation.am_frequency_Hz" = [400, 500, 1000]
+
+[table]
+x = "load.modulation.am_frequency_Hz"
+reference = { kind = "STM" }
+"""
+
+SWEEP = '"load.modulation.am_frequency_Hz" = [400, 500, 1000]'
+
+
+def changed(*changes, text=JOB):
+    """The small job with (old, new) pieces of text exchanged."""
+    for old, new in changes:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    return text
+
+
+def without_reference(*changes):
+    return changed(('reference = { kind = "STM" }\n', ""), *changes)
+
+
+# Many cases of a fraction of a second each, to be interrupted.
+LONG = without_reference(
+    (SWEEP, '"load.modulation.am_frequency_Hz" = { linspace = [300, 1000, 12] }'),
+    ("extent_mm = [64.0, 48.0]", "extent_mm = [144.0, 128.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+    ("frames = true", "snapshots_ms = [4.0]"))
+
+
+def environment():
+    found = dict(os.environ)
+    if os.geteuid() == 0:
+        found.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    return found
+
+
+def command(*arguments, ranks=1):
+    # Unbound: others may use the cores that mpirun would choose.
+    launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
+    return [*launch, str(PROGRAM), *map(str, arguments)]
+
+
+class ProgramTest(unittest.TestCase):
+    """Each test in a folder of its own."""
+
+    maxDiff = 4000
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.out = self.folder / "out" / "small"
+
+    def write_job(self, text=JOB, name="job.toml"):
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def shearwake(self, *arguments, ranks=1, expect=0, prefix=(), timeout_s=60):
+        """Runs to the end; `expect` is the exit code (None: any)."""
+        done = subprocess.run([*prefix, *command(*arguments, ranks=ranks)], cwd=self.folder,
+                              env=environment(), stdin=subprocess.DEVNULL, capture_output=True,
+                              encoding="utf-8", errors="replace", timeout=timeout_s, check=False)
+        done.said = done.stdout + done.stderr
+        if expect is not None:
+            self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
+        return done
+
+    def start(self, *arguments, ranks=1):
+        """Starts and does not wait; a process group of its own."""
+        process = subprocess.Popen(command(*arguments, ranks=ranks), cwd=self.folder,
+                                   env=environment(), stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   encoding="utf-8", start_new_session=True)
+        self.addCleanup(self._end, process)
+        return process
+
+    @staticmethod
+    def _end(process):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+
+    def wait_for(self, condition, what, timeout_s=30):
+        end = time.monotonic() + timeout_s
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
+            time.sleep(0.005)
+
+    def says(self, text, *words):
+        for word in words:
+            self.assertIn(word, text)
+
+
+def case_files(out):
+    return sorted((out / "cases").glob("*.h5"))
+
+
+def plan(out):
+    return json.loads((out / "plan.json").read_text(encoding="utf-8"))
+
+
+def plan_ids(out):
+    return [case["id"] for case in plan(out)["cases"]]
+
+
+def journal(out):
+    lines = (out / "journal.jsonl").read_text(encoding="utf-8").splitlines()
+    return [json.loads(line) for line in lines]
+
+
+def started(out):
+    return [line["id"] for line in journal(out) if line["event"] == "started"]
+
+
+def table(out):
+    """Rows of the CSV table without what depends on the machine."""
+    path = out / "tables" / f"{plan(out)['name']}.csv"
+    with open(path, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        del row["wall_s"]
+    return rows
+
+
+def is_number(text):
+    with contextlib.suppress(ValueError):
+        float(text)
+        return True
+    return False
+
+
+def assert_same_table(test, first, second, tolerance=1e-9):
+    """Equal words, and numbers equal to the tolerance relative to the column's largest."""
+    test.assertEqual([list(row) for row in first], [list(row) for row in second])
+    for column in first[0]:
+        pairs = [(a[column], b[column]) for a, b in zip(first, second)]
+        numbers = [(float(a), float(b)) for a, b in pairs if is_number(a) and is_number(b)]
+        largest = max((abs(a) for a, _ in numbers), default=0.0)
+        for a, b in pairs:
+            if is_number(a) and is_number(b):
+                # 9 digits are printed.
+                test.assertLessEqual(abs(float(a) - float(b)), max(tolerance, 1.1e-8) * largest,
+                                     f"{column}: {a} and {b}")
+            else:
+                test.assertEqual(a, b, column)

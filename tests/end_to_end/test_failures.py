@@ -1,0 +1,231 @@
+"""Cases that fail beside good ones; files and disks that are in a bad way."""
+import os
+import subprocess
+import time
+import unittest
+
+import h5py
+
+from program import (PROGRAM, SWEEP, ProgramTest, assert_same_table, case_files, plan, plan_ids,
+                     started, table, without_reference)
+
+X = 'x = "load.modulation.am_frequency_Hz"'
+OVERFLOWING = without_reference((SWEEP, '"load.peak_Pa" = [100.0, 1e200]'), (X, 'x = "load.peak_Pa"'))
+ABSURD = without_reference((SWEEP, '"domain.spacing_mm" = [1.5, 0.005]'), (X, 'x = "domain.spacing_mm"'),
+                           ("extent_mm = [64.0, 48.0]", "extent_mm = [60.0, 60.0]"), ("frames = true", ""))
+NOBODY = 65534
+
+
+class FailingCase(ProgramTest):
+    def test_a_failing_case_leaves_the_others_alone(self):
+        self.write_job(OVERFLOWING)
+        for ranks in (1, 2):
+            out = self.folder / f"on {ranks}"
+            said = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).said
+            good, bad = plan_ids(out)
+            self.says(said, f"case {bad} failed", "not finite", "1 computed now", "1 failed")
+            self.assertEqual([path.stem for path in case_files(out)], [good])
+            said = self.shearwake("status", out).said
+            self.says(said, "1 done", "1 failed", f"failed {bad}", "not finite", "--retry-failed")
+            self.shearwake("reduce", out)
+            rows = {row["id"]: row for row in table(out)}
+            self.assertEqual(rows[good]["status"], "complete")
+            self.assertEqual(rows[bad]["status"], "failed")
+            self.assertIn("not finite", rows[bad]["note"])
+            self.assertEqual(rows[bad]["eta_at_1"], "")
+
+            said = self.shearwake("run", "job.toml", "--out", out, ranks=ranks, expect=4).said
+            self.says(said, "0 computed now", "not tried again without --retry-failed")
+            self.assertEqual(started(out).count(bad), 1)
+            self.shearwake("run", "job.toml", "--out", out, "--retry-failed", ranks=ranks, expect=4)
+            self.assertEqual((started(out).count(bad), started(out).count(good)), (2, 1))
+            self.assertEqual(list(out.rglob("*.part")), [])
+
+    def test_fail_fast_stops_at_the_first(self):
+        self.write_job(OVERFLOWING.replace("[100.0, 1e200]", "[1e200, 1e201, 100.0]"))
+        said = self.shearwake("run", "job.toml", "--fail-fast", expect=4).said
+        self.assertEqual(len(started(self.out)), 1, said)
+
+    def test_a_case_larger_than_the_machine_is_refused_before_it_allocates(self):
+        self.write_job(ABSURD)
+        began = time.monotonic()
+        limit = ["prlimit", "--as=3000000000"]  # a small machine, wherever this runs
+        said = self.shearwake("run", "job.toml", prefix=limit, expect=4).said
+        self.assertLess(time.monotonic() - began, 20.0)
+        good, bad = plan_ids(self.out)
+        self.says(said, f"case {bad} failed", "out of memory", "GB", "domain.spacing_mm")
+        self.assertEqual([path.stem for path in case_files(self.out)], [good])
+        self.says(self.shearwake("status", self.out).said, "out of memory")
+
+
+class Damage(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job()
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        self.before = table(self.out)
+
+    def test_a_truncated_case_is_told_and_computed_again(self):
+        for keep in (0.5, 0.02, 0.0):
+            victim = case_files(self.out)[1]
+            size = victim.stat().st_size
+            os.truncate(victim, int(keep * size))
+            self.says(self.shearwake("status", self.out).said, "3 done", "damaged", victim.stem)
+            said = self.shearwake("show", victim, expect=6).said
+            self.says(said, victim.name, "no whole case file")
+            self.says(self.shearwake("reduce", self.out).said, "3 of them whole")
+            rows = {row["id"]: row for row in table(self.out)}
+            self.assertEqual(rows[victim.stem]["status"], "damaged")
+            self.says(self.shearwake("run", "job.toml").said, "1 computed now", "3 there before")
+            self.assertEqual(victim.stat().st_size, size)
+            self.shearwake("reduce", self.out)
+            assert_same_table(self, self.before, table(self.out))
+
+    def test_a_file_of_another_case_is_not_taken_for_it(self):
+        first, second = case_files(self.out)[:2]
+        second.write_bytes(first.read_bytes())
+        self.shearwake("reduce", self.out)
+        rows = {row["id"]: row for row in table(self.out)}
+        self.assertEqual(rows[second.stem]["status"], "damaged")
+        self.says(self.shearwake("run", "job.toml").said, "1 computed now")
+
+    def test_a_file_that_is_no_hdf5_is_told(self):
+        for content in (b"", b"\x89HDF\r\n\x1a\n", b"words " * 1000):
+            case_files(self.out)[0].write_bytes(content)
+            self.says(self.shearwake("status", self.out).said, "3 done")
+            self.shearwake("show", case_files(self.out)[0], expect=6)
+            self.shearwake("reduce", self.out)
+        with h5py.File(case_files(self.out)[0], "w") as file:
+            file["something"] = 1.0
+        self.says(self.shearwake("show", case_files(self.out)[0], expect=6).said, "shearwake case")
+        self.shearwake("show", self.folder / "nothing.h5", expect=6)
+        self.shearwake("show", self.folder, expect=6)
+        self.says(self.shearwake("run", "job.toml").said, "1 computed now")
+
+    def test_folders_that_are_no_output_are_refused(self):
+        for verb in ("status", "reduce"):
+            for folder in ("nowhere", self.folder):
+                self.says(self.shearwake(verb, folder, expect=6).said, "plan.json")
+            (self.out / "plan.json").write_text('{"schema": 1', encoding="utf-8")
+            self.says(self.shearwake(verb, self.out, expect=6).said, "is no plan")
+            (self.out / "plan.json").write_text("[1, 2]", encoding="utf-8")
+            self.says(self.shearwake(verb, self.out, expect=6).said, "is no plan")
+
+
+class ReadOnly(ProgramTest):
+    def as_nobody(self):
+        """Permission bits do not bind root: run as nobody then."""
+        os.chmod(self.folder, 0o777)
+        if os.geteuid() != 0:
+            return []
+        prefix = ["setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups"]
+        if subprocess.run([*prefix, str(PROGRAM), "--version"], capture_output=True,
+                          check=False).returncode != 0:
+            self.skipTest("nobody cannot start the program where it was built")
+        return prefix
+
+    def lock(self, folder):
+        """Nobody may write here any more, and the test may clean up in the end."""
+        os.chmod(folder, 0o555)
+        self.addCleanup(os.chmod, folder, 0o777)
+
+    def test_a_read_only_place_is_told(self):
+        self.write_job()
+        nobody = self.as_nobody()
+        self.lock(self.folder)
+        said = self.shearwake("run", "job.toml", prefix=nobody, expect=6).said
+        self.says(said, "cannot make the folder", "out", "Permission denied")
+
+    def test_a_read_only_output_is_told(self):
+        self.write_job()
+        nobody = self.as_nobody()
+        self.shearwake("run", "job.toml", "--shard", "1/4", prefix=nobody)
+        for folder in (self.out, self.out / "cases"):
+            os.chmod(self.out / "journal.jsonl", 0o444)
+            self.lock(folder)
+            said = self.shearwake("run", "job.toml", prefix=nobody, expect=6).said
+            self.says(said, "Permission denied", str(self.out.relative_to(self.folder)))
+            self.assertLess(len(said), 2000, said)
+            self.assertNotIn("internal error", said)
+            os.chmod(folder, 0o777)
+        os.chmod(self.out / "journal.jsonl", 0o666)
+        self.lock(self.out)
+        self.says(self.shearwake("reduce", self.out, prefix=nobody, expect=6).said, "Permission denied")
+
+    def test_an_unreadable_output_is_told(self):
+        self.write_job()
+        nobody = self.as_nobody()
+        self.shearwake("run", "job.toml", "--shard", "1/4", prefix=nobody)
+        os.chmod(self.out, 0o000)
+        self.addCleanup(os.chmod, self.out, 0o777)
+        for verb in (["run", "job.toml"], ["status", self.out], ["reduce", self.out]):
+            said = self.shearwake(*verb, prefix=nobody, expect=6).said
+            self.says(said, "Permission denied")
+            self.assertNotIn("internal error", said)
+
+
+class FullDisk(ProgramTest):
+    def mount(self, megabytes):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={megabytes}m", "none", disk],
+                                 capture_output=True, text=True, check=False)
+        if mounted.returncode != 0:
+            self.skipTest(f"no small disk can be mounted: {mounted.stderr.strip()}")
+        self.addCleanup(subprocess.run, ["umount", "-l", disk], check=False)
+        return disk
+
+    def enlarge(self, disk):
+        subprocess.run(["mount", "-o", "remount,size=100m", disk], check=True)
+
+    def test_cases_fail_on_a_full_disk_and_go_on_when_there_is_room(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        disk = self.mount(3)
+        out = disk / "small"
+        self.write_job()
+        said = self.shearwake("run", "job.toml", "--out", out, expect=4).said
+        self.says(said, "MB", "left", "failed")
+        self.assertEqual(list(out.rglob("*.part")), [])
+        for path in case_files(out):
+            with h5py.File(path) as file:
+                self.assertGreater(file["surface/u_z"][()].size, 0)
+        self.says(self.shearwake("status", out).said, f"{len(case_files(out))} done", "failed")
+        self.enlarge(disk)
+        self.shearwake("run", "job.toml", "--out", out, "--retry-failed")
+        self.assertEqual(len(case_files(out)), 4)
+
+    def test_a_disk_that_others_fill_meanwhile(self):
+        """Not a byte is left when the files are written: the check before could not see it."""
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        disk = self.mount(12)
+        out = disk / "small"
+        self.write_job()
+        self.shearwake("run", "job.toml", "--out", out, "--shard", "1/4")
+        for ranks in (1, 2):
+            with open(disk / "filler", "wb", buffering=0) as file:
+                try:
+                    while file.write(bytes(4096)):
+                        pass
+                except OSError:
+                    pass
+            done = self.shearwake("run", "job.toml", "--out", out, "--retry-failed", ranks=ranks,
+                                  expect=None)
+            self.assertIn(done.returncode, (4, 6), done.said)
+            self.assertRegex(done.said, "No space left|MB left")
+            self.assertNotIn("internal error", done.said)
+            self.shearwake("reduce", out, expect=6)
+            self.assertEqual(len(case_files(out)), 1)
+            os.remove(disk / "filler")
+            self.says(self.shearwake("status", out).said, "1 done")
+        self.enlarge(disk)
+        self.shearwake("run", "job.toml", "--out", out, "--retry-failed")
+        self.shearwake("reduce", out)
+        self.assertEqual({row["status"] for row in table(out)}, {"complete"})
+        self.assertEqual(len(plan(out)["cases"]), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()

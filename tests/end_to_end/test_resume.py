@@ -1,0 +1,149 @@
+"""Runs that are ended in the middle, and go on."""
+import contextlib
+import os
+import signal
+import unittest
+from pathlib import Path
+
+import h5py
+
+from program import (LONG, ProgramTest, assert_same_table, case_files, journal, plan_ids, started,
+                     table)
+
+
+def alive(pid):
+    with contextlib.suppress(OSError):
+        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rsplit(")", 1)[1].split()[0]
+        return state != "Z"
+    return False
+
+
+def descendants(pid):
+    found = []
+    with contextlib.suppress(OSError):
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            for child in map(int, (task / "children").read_text(encoding="utf-8").split()):
+                found += [child, *descendants(child)]
+    return found
+
+
+class Resume(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job(LONG)
+
+    def assert_undamaged(self):
+        for path in case_files(self.out):
+            with h5py.File(path) as file:
+                self.assertIn(file.attrs["status"], ("complete", b"complete"))
+                self.assertGreater(file["surface/u_z"][()].size, 0)
+
+    def assert_finishes_as_if_undisturbed(self):
+        there = len(case_files(self.out))
+        said = self.shearwake("run", "job.toml").said
+        self.says(said, f"{there} there before", f"{12 - there} computed now")
+        self.assertEqual(list(self.out.rglob("*.part")), [])
+        whole = self.folder / "whole"
+        self.shearwake("run", "job.toml", "--out", whole)
+        for out in (self.out, whole):
+            self.shearwake("reduce", out)
+        assert_same_table(self, table(whole), table(self.out))
+
+    def test_killed_in_the_middle_it_goes_on(self):
+        process = self.start("run", "job.toml")
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        os.killpg(process.pid, signal.SIGKILL)
+        self.assertEqual(process.wait(), -signal.SIGKILL)
+        self.assertLess(len(case_files(self.out)), 12, "it was too fast to be killed")
+        self.assert_undamaged()
+        said = self.shearwake("status", self.out).said
+        self.says(said, f"{len(case_files(self.out))} done", "0 running", "shearwake run")
+        self.assert_finishes_as_if_undisturbed()
+
+    def test_killed_on_two_ranks_it_goes_on(self):
+        process = self.start("run", "job.toml", "--ranks-per-case", 2, ranks=2)
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        ranks = descendants(process.pid)
+        self.assertGreaterEqual(len(ranks), 2)
+        for pid in (process.pid, *ranks):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        self.wait_for(lambda: not any(map(alive, ranks)), "the ranks to end")
+        self.assertLess(len(case_files(self.out)), 12, "it was too fast to be killed")
+        self.assert_undamaged()
+        self.assert_finishes_as_if_undisturbed()
+
+    def test_a_signal_stops_it_after_the_current_case(self):
+        for kind in (signal.SIGTERM, signal.SIGINT):
+            with self.subTest(kind.name):
+                there = len(case_files(self.out))
+                process = self.start("run", "job.toml")
+                self.wait_for(lambda: len(case_files(self.out)) > there, "a case")  # noqa: B023
+                process.send_signal(kind)
+                said = process.communicate(timeout=30)[0]
+                self.assertEqual(process.returncode, 75, said)
+                self.says(said, "stopped early", "next: shearwake run job.toml")
+                self.assertLess(len(case_files(self.out)), 12, "it was too fast to be stopped")
+                self.assertEqual(len(case_files(self.out)), len(set(started(self.out))))
+                self.assertEqual(journal(self.out)[-1]["how"], "stopped")
+                self.assertEqual(list(self.out.rglob("*.part")), [])
+                self.says(self.shearwake("status", self.out).said, "0 running", "0 failed")
+        self.assert_finishes_as_if_undisturbed()
+
+    def test_a_stopped_run_names_the_command_that_goes_on(self):
+        process = self.start("run", "job.toml", "--out", "else where", "-S", "load.peak_Pa=20")
+        self.wait_for(lambda: case_files(self.folder / "else where"), "a case")
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate(timeout=30)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.says(said, "next: shearwake run job.toml", "-S load.peak_Pa=20", "--out 'else where'")
+
+    def test_a_second_signal_ends_it_at_once(self):
+        process = self.start("run", "job.toml")
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+        self.assertIn(process.returncode, (75, -signal.SIGTERM, -signal.SIGINT))
+        self.assert_undamaged()
+
+    def test_what_a_kill_leaves_half_written_is_cleared_away(self):
+        self.shearwake("run", "job.toml", "--shard", "1/12")
+        part = self.out / "cases" / f"{plan_ids(self.out)[1]}.h5.part"
+        part.write_bytes(b"half")
+        with open(self.out / "journal.jsonl", "a", encoding="utf-8") as file:
+            file.write('{"event":"star')  # cut short, without an end of line
+        said = self.shearwake("run", "job.toml", "--shard", "2/12").said
+        self.says(said, "1 computed now")
+        self.assertFalse(part.exists())
+        lines = (self.out / "journal.jsonl").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(sum("run_started" in line and line.startswith('{"event":"run_started"')
+                             for line in lines), 2, "an event was lost in the line that was cut short")
+
+
+class TwoRuns(ProgramTest):
+    def test_a_second_run_into_one_folder_is_refused(self):
+        self.write_job(LONG.replace("1000, 12]", "1000, 100]"))
+        first = self.start("run", "job.toml")
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        self.says(self.shearwake("status", self.out).said, "1 running")
+        said = self.shearwake("run", "job.toml", expect=2).said
+        self.says(said, "another run", "--shard")
+        first.send_signal(signal.SIGTERM)
+        said = first.communicate(timeout=30)[0]
+        self.assertEqual(first.returncode, 75, said)
+        self.assertEqual(len(case_files(self.out)), len(started(self.out)))
+
+    def test_shards_run_beside_each_other(self):
+        self.write_job(LONG)
+        runs = [self.start("run", "job.toml", "--shard", f"{i}/3") for i in (1, 2, 3)]
+        for process in runs:
+            said = process.communicate(timeout=60)[0]
+            self.assertEqual(process.returncode, 0, said)
+        self.assertEqual(len(case_files(self.out)), 12)
+        self.assertEqual(list(self.out.rglob("*.part")), [])
+        self.says(self.shearwake("run", "job.toml").said, "12 there before")
+
+
+if __name__ == "__main__":
+    unittest.main()

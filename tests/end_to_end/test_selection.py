@@ -1,0 +1,81 @@
+"""Parts of a sweep: --only, --shard, -S, --out."""
+import unittest
+
+from program import ProgramTest, assert_same_table, case_files, plan_ids, started, table
+
+
+class Selection(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job()
+
+    def test_only_computes_what_is_named(self):
+        self.shearwake("run", "job.toml", "--shard", "1/4")
+        ids = plan_ids(self.out)
+        said = self.shearwake("run", "job.toml", "--only", f"{ids[1]},{ids[3]}").said
+        self.says(said, "2 computed now", "2 not selected")
+        self.assertEqual(started(self.out), [ids[0], *sorted((ids[1], ids[3]), key=started(self.out).index)])
+        self.assertEqual({path.stem for path in case_files(self.out)}, {ids[0], ids[1], ids[3]})
+        self.says(self.shearwake("status", self.out).said, "3 done", "1 left", "shearwake run")
+
+    def test_an_unknown_id_is_refused(self):
+        self.shearwake("run", "job.toml", "--shard", "1/4")
+        name = plan_ids(self.out)[2]
+        wrong = name[:-1] + ("0" if name[-1] != "0" else "1")
+        said = self.shearwake("run", "job.toml", "--only", wrong, expect=2).said
+        self.says(said, wrong, f"did you mean {name}")
+
+    def test_shards_make_the_whole(self):
+        whole = self.folder / "whole"
+        self.shearwake("run", "job.toml", "--out", whole)
+        self.shearwake("reduce", whole)
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now")
+        self.says(self.shearwake("run", "job.toml", "--shard", "2/2").said, "2 computed now")
+        self.shearwake("reduce", self.out)
+        self.assertEqual(len(set(started(self.out))), 4)
+        assert_same_table(self, table(whole), table(self.out))
+        for wrong in ("0/2", "3/2", "x", "1/0", "1/2/3", "-1/2"):
+            self.says(self.shearwake("run", "job.toml", f"--shard={wrong}", expect=2).said, "I/N", wrong)
+
+    def test_overrides_change_the_plan_and_are_remembered(self):
+        self.shearwake("run", "job.toml", "--out", "twice", "-S", "load.peak_Pa=200", "-S",
+                       'job.title="twice the load"')
+        self.shearwake("run", "job.toml", "--out", "once")
+        once, twice = self.folder / "once", self.folder / "twice"
+        self.assertFalse(set(plan_ids(once)) & set(plan_ids(twice)))
+        for out in (once, twice):
+            self.shearwake("reduce", out)
+        for a, b in zip(table(once), table(twice)):
+            self.assertAlmostEqual(2.0 * float(a["peak_um"]), float(b["peak_um"]), delta=1e-6)
+            self.assertAlmostEqual(float(a["eta_at_1"]), float(b["eta_at_1"]), delta=1e-8)
+        said = self.shearwake("show", case_files(twice)[0]).said
+        self.says(said, "twice the load", "load.peak_Pa=200")
+
+    def test_status_names_a_command_that_goes_on_with_overrides(self):
+        self.shearwake("run", "job.toml", "--out", "part", "-S", "load.peak_Pa=200", "--shard", "1/2")
+        said = self.shearwake("status", "part").said
+        command = next(line for line in said.splitlines() if line.startswith("next: shearwake "))
+        words = command.removeprefix("next: shearwake ").replace("'", "").split()
+        self.says(self.shearwake(*words).said, "2 computed now", "2 there before")
+
+    def test_a_wrong_override_is_refused(self):
+        self.says(self.shearwake("run", "job.toml", "-S", "load.peek_Pa=200", expect=3).said,
+                  "peek_Pa", "did you mean peak_Pa")
+        self.says(self.shearwake("run", "job.toml", "-S", "load.peak_Pa", expect=2).said, "key=value")
+        self.assertFalse(self.out.exists())
+
+    def test_a_folder_of_another_plan_is_refused(self):
+        self.shearwake("run", "job.toml", "--shard", "1/4")
+        before = (self.out / "plan.json").read_bytes()
+        said = self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).said
+        self.says(said, "another plan", "--out")
+        self.assertEqual((self.out / "plan.json").read_bytes(), before)
+        other = self.folder / "other"
+        other.mkdir()
+        (other / "thesis.txt").write_text("not to be touched", encoding="utf-8")
+        self.says(self.shearwake("run", "job.toml", "--out", other, expect=2).said, "not empty")
+        self.assertEqual([path.name for path in other.iterdir()], ["thesis.txt"])
+
+
+if __name__ == "__main__":
+    unittest.main()

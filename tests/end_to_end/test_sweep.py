@@ -1,0 +1,186 @@
+"""A whole sweep as a user does it: check, plan, run, status, reduce, show, and what is in the files."""
+import json
+import re
+import tomllib
+import unittest
+
+import h5py
+import numpy
+import xarray
+
+from program import (JOB, ProgramTest, assert_same_table, case_files, journal, plan, plan_ids,
+                     started, table)
+
+PROVENANCE = ["title", "case_id", "case", "job", "program", "git_id", "compiler", "build_type",
+              "mpi_version", "fftw_version", "hdf5_version", "host", "ranks", "wall_s", "started",
+              "ended", "status"]
+
+
+def numbers_of(path):
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+    with h5py.File(path) as file:
+        file.visititems(visit)
+    return found
+
+
+class Sweep(ProgramTest):
+    def sweep(self, ranks, name="small"):
+        out = self.folder / "out" / name
+        done = self.shearwake("run", "job.toml", "--out", out, ranks=ranks)
+        return out, done
+
+    def test_every_verb_in_turn(self):
+        self.write_job()
+        said = self.shearwake("check", "job.toml").said
+        self.says(said, "4 cases", "no mistakes")
+        listed = re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml").said)
+        self.assertEqual(len(listed), 4)
+
+        said = self.shearwake("run", "job.toml").said
+        self.says(said, "4 computed now", "shearwake reduce out/small")
+        self.assertEqual(sorted(plan_ids(self.out)), sorted(listed))
+        self.assertEqual([path.stem for path in case_files(self.out)], sorted(listed))
+        self.assertEqual((self.out / "job.toml").read_text(encoding="utf-8"), JOB)
+        self.assertEqual(list(self.out.rglob("*.part")), [])
+
+        before = {path: path.stat().st_mtime_ns for path in case_files(self.out)}
+        said = self.shearwake("run", "job.toml").said
+        self.says(said, "0 computed now", "4 there before")
+        self.assertEqual(sorted(started(self.out)), sorted(listed), "a whole case was started again")
+        self.assertEqual(before, {path: path.stat().st_mtime_ns for path in case_files(self.out)})
+
+        self.says(self.shearwake("status", self.out).said, "4 done", "0 failed", "reduce")
+        said = self.shearwake("reduce", self.out).said
+        self.says(said, "4 of them whole", "small.csv", "small.md")
+        rows = table(self.out)
+        self.assertEqual([row["id"] for row in rows], plan_ids(self.out))
+        self.assertEqual([row["load.modulation.am_frequency_Hz"] for row in rows],
+                         ["400", "500", "1000", ""])
+        for column in ("eta_at_1", "eta_period_1", "ipr_at_1", "ipr_abs_period_mm2",
+                       "participation_period_mm2", "peak_um", "focal_rms_um", "impulse_mN_ms",
+                       "peak_frequency_Hz", "rms_40_400_um", "mach_angle_deg", "status", "note"):
+            self.assertIn(column, rows[0])
+        self.assertEqual({row["status"] for row in rows}, {"complete"})
+
+        said = self.shearwake("show", self.out / "cases" / f"{plan_ids(self.out)[0]}.h5").said
+        self.says(said, plan_ids(self.out)[0], "a small sweep, \u03b7", "complete", "eta_at_1",
+                  "am_frequency_Hz")
+
+    def test_other_numbers_of_ranks_give_the_same_numbers(self):
+        self.write_job()
+        one, _ = self.sweep(1, "one")
+        first = {path.stem: numbers_of(path) for path in case_files(one)}
+        self.shearwake("reduce", one)
+        for ranks, teams in ((2, "auto"), (2, 2), (3, 3)):
+            out = self.folder / "out" / f"{ranks}-{teams}"
+            self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", teams, ranks=ranks)
+            self.shearwake("reduce", out)
+            assert_same_table(self, table(one), table(out))
+            self.assertEqual({path.stem for path in case_files(out)}, set(first))
+            for path in case_files(out):
+                other = numbers_of(path)
+                self.assertEqual(set(other), set(first[path.stem]))
+                self.assertIn("surface/u_z", other)
+                for name, values in first[path.stem].items():
+                    # Sums over slabs are taken in another order, nothing else differs. What is
+                    # left of sum u_z when up and down cancel is as exact as sum |u_z|; its square
+                    # and fits keep fewer digits.
+                    tolerance = 1e-9 if values.ndim == 0 or name == "ipr" else 1e-12
+                    scale = first[path.stem]["sum_abs_u"] if name == "sum_u" else values
+                    largest = numpy.nanmax(numpy.abs(scale), initial=0.0)
+                    numpy.testing.assert_allclose(other[name], values, rtol=0.0,
+                                                  atol=tolerance * largest, err_msg=name)
+
+    def test_same_job_gives_the_same_bytes_of_numbers(self):
+        self.write_job()
+        once, _ = self.sweep(1, "once")
+        again, _ = self.sweep(1, "again")
+        self.assertEqual((once / "plan.json").read_bytes(), (again / "plan.json").read_bytes())
+        for path in case_files(once):
+            other = numbers_of(again / "cases" / path.name)
+            for name, values in numbers_of(path).items():
+                if name != "wall_s":
+                    numpy.testing.assert_array_equal(other[name], values, err_msg=name)
+
+    def test_xarray_opens_a_case_as_it_is(self):
+        self.write_job()
+        out, _ = self.sweep(1)
+        for path in case_files(out):
+            for group in (None, "surface", "traces"):
+                with xarray.open_dataset(path, group=group) as data:
+                    self.assertGreater(len(data.data_vars), 0)
+                    for name, variable in data.variables.items():
+                        self.assertTrue(variable.attrs.get("long_name"), name)
+                        # xarray takes the units of times into the values.
+                        self.assertTrue(variable.attrs.get("units") or
+                                        variable.encoding.get("units"), name)
+            with xarray.open_dataset(path, group="surface") as data:
+                self.assertEqual(data["u_z"].dims, ("time", "depth", "x", "y"))
+                self.assertEqual(data["u_z"].shape, (40, 1, data.x.size, data.y.size))
+                self.assertTrue(numpy.all(numpy.isfinite(data["u_z"])))
+                largest = float(numpy.abs(data["u_z"]).max())
+            with xarray.open_dataset(path) as data:
+                self.assertEqual(data["eta"].dims, ("depth", "time"))
+                self.assertEqual(float(data["peak"].max()), largest)
+            with xarray.open_dataset(path, group="traces") as data:
+                self.assertEqual(data["u_z"].dims, ("trace", "time"))
+                self.assertEqual(data["amplitude"].dims, ("trace", "frequency"))
+
+    def test_files_say_where_they_come_from(self):
+        self.write_job()
+        out, _ = self.sweep(2)
+        cases = {case["id"]: case for case in plan(out)["cases"]}
+        for path in case_files(out):
+            with h5py.File(path) as file:
+                attributes = dict(file.attrs)
+            text = {key: value.decode() if isinstance(value, bytes) else value
+                    for key, value in attributes.items()}
+            for name in PROVENANCE:
+                self.assertIn(name, text)
+                self.assertNotEqual(text[name], "", name)
+            self.assertEqual(text["case_id"], path.stem)
+            self.assertEqual(text["job"], JOB)
+            self.assertEqual(text["title"], "a small sweep, \u03b7 against frequency")
+            self.assertEqual(text["status"], "complete")
+            self.assertEqual(text["case"], cases[path.stem]["case"])
+            self.assertIn("load", tomllib.loads(text["case"]))
+            self.assertGreater(text["wall_s"], 0.0)
+            self.assertRegex(text["started"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+            self.assertLessEqual(text["started"], text["ended"])
+            self.assertEqual(json.loads(text["settings"]), cases[path.stem]["settings"])
+
+    def test_frames_have_an_xdmf_beside_them(self):
+        self.write_job()
+        out, _ = self.sweep(1)
+        for path in case_files(out):
+            text = path.with_suffix(".xdmf").read_text(encoding="utf-8")
+            self.assertIn(path.name + ":/surface/u_z", text)
+
+    def test_ranks_say_things_once(self):
+        self.write_job()
+        for verb in ("check", "plan", "run"):
+            said = self.shearwake(verb, "job.toml", ranks=2).said
+            lines = [line for line in said.splitlines() if len(line) > 20]
+            self.assertEqual(len(lines), len(set(lines)), said)
+        for verb in ("status", "reduce"):
+            said = self.shearwake(verb, self.out, ranks=2).said
+            lines = [line for line in said.splitlines() if line]
+            self.assertEqual(len(lines), len(set(lines)), said)
+        said = self.shearwake("check", "nowhere.toml", ranks=2, expect=6).said
+        self.assertEqual(said.count("cannot read"), 1, said)
+
+    def test_the_journal_tells_the_run(self):
+        self.write_job()
+        out, _ = self.sweep(2)
+        events = [line["event"] for line in journal(out)]
+        self.assertEqual((events[0], events[-1]), ("run_started", "run_ended"))
+        self.assertEqual(events.count("started"), 4)
+        self.assertEqual(events.count("finished"), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()
