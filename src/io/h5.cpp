@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <hdf5_hl.h>
 #include <fmt/format.h>
+#include <optional>
 #include <utility>
 
 namespace shearwake::h5 {
@@ -35,6 +36,16 @@ void write_attribute(hid_t object, const std::string& name, hid_t type, const vo
     check(H5Awrite(attribute.raw(), type, value), "write attribute " + name);
 }
 
+/// "No space left on device" out of "file write failed: time = ..., error message = '...', buf
+/// ...".
+std::optional<std::string> system_reason(const std::string& message) {
+    constexpr std::string_view before = "error message = '";
+    const auto found = message.find(before);
+    if (found == std::string::npos) return std::nullopt;
+    const auto begin = found + before.size();
+    return message.substr(begin, message.find('\'', begin) - begin);
+}
+
 } // namespace
 
 std::string last_error() {
@@ -47,7 +58,7 @@ std::string last_error() {
         },
         &message);
     H5Eclear2(H5E_DEFAULT);
-    return message;
+    return system_reason(message).value_or(message);
 }
 
 void check(herr_t status, const std::string& what) {

@@ -100,7 +100,9 @@ class Damage(ProgramTest):
             file["something"] = 1.0
         self.says(self.shearwake("show", case_files(self.out)[0], expect=6).said, "shearwake case")
         self.shearwake("show", self.folder / "nothing.h5", expect=6)
-        self.shearwake("show", self.folder, expect=6)
+        said = self.shearwake("show", self.folder, expect=6).said
+        self.says(said, "Is a directory")
+        self.assertEqual(len(said.splitlines()), 1, said)
         self.says(self.shearwake("run", "job.toml").said, "1 computed now")
 
     def test_folders_that_are_no_output_are_refused(self):
