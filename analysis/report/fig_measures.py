@@ -25,9 +25,9 @@ MEASURES = [
      "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "label": "(Σu)² / Σu² (mm²)",
      "log": True,
      "caption": "Read with care: the literal (Σu)²/Σu² measures compressibility, not spread. "
-                "Nearly incompressible tissue keeps its volume, so what sinks in one place rises in "
-                "another and Σu is close to zero; the value is then tiny whatever the pattern is. "
-                "The two areas above measure the spread."},
+                "Nearly incompressible tissue keeps its volume, so what sinks in one place rises "
+                "in another and Σu is close to zero; the value is then tiny whatever the pattern "
+                "is. The two areas above measure the spread."},
 ]
 
 

@@ -103,6 +103,7 @@ def arrange(shots, limits):
     width = (style.WIDTH_in - left - right - (columns - 1) * between) / columns
     height = width * (limits[3] - limits[2]) / (limits[1] - limits[0])
     if height > 5.0:
+        left += 0.5 * columns * width * (1.0 - 5.0 / height)
         width, height = width * 5.0 / height, 5.0
     total = top + rows * height + (rows - 1) * 0.36 + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))
@@ -159,8 +160,8 @@ def caption(shots, any_lines, clipped):
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
         text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at "
-                 f"that instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the path has "
-                 "made them.")
+                 f"that instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the "
+                 "path has made them.")
     without = {}
     for s in shots:
         if reason := s.case.notes.get("mach_angle_theory_deg"):

@@ -27,7 +27,8 @@ figcaption { max-width: 44rem; margin-top: .3rem; }
 table { border-collapse: collapse; font-size: .82rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .55rem; text-align: left; vertical-align: bottom;
   border-bottom: 1px solid #e4e4e4; }
-th { font-weight: 600; min-width: 5.6rem; max-width: 9rem; line-height: 1.35; border-bottom: 1.5px solid #888; }
+th { font-weight: 600; min-width: 5.6rem; max-width: 9rem; line-height: 1.35;
+  border-bottom: 1.5px solid #888; }
 td { white-space: nowrap; }
 .n { text-align: right; }
 td.empty { color: #999; }
@@ -68,7 +69,8 @@ def counts(sweep):
 def picture(figure, folder):
     data = base64.b64encode((folder / (figure.name + ".png")).read_bytes()).decode("ascii")
     return (f'<h2>{escape(figure.title)}</h2><figure id="{escape(figure.name)}">'
-            f'<div class="scroll"><img alt="{escape(figure.alternative)}" src="data:image/png;base64,{data}"></div>'
+            f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
+            f'src="data:image/png;base64,{data}"></div>'
             f"<figcaption>{escape(figure.caption)}</figcaption></figure>")
 
 
