@@ -52,7 +52,7 @@ TEST_CASE("the journal tells the latest of each case, and passes over a line cut
     const test::TemporaryFolder folder;
     const Journal journal(folder / "journal.jsonl");
     CHECK(read_journal(folder / "journal.jsonl").cases.empty());
-    journal.run_started(2, 1, 3);
+    journal.run_started(2, 1, 3, {});
     journal.started("a", 2);
     journal.finished("a", 0.5);
     journal.started("b", 2);

@@ -9,6 +9,8 @@ using namespace shearwake;
 
 namespace {
 
+constexpr double plenty_B = 1e12;
+
 struct Cases {
     std::vector<PlannedCase> planned;
     std::vector<const PlannedCase*> pointers() const {
@@ -30,24 +32,25 @@ Cases alike(int count) {
 } // namespace
 
 TEST_CASE("many small cases go side by side, one alone gets all ranks", "[teams]") {
-    const TeamLayout many = choose_teams(alike(400).pointers(), 4, 0);
+    const TeamLayout many = choose_teams(alike(400).pointers(), 4, 0, plenty_B);
     CHECK(many.ranks_per_case == 1);
     CHECK(many.teams == 4);
-    const TeamLayout one = choose_teams(alike(1).pointers(), 4, 0);
+    const TeamLayout one = choose_teams(alike(1).pointers(), 4, 0, plenty_B);
     CHECK(one.ranks_per_case == 4);
     CHECK(one.teams == 1);
 }
 
 TEST_CASE("a wanted team size is kept, and ranks left over join the last team", "[teams]") {
-    const TeamLayout layout = choose_teams(alike(10).pointers(), 5, 2);
+    const TeamLayout layout = choose_teams(alike(10).pointers(), 5, 2, plenty_B);
     CHECK(layout.ranks_per_case == 2);
     CHECK(layout.teams == 2);
     std::vector<int> sizes(2, 0);
     for (int rank = 0; rank < 5; ++rank)
         ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
     CHECK(sizes == std::vector<int>{2, 3});
-    CHECK(choose_teams(alike(3).pointers(), 2, 64).ranks_per_case == 2); // no more than there are
-    CHECK(choose_teams({}, 3, 0).teams >= 1);                            // nothing to do
+    CHECK(choose_teams(alike(3).pointers(), 2, 64, plenty_B).ranks_per_case ==
+          2);                                           // no more than there are
+    CHECK(choose_teams({}, 3, 0, plenty_B).teams >= 1); // nothing to do
 }
 
 TEST_CASE("long cases come first and those of one medium together", "[teams]") {
@@ -62,4 +65,13 @@ TEST_CASE("long cases come first and those of one medium together", "[teams]") {
         return std::find(order.begin(), order.end(), index) - order.begin();
     };
     CHECK(std::abs(place(2) - place(4)) == 1); // the softer medium's two
+}
+
+TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
+    const auto cases = alike(400);
+    const Case& c = cases.planned[0].physics;
+    const auto engine = make_engine(c.solver);
+    const double on_two_B = engine->estimate(c, 2).memory_per_rank_B;
+    REQUIRE(on_two_B < engine->estimate(c, 1).memory_per_rank_B);
+    CHECK(choose_teams(cases.pointers(), 4, 0, on_two_B).ranks_per_case == 2);
 }
