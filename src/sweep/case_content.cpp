@@ -109,7 +109,7 @@ VariableGroup trace_group(const Case& c, const std::vector<TraceSeries>& traces)
           {"trace", "frequency"},
           amplitude,
           "m",
-          "one-sided amplitude spectrum of u_z over the run",
+          "one-sided amplitude spectrum of u_z over the run (its mean at 0 Hz)",
           ""}}};
 }
 
