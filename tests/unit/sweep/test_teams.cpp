@@ -1,6 +1,7 @@
 #include "sweep/teams.hpp"
 
 #include "support/cases.hpp"
+#include "sweep/memory.hpp"
 
 #include <catch2/catch.hpp>
 #include <set>
@@ -51,6 +52,17 @@ TEST_CASE("a wanted team size is kept, and ranks left over join the last team", 
     CHECK(choose_teams(alike(3).pointers(), 2, 64, plenty_B).ranks_per_case ==
           2);                                           // no more than there are
     CHECK(choose_teams({}, 3, 0, plenty_B).teams >= 1); // nothing to do
+}
+
+TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams]") {
+    const Cases cases = alike(400);
+    const Case& c = cases.planned.front().physics;
+    const double on_one_B = memory_needed_B(c, 1), on_four_B = memory_needed_B(c, 4);
+    REQUIRE(on_four_B < on_one_B);
+    CHECK(choose_teams(cases.pointers(), 4, 0, on_one_B).ranks_per_case == 1);
+    CHECK(choose_teams(cases.pointers(), 4, 0, on_four_B).ranks_per_case == 4);
+    // Where none fits, the fastest layout lets each fail by itself.
+    CHECK(choose_teams(cases.pointers(), 4, 0, 1.0).ranks_per_case == 1);
 }
 
 TEST_CASE("long cases come first and those of one medium together", "[teams]") {
