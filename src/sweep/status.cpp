@@ -18,12 +18,13 @@ struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
     double seconds = 0.0; // of the cases done
     std::vector<std::string> damaged;
+    bool at_work = false; // a run computes into the folder now
 };
 
 Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder) {
     Tally tally;
     // A killed run could not say that it ended; its lock is gone all the same.
-    const bool running = is_locked(folder.journal()).value_or(journal.running);
+    tally.at_work = is_locked(folder.journal()).value_or(journal.running);
     for (const IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
@@ -36,7 +37,7 @@ Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const Outp
         if (known && entry->second.state == CaseHistory::State::failed) {
             ++tally.failed;
         } else if (known && entry->second.state == CaseHistory::State::started) {
-            ++(running ? tally.running : tally.interrupted);
+            ++(tally.at_work ? tally.running : tally.interrupted);
         } else {
             ++tally.left;
         }
@@ -52,7 +53,7 @@ void print_status(const OutputFolder& folder) {
     fmt::print("{} cases: {} done, {} running, {} failed, {} left", plan.cases.size(), tally.done,
                tally.running, tally.failed, tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("\n");
+    fmt::print("{}\n", tally.at_work ? "; a run is at work" : "");
     const std::size_t to_do = tally.left + tally.interrupted + tally.running;
     if (tally.done > 0 && to_do > 0)
         fmt::print("to go: {:.3g} s of computing at {:.3g} s a case\n",
@@ -67,7 +68,9 @@ void print_status(const OutputFolder& folder) {
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: its file is not whole; a run computes it again\n", id);
     const std::string run = run_command_line(folder.job(), journal.overrides, folder.root);
-    if (to_do > 0)
+    if (to_do > 0 && tally.at_work)
+        fmt::print("next: wait for the run that is at work\n");
+    else if (to_do > 0)
         fmt::print("next: {}\n", run);
     else if (tally.failed > 0)
         fmt::print("next: {} --retry-failed\n", run);

@@ -57,7 +57,7 @@ class Resume(ProgramTest):
         self.assertLess(len(case_files(self.out)), 12, "it was too fast to be killed")
         self.assert_undamaged()
         said = self.shearwake("status", self.out).said
-        self.says(said, f"{len(case_files(self.out))} done", "0 running", "shearwake run")
+        self.says(said, f"{len(case_files(self.out))} done", "0 running", "next: shearwake run")
         self.assert_finishes_as_if_undisturbed()
 
     def test_killed_on_two_ranks_it_goes_on(self):
@@ -126,7 +126,7 @@ class TwoRuns(ProgramTest):
         self.write_job(LONG.replace("1000, 12]", "1000, 100]"))
         first = self.start("run", "job.toml")
         self.wait_for(lambda: case_files(self.out), "the first case")
-        self.says(self.shearwake("status", self.out).said, "1 running")
+        self.says(self.shearwake("status", self.out).said, "a run is at work")
         said = self.shearwake("run", "job.toml", expect=2).said
         self.says(said, "another run", "--shard")
         first.send_signal(signal.SIGTERM)
