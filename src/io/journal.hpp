@@ -15,7 +15,7 @@ public:
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
     void run_started(int ranks, int teams, std::size_t cases_left,
-                     const std::vector<std::string>& overrides = {}) const;
+                     const std::vector<std::string>& overrides) const;
     void run_ended(const std::string& how) const;
     void started(const std::string& id, int ranks) const;
     void finished(const std::string& id, double seconds) const;
