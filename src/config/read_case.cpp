@@ -130,14 +130,14 @@ SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
     const bool known = !reader.has("engine") || reader.find_choice("engine", engines).has_value();
     Reader options = reader.optional_table("layered");
     LayeredOptions layered;
-    layered.time_step_s = options.find_number("time_step_us", Range::above(0.0));
+    layered.time_step_s = options.find_number("time_step_us", Range::at_least(0.01));
     if (layered.time_step_s && time.frames > 0 &&
         *layered.time_step_s > time.interval_s * (1.0 + 1e-9))
         options.error("time_step_us",
                       fmt::format("must not exceed time.output_interval_us = {:.6g}, and is {:.6g}",
                                   1e6 * time.interval_s, 1e6 * *layered.time_step_s));
     layered.window_factor =
-        options.number_or("window_factor", layered.window_factor, Range::at_least(1.25));
+        options.number_or("window_factor", layered.window_factor, Range::between(1.25, 16.0));
     layered.wrap_suppression =
         options.number_or("wrap_suppression", layered.wrap_suppression, Range::between(10, 1e8));
     layered.interpolation_tolerance = options.number_or(

@@ -11,14 +11,14 @@ Footprint read_footprint(Reader reader) {
     const bool known = !reader.has("shape") || reader.find_choice("shape", shapes).has_value();
     if (!reader.has("shape")) reader.missing("shape");
     if (!known) return footprint; // its other keys are another shape's
-    footprint.fwhm_m = reader.number("fwhm_mm", Range::above(0.0));
+    footprint.fwhm_m = reader.number("fwhm_mm", Range::between(0.01, 1000.0));
     reader.finish();
     return footprint;
 }
 
 Carrier read_carrier(Reader& reader) {
     static const std::array<std::string, 2> carriers = {"averaged", "resolved"};
-    const auto frequency_Hz = reader.find_number("carrier_kHz", Range::above(0.0));
+    const auto frequency_Hz = reader.find_number("carrier_kHz", Range::between(1.0, 1000.0));
     if (reader.choice_or("carrier", "averaged", carriers) == "resolved")
         return ResolvedCarrier{frequency_Hz.value_or(ResolvedCarrier{}.frequency_Hz)};
     if (reader.has("carrier_kHz"))

@@ -51,8 +51,8 @@ void read_path(Reader reader, Travel& travel) {
 }
 
 double read_speed_m_s(Reader& reader, const Medium& medium) {
-    const auto speed_m_s = reader.find_number("speed_m_s", Range::above(0.0));
-    const auto mach = reader.find_number("mach", Range::above(0.0));
+    const auto speed_m_s = reader.find_number("speed_m_s", Range::between(1e-6, 1000.0));
+    const auto mach = reader.find_number("mach", Range::between(1e-6, 1000.0));
     if (reader.has("speed_m_s") && reader.has("mach"))
         reader.error("mach", "and speed_m_s are both given; one of them says it all");
     if (!reader.has("speed_m_s") && !reader.has("mach"))
@@ -68,7 +68,7 @@ Motion read_motion(Reader& reader, const Medium& medium, std::string_view kind) 
     const OscillatingSpeed motion = {
         .mean_m_s = speed_m_s,
         .deviation_m_s = reader.number("speed_deviation_m_s", Range::at_least(0.0)),
-        .frequency_Hz = reader.number("sm_frequency_Hz", Range::above(0.0)),
+        .frequency_Hz = reader.number("sm_frequency_Hz", Range::between(1e-3, 1e5)),
         .phase_rad = reader.number_or("sm_phase_deg", 0.0, Range::any()),
     };
     if (reader.findings().errors() == before && reader.has("speed_deviation_m_s") &&
@@ -83,7 +83,7 @@ Motion read_motion(Reader& reader, const Medium& medium, std::string_view kind) 
 SineGain read_sine(Reader& reader) {
     static const std::array<std::string, 2> quantities = {"force", "pressure"};
     return {
-        .frequency_Hz = reader.number("am_frequency_Hz", Range::above(0.0)),
+        .frequency_Hz = reader.number("am_frequency_Hz", Range::between(1e-3, 1e5)),
         .depth = reader.number_or("am_depth", 1.0, Range::between(0.0, 1.0)),
         .phase_rad = reader.number_or("am_phase_deg", 0.0, Range::any()),
         .on = reader.choice_or("am_on", "force", quantities) == "force" ? GainOn::force

@@ -86,7 +86,8 @@ TEST_CASE("a mistake in solver, measure or record stands in its place", "[config
         {"[solver]\nengine = \"pstd\"\n[solver.pstd]\n",
          "job.toml:28:10: error: solver.engine must be \"layered\", and is \"pstd\""},
         {"[solver.layered]\nwindow_factor = 1",
-         "job.toml:28:17: error: solver.layered.window_factor must be at least 1.25, and is 1"},
+         "job.toml:28:17: error: solver.layered.window_factor must be between 1.25 and 16, and is "
+         "1"},
         {"[solver.layered]\nwrap_suppression = 1e9",
          "job.toml:28:20: error: solver.layered.wrap_suppression must be between 10 and 100000000, "
          "and is 1000000000"},
