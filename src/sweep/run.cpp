@@ -58,6 +58,7 @@ public:
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
         world_.barrier();
+        last_tick_ = {}; // the last word is said in any case
         tick();
     }
 
