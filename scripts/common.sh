@@ -38,10 +38,12 @@ on_ranks() {
     fi
 }
 
-# build PRESET FOLDER: configures and builds without a word; says what is wrong when it fails.
+# build PRESET FOLDER [TARGET]: configures and builds without a word; says what is wrong when it
+# fails.
 build() {
     mkdir -p "$2"
-    if { cmake --preset "$1" && cmake --build --preset "$1"; } >"$2/build.log" 2>&1; then
+    if { cmake --preset "$1" && cmake --build --preset "$1" --target "${3:-all}"; } \
+        >"$2/build.log" 2>&1; then
         return 0
     fi
     grep -m 20 -A 5 -E 'error|FAILED' "$2/build.log" >&2 || tail -n 40 "$2/build.log" >&2

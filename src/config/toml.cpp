@@ -105,8 +105,13 @@ NodePtr parse_toml(std::string_view text, const std::string& file_name, Diagnost
         Converter converter(file, findings);
         return make_node(std::get<TableNode>(converter.convert(table, 0)->value), {file, 0, 0});
     } catch (const toml::parse_error& problem) {
-        findings.error(place(problem.source(), file),
-                       fmt::format("this is no TOML: {}", excerpt(problem.description(), 200)));
+        // toml++ garbles the key's name where it is given a second time.
+        const bool again = problem.description().find("cannot redefine") != std::string_view::npos;
+        findings.error(
+            place(problem.source(), file),
+            again ? "this key stands in its table already: a key is given once (keys of "
+                    "one axis go together in zip)"
+                  : fmt::format("this is no TOML: {}", excerpt(problem.description(), 200)));
         return nullptr;
     }
 }

@@ -162,8 +162,8 @@ void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<co
 void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,
                             const std::vector<Attribute>& attributes) {
     if (!surface_.empty()) {
-        shared_field_.close("close a surface field");
-        shared_file_.close("close " + part_.string());
+        shared_field_.close_shared("close a surface field", team_);
+        shared_file_.close_shared("close " + part_.string(), team_);
     }
     on_root(team_, [&] {
         h5::Id file = h5::open_file(part_, h5::Access::read_write);

@@ -86,6 +86,13 @@ void Id::close(const std::string& what) {
     check(close_(std::exchange(raw_, -1)), what);
 }
 
+void Id::close_shared(const std::string& what, const Comm& comm) {
+    const herr_t status = close_(std::exchange(raw_, -1));
+    const std::string reason = status < 0 ? last_error() : "";
+    if (comm.max(status < 0 ? 1 : 0) != 0)
+        throw CaseFailure(fmt::format("HDF5 cannot {} on all ranks {}", what, reason));
+}
+
 Id open_file(const std::filesystem::path& path, Access access) {
     be_quiet();
     if (access != Access::create) {

@@ -23,6 +23,9 @@ public:
     hid_t raw() const { return raw_; }
     /// Closing can fail (a full disk shows here): checked, unlike in the destructor.
     void close(const std::string& what);
+    /// The same for what all ranks have open. Collective; throws CaseFailure on all of them
+    /// together.
+    void close_shared(const std::string& what, const Comm& comm);
 
 private:
     hid_t raw_ = -1;

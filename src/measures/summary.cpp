@@ -42,13 +42,19 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
                                      time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
         r.instant_note = "at the start nothing has moved";
+    } else if (const std::string none =
+                   no_focus_reason(c.measure, time, off_time_s(c.load.modulation.trajectory));
+               !none.empty()) {
+        r.instant_note = none;
     } else {
         const auto n = std::clamp<std::ptrdiff_t>(std::lround(in_frames) - 1, 0, time.frames - 1);
         r.instant = depth.frames[static_cast<std::size_t>(n)];
         if (std::abs(time.frame_s(n) - at) > 1e-6 * time.interval_s)
             r.instant_note = fmt::format("frame at {:g} ms", time.frame_s(n) * 1e3);
     }
-    for (std::ptrdiff_t n = 0; n < time.frames && time.frame_s(n) <= at * (1.0 + slack); ++n) {
+    const bool within = at <= time.duration_s() * (1.0 + slack);
+    for (std::ptrdiff_t n = 0; within && n < time.frames && time.frame_s(n) <= at * (1.0 + slack);
+         ++n) {
         const double peak = depth.frames[static_cast<std::size_t>(n)].peak;
         r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
     }
@@ -105,12 +111,10 @@ void add_spread(Columns& columns, const Case& c, const Readings& r, const std::s
 void add_peak(Columns& columns, const Readings& r, const std::string& suffix,
               const std::string& where) {
     std::string note;
-    if (!r.instant)
-        note = r.instant_note;
-    else if (std::isnan(r.peak_m))
-        note = "no frame up to the instant";
+    if (std::isnan(r.peak_m))
+        note = r.instant_note.empty() ? "no frame up to the instant" : r.instant_note;
     columns.add("peak_um" + suffix, "um", "largest |u_z| of any frame up to the instant" + where,
-                r.instant ? r.peak_m * 1e6 : nan, note);
+                r.peak_m * 1e6, note);
 }
 
 void add_focal_rms(Columns& columns, const Readings& r, const std::string& suffix,
@@ -207,13 +211,17 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     std::string note;
     if (!(speed > 0.0)) {
         note = "the focus does not move";
-    } else if (at > off_time_s(trajectory) * (1.0 + slack)) {
-        note = "the focus has gone out";
+    } else if (const std::string none = no_focus_reason(c.measure, c.time, off_time_s(trajectory));
+               !none.empty()) {
+        note = none;
+    } else if (!has_constant_speed(trajectory)) {
+        note = "the speed is not constant: the wake has no single angle";
     } else if (c.medium.layers.empty()) {
         note = "no layer";
     } else {
         try {
-            const double rayleigh = rayleigh_speed_m_s(c.medium.layers.front());
+            const double rayleigh =
+                rayleigh_speed_m_s(surface_wave_layer(c.medium, fwhm_m(c.load.footprint)));
             theory = mach_angle_theory_deg(rayleigh, speed);
             if (std::isnan(theory))
                 note = fmt::format("{:.3g} m/s is not faster than the Rayleigh wave, {:.3g} m/s",
@@ -223,8 +231,9 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
         }
     }
     columns.add("mach_angle_theory_deg", "degree",
-                "asin of the Rayleigh speed of the top layer over the speed at the instant", theory,
-                note);
+                "asin of the Rayleigh speed over the scan speed, of the first layer thicker than a "
+                "quarter of the footprint",
+                theory, note);
 }
 
 } // namespace
@@ -233,7 +242,8 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
                               const std::vector<TraceSeries>& traces,
                               const std::optional<MachFit>& mach) {
     const PeriodWindow window =
-        period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation));
+        period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
+                      off_time_s(c.load.modulation.trajectory));
     Readings surface{.instant_note = "no depth recorded", .period_note = "no depth recorded"};
     if (!depths.empty()) surface = read(c, window, depths.front());
 

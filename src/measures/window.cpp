@@ -24,8 +24,14 @@ std::vector<double> window_weights(const TimeAxis& time, double from_s, double t
     return weights;
 }
 
+std::string no_focus_reason(const MeasureOptions& measure, const TimeAxis& time, double off_s) {
+    if (measure.at_s <= off_s + time.interval_s) return {};
+    return fmt::format("the path ends at {:.4g} ms: there is no load at the instant, {:g} ms",
+                       off_s * 1e3, measure.at_s * 1e3);
+}
+
 PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
-                           std::optional<double> modulation_frequency_Hz) {
+                           std::optional<double> modulation_frequency_Hz, double off_s) {
     // A billionth of slack: 14 ms made of 280 frames of 50 us is 14 ms, and ten periods are ten.
     constexpr double slack = 1e-9;
     const double at = measure.at_s, settled = measure.settled_after_s;
@@ -41,7 +47,8 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
                         at * 1e3, settled * 1e3);
         return window;
     }
-    if (!modulation_frequency_Hz) return window;
+    window.reason = no_focus_reason(measure, time, off_s);
+    if (!window.fits() || !modulation_frequency_Hz) return window;
 
     const double frequency = *modulation_frequency_Hz;
     const double periods = std::floor((at - settled) * frequency * (1.0 + slack));

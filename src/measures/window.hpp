@@ -2,6 +2,7 @@
 
 #include "model/case.hpp"
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,7 +29,13 @@ constexpr double fewest_frames_a_period = 4.0;
 /// The largest whole number of modulation periods after `settled_after`, ending at `at`; without
 /// modulation all that is settled. A reason when not even one fits, when `at` lies beyond the run,
 /// and when the frames are too far apart to follow a period.
+/// And when the load has gone out (off_s) more than a frame before the instant: nothing is at the
+/// focus then.
 PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
-                           std::optional<double> modulation_frequency_Hz);
+                           std::optional<double> modulation_frequency_Hz,
+                           double off_s = std::numeric_limits<double>::infinity());
+
+/// Why there is no focus at the instant; empty if there is one.
+std::string no_focus_reason(const MeasureOptions& measure, const TimeAxis& time, double off_s);
 
 } // namespace shearwake

@@ -57,4 +57,10 @@ double rayleigh_speed_m_s(const Layer& layer) {
     return layer.c_s_m_s * std::sqrt(0.5 * (low + high));
 }
 
+const Layer& surface_wave_layer(const Medium& medium, double width_m) {
+    for (const Layer& layer : medium.layers)
+        if (layer.thickness_m > 0.25 * width_m) return layer;
+    return medium.layers.back();
+}
+
 } // namespace shearwake

@@ -67,4 +67,8 @@ double poisson_ratio(const Layer& layer);
 /// Rayleigh equation below c_s. Throws Error when there is none.
 double rayleigh_speed_m_s(const Layer& layer);
 
+/// The layer that carries surface waves under a footprint of that width: the first one thicker than
+/// a quarter of it, or the last. A film thinner than that rides on what lies below.
+const Layer& surface_wave_layer(const Medium& medium, double width_m);
+
 } // namespace shearwake

@@ -141,6 +141,14 @@ double greatest_speed_m_s(const Trajectory& trajectory) {
     return sum;
 }
 
+bool has_constant_speed(const Trajectory& trajectory) {
+    return std::none_of(trajectory.parts.begin(), trajectory.parts.end(), [](const Mover& part) {
+        const auto* travel = std::get_if<Travel>(&part);
+        const auto* motion = travel ? std::get_if<OscillatingSpeed>(&travel->motion) : nullptr;
+        return motion && motion->deviation_m_s != 0.0;
+    });
+}
+
 double gain(const Envelope& envelope, double t_s) {
     double product = 1.0;
     for (const Gain& factor : envelope.gains) {

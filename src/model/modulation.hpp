@@ -107,6 +107,9 @@ double off_time_s(const Trajectory& trajectory);
 /// Largest speed that the focus ever reaches [m/s].
 double greatest_speed_m_s(const Trajectory& trajectory);
 
+/// Whether the focus moves at one speed throughout.
+bool has_constant_speed(const Trajectory& trajectory);
+
 /// Gain in [0, 1] on the force at time t.
 double gain(const Envelope& envelope, double t_s);
 

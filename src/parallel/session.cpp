@@ -53,6 +53,10 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
     return code;
 }
 
+void abort_all_ranks(const std::string& reason) {
+    abort_all(Comm::world().rank(), reason);
+}
+
 std::string mpi_version() {
     char text[MPI_MAX_LIBRARY_VERSION_STRING] = {};
     int length = 0;

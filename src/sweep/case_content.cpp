@@ -34,6 +34,8 @@ Variable series(const std::vector<DepthSeries>& depths, std::string name, std::s
 
 std::vector<Variable> root_series(const Case& c, const std::vector<DepthSeries>& depths) {
     const Trajectory& trajectory = c.load.modulation.trajectory;
+    Load averaged = c.load; // frames do not carry a resolved carrier
+    averaged.carrier = AveragedCarrier{};
     const auto time = over_time(c, [](double t) { return t; });
     using Sums = SurfaceSums;
     return {
@@ -53,9 +55,9 @@ std::vector<Variable> root_series(const Case& c, const std::vector<DepthSeries>&
          ""},
         {"force",
          {"time"},
-         over_time(c, [&](double t) { return force_N(c.load, t); }),
+         over_time(c, [&](double t) { return force_N(averaged, t); }),
          "N",
-         "force of the whole footprint on the skin",
+         "force of the whole footprint, averaged over the carrier's cycle",
          ""},
         series(depths, "eta", "1",
                "reconstruction efficiency: share of sum u_z^2 within the focal disc",

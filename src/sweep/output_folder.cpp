@@ -38,7 +38,7 @@ void prepare_output(const OutputFolder& folder, const Job& job) {
                                      folder.root.string()));
     }
     make_directory(folder.cases());
-    if (!fs::exists(folder.job())) write_file(folder.job(), job.text);
+    if (!fs::exists(folder.plan())) write_file(folder.job(), job.text);
     // The plan last: a folder without one was never begun.
     if (!fs::exists(folder.plan())) write_file(folder.plan(), text);
 }

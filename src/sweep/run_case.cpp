@@ -5,6 +5,7 @@
 #include "io/journal.hpp"
 #include "io/xdmf.hpp"
 #include "parallel/agree.hpp"
+#include "parallel/session.hpp"
 #include "sweep/case_content.hpp"
 #include "sweep/memory.hpp"
 #include "sweep/surface_recorder.hpp"
@@ -32,6 +33,21 @@ SurfaceLayout layout_of(const Case& c) {
     return layout;
 }
 
+/// Engines and recorder throw CaseFailure on all ranks together. Anything else has struck one rank
+/// alone, whose open file the others would wait for while it unwinds: it ends here.
+void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& recorder) {
+    try {
+        engine.run(c, team, recorder);
+        recorder.finish();
+    } catch (const CaseFailure&) {
+        throw;
+    } catch (const UsageError&) {
+        throw;
+    } catch (const std::exception& error) {
+        abort_all_ranks(error.what());
+    }
+}
+
 } // namespace
 
 double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
@@ -48,8 +64,7 @@ double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
     const SurfaceLayout layout = layout_of(c);
     CaseFileWriter writer(path, team, layout);
     SurfaceRecorder recorder(c, team, layout.empty() ? nullptr : &writer, tick);
-    engine.run(c, team, recorder);
-    recorder.finish();
+    compute(c, engine, team, recorder);
 
     std::vector<VariableGroup> groups;
     on_root(team, [&] {

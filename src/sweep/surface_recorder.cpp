@@ -1,6 +1,8 @@
 #include "sweep/surface_recorder.hpp"
 
 #include "base/error.hpp"
+#include "measures/window.hpp"
+#include "parallel/agree.hpp"
 
 #include <algorithm>
 #include <array>
@@ -53,6 +55,10 @@ SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, CaseFileWriter
 
 void SurfaceRecorder::begin(const Slab& slab) {
     slab_ = slab;
+    // All memory before the first frame: no rank may run out of it alone between two frames.
+    together(team_, [&] {
+        instant_rows_.reserve(static_cast<std::size_t>(slab.x_count * case_.domain.ny));
+    });
 }
 
 void SurfaceRecorder::frame(const Frame& frame) {
@@ -121,20 +127,24 @@ void SurfaceRecorder::finish() {
     for (TraceSeries& trace : traces_)
         team_.sum(trace.u_m);
     const std::vector<double> instant = team_.gather(instant_rows_);
-    if (team_.is_root()) fit_mach(instant);
+    on_root(team_, [&] { fit_mach(instant); });
 }
 
 void SurfaceRecorder::fit_mach(const std::vector<double>& instant) {
     const Trajectory& trajectory = case_.load.modulation.trajectory;
     const double t_s = case_.time.frame_s(instant_);
-    if (off_time_s(trajectory) < t_s - case_.time.interval_s) {
-        mach_ = MachFit{.reason = "the path has ended before"};
+    const std::string none = no_focus_reason(case_.measure, case_.time, off_time_s(trajectory));
+    if (!none.empty() || !has_constant_speed(trajectory)) {
+        mach_ = MachFit{};
+        mach_->reason =
+            none.empty() ? "the speed is not constant: the wake has no single angle" : none;
         return;
     }
     const View2<const double> surface(instant.data(), case_.domain.nx, case_.domain.ny);
-    mach_ = mach_angle(surface, case_.domain, position(trajectory, t_s), velocity(trajectory, t_s),
-                       rayleigh_speed_m_s(case_.medium.layers.front()),
-                       fwhm_m(case_.load.footprint), t_s);
+    mach_ = mach_angle(
+        surface, case_.domain, position(trajectory, t_s), velocity(trajectory, t_s),
+        rayleigh_speed_m_s(surface_wave_layer(case_.medium, fwhm_m(case_.load.footprint))),
+        fwhm_m(case_.load.footprint), t_s);
 }
 
 } // namespace shearwake

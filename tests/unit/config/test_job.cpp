@@ -165,6 +165,16 @@ TEST_CASE("a text that is no TOML is one finding in its place", "[job]") {
     CHECK(found[0].starts_with("job.toml:14:11: error: this is no TOML: "));
 }
 
+TEST_CASE("a key given twice is told so, not garbled", "[job]") {
+    const Texts found = findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n"
+                                              "\"load.peak_Pa\" = [3]\n"));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find(": error: this key stands in its table already") != std::string::npos);
+    const std::string text = plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n");
+    const auto line = 1 + std::count(text.begin(), text.end(), '\n');
+    CHECK(found[0].starts_with("job.toml:" + std::to_string(line) + ":"));
+}
+
 TEST_CASE("a name that could leave the output directory is refused", "[job]") {
     const std::string name =
         GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b", ".hidden", "a\\\\b",

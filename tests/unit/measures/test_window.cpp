@@ -85,3 +85,14 @@ TEST_CASE("a period that does not fit has a reason and no window", "[window]") {
     CHECK_FALSE(period_window(measure, thesis_time, 8000.0).fits());
     CHECK(period_window(measure, thesis_time, 5000.0).fits()); // four frames a period
 }
+
+TEST_CASE("there is no reading of a focus that has gone out", "[window]") {
+    const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
+    const TimeAxis time{280, 50e-6};
+    CHECK(period_window(measure, time, 200.0, 14e-3).fits());
+    CHECK(period_window(measure, time, {}, 13.96e-3).fits()); // within a frame
+    const PeriodWindow out = period_window(measure, time, 200.0, 7e-3);
+    CHECK_FALSE(out.fits());
+    CHECK(out.reason == "the path ends at 7 ms: there is no load at the instant, 14 ms");
+    CHECK_FALSE(period_window(measure, time, {}, 7e-3).fits());
+}

@@ -13,3 +13,12 @@ TEST_CASE("the Rayleigh speed meets the textbook ratios", "[medium]") {
     layer.c_p_m_s = 1500.0;
     CHECK(rayleigh_speed_m_s(layer) / 5.0 == Approx(0.9553).margin(5e-5));
 }
+
+TEST_CASE("a film much thinner than the footprint does not carry the surface wave", "[medium]") {
+    Medium medium{{Layer{.name = "film", .thickness_m = 0.1e-3},
+                   Layer{.name = "dermis", .thickness_m = 2e-3}, Layer{.name = "fat"}},
+                  Base::half_space};
+    CHECK(surface_wave_layer(medium, 3e-3).name == "dermis");
+    CHECK(surface_wave_layer(medium, 0.3e-3).name == "film");
+    CHECK(surface_wave_layer(medium, 30e-3).name == "fat");
+}
