@@ -72,7 +72,9 @@ def value_text(key, value):
     """'200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
         return value
-    unit = split_unit(key)[1]
+    word, unit = split_unit(key)
+    if word in ("c_s", "c_p"):  # "4 m/s" would be read as the focus'
+        return f"{word.replace('_', '')} {number(float(value), 6)}\u00a0{unit}"
     gap = "" if unit in ("", "°") else "\u00a0"
     return f"{number(float(value), 6)}{gap}{unit}"
 

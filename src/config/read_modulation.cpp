@@ -55,7 +55,12 @@ double read_speed_m_s(Reader& reader, const Medium& medium) {
     const auto mach = reader.find_number("mach", Range::between(1e-6, 1000.0));
     if (reader.has("speed_m_s") && reader.has("mach"))
         reader.error("mach", "and speed_m_s are both given; one of them says it all");
-    if (!reader.has("speed_m_s") && !reader.has("mach"))
+    const bool drawn = reader.has("draw_frequency_Hz");
+    if (drawn)
+        reader.error("draw_frequency_Hz",
+                     "is for paths that are run through again and again; a line "
+                     "is run through once: give speed_m_s or mach");
+    else if (!reader.has("speed_m_s") && !reader.has("mach"))
         reader.error("speed_m_s", "is missing (or mach, the speed over c_s of the top layer)");
     if (mach) return *mach * (medium.layers.empty() ? 1.0 : medium.layers.front().c_s_m_s);
     return speed_m_s.value_or(1.0);

@@ -9,9 +9,10 @@
 namespace shearwake {
 namespace {
 
+/// Of a sweep that has mistakes nobody knows what it would have held: no further complaint then.
 bool is_swept(const Reader& reader, std::string_view key, const std::string& word,
-              const std::vector<std::string>& swept) {
-    if (std::find(swept.begin(), swept.end(), word) != swept.end()) return true;
+              const std::vector<std::string>& swept, const Sweep& sweep) {
+    if (!sweep.sound || std::find(swept.begin(), swept.end(), word) != swept.end()) return true;
     const auto meant = word.size() < 100 ? nearest(word, swept) : std::nullopt;
     reader.error(key, fmt::format("names \"{}\", which is not swept{}", excerpt(word),
                                   meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
@@ -44,11 +45,11 @@ TableSection read_table(Reader reader, const Sweep& sweep) {
     const std::vector<std::string> swept = sweep.keys();
     TableSection table;
     const auto x = reader.find_word("x");
-    const bool x_is_swept = x && is_swept(reader, "x", *x, swept);
+    const bool x_is_swept = x && is_swept(reader, "x", *x, swept, sweep);
     table.options.x = x_is_swept ? *x : swept.empty() ? "" : swept.front();
     if (const auto series = reader.find_words("series")) {
         for (const std::string& key : *series) {
-            if (is_swept(reader, "series", key, swept) && key == table.options.x)
+            if (is_swept(reader, "series", key, swept, sweep) && key == table.options.x)
                 reader.error("series", fmt::format("names \"{}\", which is x already", key));
             if (std::count(series->begin(), series->end(), key) > 1)
                 reader.error("series", fmt::format("names \"{}\" twice", excerpt(key)));

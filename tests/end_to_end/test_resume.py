@@ -73,6 +73,18 @@ class Resume(ProgramTest):
         self.assert_undamaged()
         self.assert_finishes_as_if_undisturbed()
 
+    def test_interrupted_under_mpirun_it_goes_on(self):
+        # Ctrl-C reaches mpirun, which gives its ranks a moment and ends with a code of its own.
+        process = self.start("run", "job.toml", "--ranks-per-case", 2, ranks=2)
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        ranks = descendants(process.pid)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+        self.assertNotEqual(process.returncode, 0)
+        self.wait_for(lambda: not any(map(alive, ranks)), "the ranks to end")
+        self.assert_undamaged()
+        self.assert_finishes_as_if_undisturbed()
+
     def test_a_signal_stops_it_after_the_current_case(self):
         for kind in (signal.SIGTERM, signal.SIGINT):
             with self.subTest(kind.name):

@@ -123,6 +123,9 @@ TEST_CASE("a mistake in the modulation stands in its place", "[config][load]") {
         {"speed_m_s = 7.0\n", "",
          "job.toml:16:1: error: load.modulation.speed_m_s is missing (or mach, the speed over c_s "
          "of the top layer)"},
+        {"speed_m_s = 7.0\n", "draw_frequency_Hz = 70\n",
+         "job.toml:19:21: error: load.modulation.draw_frequency_Hz is for paths that are run "
+         "through again and again; a line is run through once: give speed_m_s or mach"},
         {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_depth = 1.5",
          "job.toml:21:12: error: load.modulation.am_depth must be between 0 and 1, and is 1.5"},
         {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_on = \"presure\"",
