@@ -74,8 +74,8 @@ double memory_per_rank_B(const Comm& world) {
 double memory_needed_B(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
-    // The transform's plane and the surface at the instant in slabs; all of the latter on rank 0.
-    const double recorder = 2.0 * plane / ranks + plane;
+    // The surface at the instant in slabs, and all of it on rank 0.
+    const double recorder = plane / ranks + plane;
     return make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder;
 }
 

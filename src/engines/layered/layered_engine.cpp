@@ -138,7 +138,8 @@ Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
     const double table = TransferTable::expanded_bytes(key, ky_count);
     const bool kept = table <= TransferTable::largest_expansion_B;
     Estimate e;
-    e.memory_per_rank_B = 60e6 + batch + (kept ? table : 0.0) +
+    // The program itself, spectra, H, the load's phases, the plane that is transformed.
+    e.memory_per_rank_B = 60e6 + batch + (kept ? table : 0.0) + points * sizeof(double) / ranks +
                           static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex);
     // Seconds per point and time sample, per point and frame, and per layer and frequency, as
     // `shearwake bench layered` finds them on one core of a 2020s server.
@@ -146,7 +147,7 @@ Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
                 (1.5e-9 * static_cast<double>(key.time.samples) * (kept ? 1.0 : 3.0) +
                  7e-9 * static_cast<double>(c.time.frames));
     e.shared_seconds = static_cast<double>(key.time.samples) *
-                       (4e-4 * static_cast<double>(c.medium.layers.size()) + 2.5e-9 * points);
+                       (1.8e-4 * static_cast<double>(c.medium.layers.size()) + 2.5e-9 * points);
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, modes));
     return e;
 }
