@@ -125,17 +125,29 @@ TimeAxis read_time(Reader& reader) {
     return time;
 }
 
-SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
-    static const std::array<std::string, 1> engines = {"layered"};
-    const bool known = !reader.has("engine") || reader.find_choice("engine", engines).has_value();
-    Reader options = reader.optional_table("layered");
-    LayeredOptions layered;
-    layered.time_step_s = options.find_number("time_step_us", Range::at_least(0.01));
-    if (layered.time_step_s && time.frames > 0 &&
-        *layered.time_step_s > time.interval_s * (1.0 + 1e-9))
+std::optional<double> read_time_step_s(Reader& options, const TimeAxis& time) {
+    const auto step_s = options.find_number("time_step_us", Range::at_least(0.01));
+    if (step_s && time.frames > 0 && *step_s > time.interval_s * (1.0 + 1e-9))
         options.error("time_step_us",
                       fmt::format("must not exceed time.output_interval_us = {:.6g}, and is {:.6g}",
-                                  1e6 * time.interval_s, 1e6 * *layered.time_step_s));
+                                  1e6 * time.interval_s, 1e6 * *step_s));
+    return step_s;
+}
+
+SpectralOptions read_spectral(Reader options, const TimeAxis& time) {
+    SpectralOptions spectral;
+    spectral.time_step_s = read_time_step_s(options, time).value_or(spectral.time_step_s);
+    const double degree = options.number_or("degree", spectral.degree, Range::between(2, 16));
+    if (degree != std::floor(degree)) options.error("degree", "must be a whole number");
+    spectral.degree = static_cast<int>(degree);
+    spectral.longest_element_m = options.number_or("longest_element_mm", 0.0, Range::above(0.0));
+    options.finish();
+    return spectral;
+}
+
+LayeredOptions read_layered(Reader options, const TimeAxis& time) {
+    LayeredOptions layered;
+    layered.time_step_s = read_time_step_s(options, time);
     layered.window_factor =
         options.number_or("window_factor", layered.window_factor, Range::between(1.25, 16.0));
     layered.wrap_suppression =
@@ -143,7 +155,17 @@ SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
     layered.interpolation_tolerance = options.number_or(
         "interpolation_tolerance", layered.interpolation_tolerance, Range::between(1e-12, 1e-3));
     options.finish();
-    if (known) reader.finish(); // else there may be that engine's own table
+    return layered;
+}
+
+SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
+    static const std::array<std::string, 2> engines = {"layered", "spectral"};
+    const auto engine = reader.find_choice("engine", engines);
+    // Both tables are read: a sweep over the engine brings both, and their mistakes are told.
+    const LayeredOptions layered = read_layered(reader.optional_table("layered"), time);
+    const SpectralOptions spectral = read_spectral(reader.optional_table("spectral"), time);
+    if (engine || !reader.has("engine")) reader.finish(); // else there may be its own table
+    if (engine == "spectral") return spectral;
     return layered;
 }
 

@@ -90,8 +90,9 @@ Medium read_medium(Reader& reader) {
     Medium medium;
     medium.base = reader.choice("base", bases) == "rigid" ? Base::rigid : Base::half_space;
     if (reader.has("body"))
-        reader.error("body", "is not possible yet: the engine \"layered\" computes stratified "
-                             "media only; take the body out");
+        reader.error("body",
+                     "is not possible yet: both engines compute stratified media only; take "
+                     "the body out");
     const bool preset_is_known =
         !reader.has("preset") || reader.find_choice("preset", preset_names()).has_value();
     if (preset_is_known && reader.has("preset") && reader.has("layer"))

@@ -179,20 +179,30 @@ void put_record(TomlText& t, const RecordOptions& record) {
 void put_solver(TomlText& t, const SolverOptions& solver) {
     t.table("solver");
     t.put("engine", engine_name(solver));
-    std::visit(
-        [&](const LayeredOptions& o) {
-            if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
-            t.put("window_factor", o.window_factor);
-            t.put("wrap_suppression", o.wrap_suppression);
-            t.put("interpolation_tolerance", o.interpolation_tolerance);
-        },
-        solver);
+    std::visit(overloaded{
+                   [&](const LayeredOptions& o) {
+                       if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
+                       t.put("window_factor", o.window_factor);
+                       t.put("wrap_suppression", o.wrap_suppression);
+                       t.put("interpolation_tolerance", o.interpolation_tolerance);
+                   },
+                   [&](const SpectralOptions& o) {
+                       t.put("time_step_s", o.time_step_s);
+                       t.put("degree", static_cast<std::ptrdiff_t>(o.degree));
+                       t.put("longest_element_m", o.longest_element_m);
+                   },
+               },
+               solver);
 }
 
 } // namespace
 
 std::string engine_name(const SolverOptions& solver) {
-    return std::visit([](const LayeredOptions&) { return std::string("layered"); }, solver);
+    return std::visit(overloaded{
+                          [](const LayeredOptions&) { return std::string("layered"); },
+                          [](const SpectralOptions&) { return std::string("spectral"); },
+                      },
+                      solver);
 }
 
 std::ptrdiff_t good_even_length(std::ptrdiff_t n) {

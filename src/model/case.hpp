@@ -60,7 +60,14 @@ struct LayeredOptions {
     double interpolation_tolerance = 1e-9; // of H in |k|, relative to H nearby
     bool operator==(const LayeredOptions&) const = default;
 };
-using SolverOptions = std::variant<LayeredOptions>;
+/// Engine `spectral`: Fourier in x and y, spectral elements in z, implicit in time.
+struct SpectralOptions {
+    double time_step_s = 25e-6;
+    int degree = 8;
+    double longest_element_m = 0.0; // 0: chosen from the load and the layers
+    bool operator==(const SpectralOptions&) const = default;
+};
+using SolverOptions = std::variant<LayeredOptions, SpectralOptions>;
 
 /// Everything one simulation needs, in SI units: one comparable value.
 struct Case {

@@ -156,11 +156,28 @@ void check_wrap_around(const Case& c, Notes& notes) {
 }
 
 void check_sponge(const Case& c, Notes& notes) {
-    if (c.domain.sponge_m > 0.0 && std::holds_alternative<LayeredOptions>(c.solver))
+    if (c.domain.sponge_m > 0.0)
         notes.add(Severity::warning, "domain.sponge_mm",
-                  "the edges of the engine \"layered\" are periodic and absorb nothing: the margin "
+                  "the edges of the engine \"{}\" are periodic and absorb nothing: the margin "
                   "of {:.4g} mm is only kept out of the measures",
-                  milli(c.domain.sponge_m));
+                  engine_name(c.solver), milli(c.domain.sponge_m));
+}
+
+/// What the engine `spectral` does not compute.
+void check_engine(const Case& c, Notes& notes) {
+    if (!std::holds_alternative<SpectralOptions>(c.solver)) return;
+    if (c.medium.base != Base::rigid)
+        notes.add(
+            Severity::error, "medium.base",
+            "must be \"rigid\" for the engine \"spectral\"; \"layered\" computes half-spaces");
+    for (const Layer& layer : c.medium.layers)
+        if (!std::holds_alternative<Lossless>(layer.loss) &&
+            !std::holds_alternative<KelvinVoigt>(layer.loss))
+            notes.add(
+                Severity::error, "solver.engine",
+                "\"spectral\" takes layers that are lossless or Kelvin-Voigt (viscosity_Pa_s), "
+                "and layer \"{}\" is not; \"layered\" takes any law",
+                layer.name);
 }
 
 void check_measured_times(const Case& c, Notes& notes) {
@@ -203,6 +220,7 @@ std::vector<Remark> check(const Case& c) {
     check_focus_in_domain(c, notes);
     check_wrap_around(c, notes);
     check_sponge(c, notes);
+    check_engine(c, notes);
     check_measured_times(c, notes);
     check_focal_region(c, notes);
     return notes.remarks;

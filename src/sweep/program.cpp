@@ -83,7 +83,7 @@ void add_bench(CLI::App& app, Action& action) {
     auto engine = std::make_shared<std::string>("layered");
     CLI::App* verb = app.add_subcommand(
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
-    verb->add_option("ENGINE", *engine, "engine")->check(CLI::IsMember({"layered"}));
+    verb->add_option("ENGINE", *engine, "engine")->check(CLI::IsMember({"layered", "spectral"}));
     verb->callback([=, &action] {
         action = [=](const Comm& world) { return bench_command(*engine, world); };
     });

@@ -52,6 +52,31 @@ TEST_CASE("frames are the same on any number of ranks", "[mpi]") {
     CHECK(world.max(worst) < 1e-12); // the requirement
 }
 
+TEST_CASE("the stepping engine's frames are the same on any number of ranks", "[mpi]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    Case c = small_case();
+    c.medium.base = Base::rigid;
+    c.medium.layers.back().thickness_m = 8e-3;
+    c.time.frames = 20;
+    c.solver = SpectralOptions{};
+    test::FrameStore shared, single;
+    make_engine(c.solver)->run(c, world, shared);
+    make_engine(c.solver)->run(c, alone, single);
+    double worst = 0.0;
+    for (std::size_t depth = 0; depth < 2; ++depth) {
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+            const auto &part = shared.at(n, depth), &whole = single.at(n, depth);
+            double largest = 0.0;
+            for (const double u : whole)
+                largest = std::max(largest, std::abs(u));
+            const auto offset = static_cast<std::size_t>(shared.slab().x_start * c.domain.ny);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                worst = test::worse(worst, std::abs(part[i] - whole[offset + i]) / largest);
+        }
+    }
+    CHECK(world.max(worst) < 1e-12); // every wave vector is computed by one rank in the same way
+}
+
 TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case();

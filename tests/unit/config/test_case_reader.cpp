@@ -84,7 +84,10 @@ TEST_CASE("a mistake in domain or time stands in its place", "[config][case]") {
 TEST_CASE("a mistake in solver, measure or record stands in its place", "[config][case]") {
     const auto [more, finding] = GENERATE(table<std::string, std::string>({
         {"[solver]\nengine = \"pstd\"\n[solver.pstd]\n",
-         "job.toml:28:10: error: solver.engine must be \"layered\", and is \"pstd\""},
+         "job.toml:28:10: error: solver.engine must be one of \"layered\" or \"spectral\", and is "
+         "\"pstd\""},
+        {"[solver]\nengine = \"spectral\"\n[solver.spectral]\ndegree = 8.5",
+         "job.toml:30:10: error: solver.spectral.degree must be a whole number"},
         {"[solver.layered]\nwindow_factor = 1",
          "job.toml:28:17: error: solver.layered.window_factor must be between 1.25 and 16, and is "
          "1"},
@@ -143,4 +146,18 @@ TEST_CASE("depths go as deep as they like in a half-space", "[config][case]") {
     std::string job = plain_with("\"rigid\"", "\"half-space\"");
     job = replaced(job, "thickness_mm = 20.0\n", "");
     CHECK(findings_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
+}
+
+TEST_CASE("the stepping engine's options are read, and what it cannot compute is refused",
+          "[job]") {
+    const std::string chosen = "[solver]\nengine = \"spectral\"\n[solver.spectral]\n"
+                               "time_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n";
+    const auto options = std::get<SpectralOptions>(only_case(plain_and(chosen)).solver);
+    CHECK(options == SpectralOptions{12.5e-6, 6, 2e-3});
+    std::string lossy =
+        replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
+                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }");
+    const Texts found = findings_of(lossy);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find("error: solver.engine: \"spectral\" takes layers") != std::string::npos);
 }

@@ -1,0 +1,75 @@
+#include "engines/spectral/depth_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+
+double DepthMesh::z_m(std::size_t level) const {
+    const auto d = static_cast<std::size_t>(degree);
+    const std::size_t element = std::min(level / d, elements() - 1);
+    const double x = rule.nodes[level - element * d];
+    return ends_m[element] + 0.5 * (1.0 + x) * length_m(element);
+}
+
+DepthMesh choose_mesh(const Case& c, const SpectralOptions& options) {
+    const int degree = options.degree;
+    DepthMesh mesh{.degree = degree, .rule = gauss_lobatto(degree), .ends_m = {0.0}, .layers = {}};
+    const double per_degree = degree / 8.0;
+    const double steepest = bandwidth_rad_m(c.load.footprint, 1e-3);
+    const double omega =
+        bandwidth_rad_m(c.load.footprint, 1e-2) * greatest_speed_m_s(c.load.modulation.trajectory) +
+        2.0 * std::numbers::pi * greatest_envelope_frequency_Hz(c.load.modulation.envelope);
+    // omega dt < 2.42 keeps a_mu = 1/12 stable: c_s sqrt(finest) (2/h) dt.
+    const double calm_m = 2.0 * c.medium.layers.front().c_s_m_s *
+                          std::sqrt(finest_mode(mesh.rule)) * options.time_step_s / 2.42;
+    const double short_m = 9.0 * per_degree / steepest;
+    double next_m = std::clamp(calm_m, short_m, 2.0 * short_m);
+    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
+        const Layer& layer = c.medium.layers[l];
+        const double shear = layer.c_s_m_s / std::max(omega, 1.0); // 1 / wavenumber
+        double cap = 20.0 * per_degree * shear;
+        if (options.longest_element_m > 0.0) cap = std::min(cap, options.longest_element_m);
+        double left_m = layer.thickness_m;
+        while (left_m > 1e-12 * layer.thickness_m) {
+            double h = std::min(std::min(next_m, cap), left_m);
+            // No sliver at the interface: what is left is shared evenly.
+            if (left_m < 1.6 * h) h = left_m < 1.05 * h ? left_m : 0.5 * left_m;
+            mesh.ends_m.push_back(mesh.ends_m.back() + h);
+            mesh.layers.push_back(l);
+            left_m -= h;
+            next_m = std::max(next_m, 1.5 * h);
+        }
+    }
+    return mesh;
+}
+
+double finest_mode(const GaussLobatto& rule) {
+    const std::size_t n = rule.nodes.size();
+    std::vector<double> x(n), y(n);
+    for (std::size_t i = 0; i < n; ++i)
+        x[i] = i % 2 ? 1.0 : -1.0;
+    double largest = 0.0;
+    for (int iteration = 0; iteration < 1000; ++iteration) { // power iteration
+        std::fill(y.begin(), y.end(), 0.0);
+        for (std::size_t q = 0; q < n; ++q) {
+            double slope = 0.0;
+            for (std::size_t j = 0; j < n; ++j)
+                slope += rule.derivative[q * n + j] * x[j];
+            for (std::size_t i = 0; i < n; ++i)
+                y[i] += rule.weights[q] * slope * rule.derivative[q * n + i];
+        }
+        double norm = 0.0;
+        for (std::size_t i = 0; i < n; ++i) {
+            y[i] /= rule.weights[i];
+            norm = std::max(norm, std::abs(y[i]));
+        }
+        largest = norm;
+        for (std::size_t i = 0; i < n; ++i)
+            x[i] = y[i] / norm;
+    }
+    return largest;
+}
+
+} // namespace shearwake

@@ -1,0 +1,59 @@
+#include "engines/spectral/gauss_lobatto.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+/// Legendre polynomial of degree n and of degree n - 1 at x.
+struct Legendre {
+    double p, before;
+};
+
+Legendre legendre(int n, double x) {
+    double before = 1.0, p = x;
+    for (int j = 2; j <= n; ++j) {
+        const double next = ((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j;
+        before = p;
+        p = next;
+    }
+    return {p, before};
+}
+
+} // namespace
+
+GaussLobatto gauss_lobatto(int degree) {
+    const auto count = static_cast<std::size_t>(degree + 1);
+    GaussLobatto rule{std::vector<double>(count), std::vector<double>(count),
+                      std::vector<double>(count * count, 0.0)};
+    for (std::size_t i = 0; i < count; ++i) {
+        // Zeros of (1 - x^2) P'_n by Newton's method from the Chebyshev points:
+        // (1 - x^2) P'_n = n (P_{n-1} - x P_n), whose derivative is -n (n + 1) P_n.
+        double x = -std::cos(std::numbers::pi * static_cast<double>(i) / degree);
+        for (int step = 0; step < 50; ++step) {
+            const Legendre l = legendre(degree, x);
+            const double change = (l.before - x * l.p) / ((degree + 1.0) * l.p);
+            x += change;
+            if (std::abs(change) < 1e-16) break;
+        }
+        if (i == 0) x = -1.0;
+        if (i + 1 == count) x = 1.0;
+        rule.nodes[i] = x;
+        rule.weights[i] = 2.0 / (degree * (degree + 1.0) * std::pow(legendre(degree, x).p, 2));
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        double diagonal = 0.0; // rows sum to zero: the derivative of a constant
+        for (std::size_t j = 0; j < count; ++j) {
+            if (i == j) continue;
+            const double d = legendre(degree, rule.nodes[i]).p / legendre(degree, rule.nodes[j]).p /
+                             (rule.nodes[i] - rule.nodes[j]);
+            rule.derivative[i * count + j] = d;
+            diagonal -= d;
+        }
+        rule.derivative[i * count + i] = diagonal;
+    }
+    return rule;
+}
+
+} // namespace shearwake

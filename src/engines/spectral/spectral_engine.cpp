@@ -1,0 +1,70 @@
+#include "engines/spectral/spectral_engine.hpp"
+
+#include "base/error.hpp"
+#include "engines/spectral/vertical_stepper.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace shearwake {
+namespace {
+
+/// Steps per output interval.
+std::ptrdiff_t steps_per_frame(const Case& c, const SpectralOptions& options) {
+    const double ratio = c.time.interval_s / options.time_step_s;
+    return std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
+}
+
+} // namespace
+
+Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    const DepthMesh mesh = choose_mesh(c, options);
+    const double unknowns = 2.0 * static_cast<double>(mesh.levels() - 1);
+    const double band = 2.0 * (mesh.degree + 1.0);
+    const double modes =
+        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny / 2 + 1);
+    const double points = static_cast<double>(c.domain.nx * c.domain.ny);
+    const double steps =
+        static_cast<double>(c.time.frames) * static_cast<double>(steps_per_frame(c, options));
+    Estimate e;
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
+    // A factor serves +kx and -kx; two displacements of real and imaginary parts.
+    e.memory_per_rank_B =
+        60e6 + (modes * unknowns * (0.5 * band + 4.0) + 2.0 * points) * sizeof(double) / ranks;
+    // Seconds per unknown and entry of its band and step, and per point and frame, on one core.
+    e.seconds = steps * modes * unknowns * band * 1.0e-9 +
+                7e-9 * points * static_cast<double>(c.time.frames);
+    return e;
+}
+
+void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer) {
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    const std::ptrdiff_t per_frame = steps_per_frame(c, options);
+    const double step_s = c.time.interval_s / static_cast<double>(per_frame);
+    const SlabTransform slabs(c.domain.nx, c.domain.ny, team);
+    const SlabShare& share = slabs.share();
+    std::optional<VerticalStepper> stepper;
+    AlignedVector<double> plane;
+    together(team, [&] {
+        stepper.emplace(c, choose_mesh(c, options), share, step_s);
+        plane.resize(static_cast<std::size_t>(share.reals));
+    });
+    observer.begin({share.x_start, share.x_count});
+    for (std::ptrdiff_t frame = 0; frame < c.time.frames; ++frame) {
+        for (std::ptrdiff_t i = 0; i < per_frame; ++i)
+            stepper->advance();
+        for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
+            stepper->plane_of_w(c.measure.depths_m[depth], plane.data());
+            slabs.execute(plane.data());
+            observer.frame({.number = frame,
+                            .depth = depth,
+                            .u_z_m = View2<const double>(plane.data(), share.x_count, c.domain.ny,
+                                                         share.padded_ny)});
+        }
+    }
+}
+
+} // namespace shearwake

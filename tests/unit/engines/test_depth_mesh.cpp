@@ -1,0 +1,47 @@
+#include "engines/spectral/depth_mesh.hpp"
+
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+TEST_CASE("Gauss-Lobatto integrates and differentiates polynomials exactly", "[spectral]") {
+    const int degree = GENERATE(1, 2, 5, 8, 12);
+    const GaussLobatto rule = gauss_lobatto(degree);
+    for (int power = 0; power <= 2 * degree - 1; ++power) {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < rule.nodes.size(); ++i)
+            sum += rule.weights[i] * std::pow(rule.nodes[i], power);
+        CHECK(sum == Approx(power % 2 ? 0.0 : 2.0 / (power + 1)).margin(1e-14));
+    }
+    for (std::size_t i = 0; i < rule.nodes.size(); ++i) {
+        double d = 0.0;
+        for (std::size_t j = 0; j < rule.nodes.size(); ++j)
+            d += rule.derivative[i * rule.nodes.size() + j] * std::pow(rule.nodes[j], degree);
+        // Entries grow as degree^2; rounding with them.
+        CHECK(d == Approx(degree * std::pow(rule.nodes[i], degree - 1)).margin(1e-12));
+    }
+}
+
+TEST_CASE("elements end on the interfaces, are shortest at the surface and fill the medium",
+          "[spectral]") {
+    Case c = test::moving_focus({}, ConstantSpeed{7.0});
+    c.medium.base = Base::rigid;
+    for (const double thickness_m : {0.1e-3, 2e-3, 18e-3}) {
+        c.medium.layers.push_back(test::tissue(1500.0));
+        c.medium.layers.back().thickness_m = thickness_m;
+    }
+    const DepthMesh mesh = choose_mesh(c, SpectralOptions{});
+    CHECK(mesh.ends_m.back() == Approx(20.1e-3).epsilon(1e-13));
+    for (const double interface_m : {0.1e-3, 2.1e-3}) {
+        double nearest = 1.0;
+        for (const double end : mesh.ends_m)
+            nearest = std::min(nearest, std::abs(end - interface_m));
+        CHECK(nearest < 1e-15);
+    }
+    for (std::size_t level = 1; level < mesh.levels(); ++level)
+        CHECK(mesh.z_m(level) > mesh.z_m(level - 1));
+    CHECK(mesh.z_m(0) == 0.0);
+    CHECK(choose_mesh(c, SpectralOptions{.longest_element_m = 1e-3}).levels() > mesh.levels());
+}
