@@ -34,6 +34,10 @@ public:
         text_ += "]\n";
     }
     void put(std::string_view key, Vec2 v) { put(key, std::vector<double>{v.x, v.y}); }
+    void put(std::string_view key, Vec3 v) { put(key, std::vector<double>{v.x, v.y, v.z}); }
+    void put(std::string_view key, const std::optional<double>& value) {
+        if (value) put(key, *value);
+    }
     std::string take() { return std::move(text_); }
 
 private:
@@ -78,9 +82,40 @@ void put_loss(TomlText& t, const ShearLoss& loss) {
                loss);
 }
 
+void put_body(TomlText& t, const Body& body) {
+    t.element("medium.body");
+    t.put("name", body.name);
+    std::visit(overloaded{
+                   [&](const Ellipsoid& shape) {
+                       t.put("shape", "ellipsoid");
+                       t.put("semi_axes_m", shape.semi_axes_m);
+                   },
+                   [&](const Cylinder& shape) {
+                       const bool is_vertical = shape.axis == CylinderAxis::vertical;
+                       t.put("shape", "cylinder");
+                       t.put("axis", is_vertical ? "vertical" : "horizontal");
+                       t.put("radius_m", shape.radius_m);
+                       t.put("length_m", shape.is_endless() ? 0.0 : shape.length_m);
+                       t.put("azimuth_deg", is_vertical ? 0.0 : shape.azimuth_deg);
+                   },
+                   [&](const Box& shape) {
+                       t.put("shape", "box");
+                       t.put("size_m", shape.size_m);
+                   },
+               },
+               body.shape);
+    t.put("centre_m", body.centre_m);
+    t.put("edge_m", body.edge_m);
+    t.put("density_kg_m3", body.density_kg_m3);
+    t.put("c_p_m_s", body.c_p_m_s);
+    t.put("c_s_m_s", body.c_s_m_s);
+    t.put("viscosity_Pa_s", body.viscosity_Pa_s);
+}
+
 void put_medium(TomlText& t, const Medium& medium) {
     t.table("medium");
     t.put("base", medium.base == Base::rigid ? "rigid" : "half-space");
+    if (medium.map) t.put("map", medium.map->content_hash); // the file may have any name
     for (const Layer& layer : medium.layers) {
         t.element("medium.layer");
         t.put("name", layer.name);
@@ -90,6 +125,8 @@ void put_medium(TomlText& t, const Medium& medium) {
         t.put("c_s_m_s", layer.c_s_m_s);
         put_loss(t, layer.loss);
     }
+    for (const Body& body : medium.bodies)
+        put_body(t, body);
 }
 
 void put_mover(TomlText& t, const Mover& mover) {

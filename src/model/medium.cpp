@@ -9,6 +9,11 @@ namespace shearwake {
 
 using Complex = std::complex<double>;
 
+bool operator==(const Medium& a, const Medium& b) {
+    const bool same_map = a.map && b.map ? *a.map == *b.map : a.map == b.map;
+    return a.layers == b.layers && a.base == b.base && a.bodies == b.bodies && same_map;
+}
+
 double static_shear_modulus(const Layer& layer) {
     return layer.density_kg_m3 * layer.c_s_m_s * layer.c_s_m_s;
 }

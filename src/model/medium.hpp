@@ -1,6 +1,10 @@
 #pragma once
 
+#include "model/body.hpp"
+#include "model/material_map.hpp"
+
 #include <complex>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -44,11 +48,16 @@ struct Layer {
 
 enum class Base { rigid, half_space };
 
-/// Layers from the surface z = 0 downward, on a rigid base or ending in a half-space.
+/// Layers from the surface z = 0 downward, on a rigid base or ending in a half-space, and what lies
+/// in them: a map first, then bodies, each over what is before it (model/material_field.hpp).
 struct Medium {
     std::vector<Layer> layers;
     Base base = Base::rigid;
-    bool operator==(const Medium&) const = default;
+    std::vector<Body> bodies;
+    std::shared_ptr<const MaterialMap> map; // shared by the cases of a sweep: it may be large
+
+    /// Maps are compared by their content.
+    friend bool operator==(const Medium& a, const Medium& b);
 };
 
 /// mu(omega) [Pa]; omega [rad/s] may be complex with Im omega <= 0.
