@@ -213,16 +213,30 @@ Bounds bounds(const Body& body) {
 }
 
 double thickness_m(const Body& body) {
-    const auto least = [](Vec3 v) { return std::min({v.x, v.y, v.z}); };
-    return std::visit(overloaded{
-                          [&](const Ellipsoid& e) { return 2.0 * least(e.semi_axes_m); },
-                          [&](const Cylinder& c) {
-                              return std::min(2.0 * c.radius_m,
-                                              c.is_endless() ? infinity : c.length_m);
-                          },
-                          [&](const Box& b) { return least(b.size_m); },
-                      },
-                      body.shape);
+    const double height_m = std::visit(overloaded{
+                                           [](const Ellipsoid& e) { return 2.0 * e.semi_axes_m.z; },
+                                           [](const Cylinder& c) {
+                                               if (c.axis == CylinderAxis::horizontal)
+                                                   return 2.0 * c.radius_m;
+                                               return c.is_endless() ? infinity : c.length_m;
+                                           },
+                                           [](const Box& b) { return b.size_m.z; },
+                                       },
+                                       body.shape);
+    return std::min(height_m, lateral_thickness_m(body));
+}
+
+double lateral_thickness_m(const Body& body) {
+    return std::visit(
+        overloaded{
+            [](const Ellipsoid& e) { return 2.0 * std::min(e.semi_axes_m.x, e.semi_axes_m.y); },
+            [](const Cylinder& c) {
+                const bool has_end = c.axis == CylinderAxis::horizontal && !c.is_endless();
+                return std::min(2.0 * c.radius_m, has_end ? c.length_m : infinity);
+            },
+            [](const Box& b) { return std::min(b.size_m.x, b.size_m.y); },
+        },
+        body.shape);
 }
 
 } // namespace shearwake

@@ -59,7 +59,9 @@ struct Bounds {
 };
 Bounds bounds(const Body& body);
 
-/// The smallest width of the body: what a grid must resolve and an edge must fit into.
+/// The smallest width of the body, which an edge must fit into.
 double thickness_m(const Body& body);
+/// The same in the x-y plane: what the lateral grid must resolve.
+double lateral_thickness_m(const Body& body);
 
 } // namespace shearwake

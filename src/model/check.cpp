@@ -1,5 +1,7 @@
 #include "model/check.hpp"
 
+#include "model/check_variation.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -223,6 +225,8 @@ std::vector<Remark> check(const Case& c) {
     check_engine(c, notes);
     check_measured_times(c, notes);
     check_focal_region(c, notes);
+    for (Remark& remark : check_variation(c))
+        notes.remarks.push_back(std::move(remark));
     return notes.remarks;
 }
 

@@ -1,0 +1,124 @@
+#include "model/check_variation.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+/// A ball of 4 mm in 96 x 67.5 mm: nothing to remark.
+Case good_case() {
+    Case c;
+    c.medium.layers = {
+        {.name = "tissue", .thickness_m = 0.02, .density_kg_m3 = 1e3, .c_p_m_s = 50, .c_s_m_s = 5}};
+    c.medium.bodies = {{.shape = Ellipsoid{{2e-3, 2e-3, 2e-3}}, .centre_m = {0, 0, 5e-3}}};
+    c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
+    c.solver = SpectralOptions{};
+    return c;
+}
+
+Remark only_remark(const Case& c) {
+    const auto remarks = check_variation(c);
+    for (const Remark& remark : remarks)
+        UNSCOPED_INFO(remark.key << ": " << remark.message);
+    REQUIRE(remarks.size() == 1);
+    return remarks[0];
+}
+
+bool has(const std::string& text, std::string_view part) {
+    INFO(text);
+    return text.find(part) != std::string::npos;
+}
+
+/// A map over `half_x_m` about the origin and the whole of y and z.
+std::shared_ptr<const MaterialMap> map_over(double half_x_m, double middle_m = 0.0) {
+    MaterialMap map{.counts = {3, 1, 1},
+                    .origin_m = {middle_m - 2.0 / 3.0 * half_x_m, 0, 0},
+                    .spacing_m = {2.0 / 3.0 * half_x_m, 0, 0},
+                    .c_s_m_s = {5, 6, 7}};
+    return std::make_shared<const MaterialMap>(map);
+}
+
+} // namespace
+
+TEST_CASE("a body well inside has no remark", "[check_variation]") {
+    CHECK(check_variation(good_case()).empty());
+}
+
+TEST_CASE("the layered engine refuses bodies and maps by their keys", "[check_variation]") {
+    Case c = good_case();
+    c.solver = LayeredOptions{};
+    CHECK(only_remark(c).severity == Severity::error);
+    CHECK(only_remark(c).key == "medium.body");
+    CHECK(has(only_remark(c).message, "solver.engine = \"spectral\""));
+    c.medium.bodies.clear();
+    CHECK(check_variation(c).empty());
+    c.medium.map = map_over(1.0);
+    CHECK(only_remark(c).key == "medium.map");
+    CHECK(only_remark(c).severity == Severity::error);
+}
+
+TEST_CASE("a body that falls through the grid is told in numbers", "[check_variation]") {
+    Case c = good_case();
+    c.medium.bodies.push_back(
+        {.shape = Cylinder{.radius_m = 0.5e-3, .length_m = 20e-3}, .centre_m = {0, 0, 5e-3}});
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "medium.body[2].shape");
+    CHECK(has(only_remark(c).message, "1 mm wide along the surface and the spacing 0.75 mm, 1.3 "));
+    c.medium.bodies[1].shape = Box{{10e-3, 10e-3, 0.1e-3}}; // thin in depth only
+    CHECK(check_variation(c).empty());
+}
+
+TEST_CASE("a body at the edge of the domain is told", "[check_variation]") {
+    Case c = good_case();
+    SECTION("cut off") {
+        c.medium.bodies[0].centre_m.x = -47e-3;
+        CHECK(only_remark(c).severity == Severity::warning);
+        CHECK(only_remark(c).key == "medium.body[1].center_mm");
+        CHECK(has(only_remark(c).message, "it reaches 49 mm along x, and the domain ends at 48 mm: "
+                                          "its last 1 mm are cut off"));
+    }
+    SECTION("its smooth edge counts") {
+        c.medium.bodies[0].centre_m.x = 45.5e-3;
+        c.medium.bodies[0].edge_m = 2e-3;
+        CHECK(has(only_remark(c).message, "it reaches 48.5 mm along x"));
+    }
+    SECTION("in the margin") {
+        c.domain.sponge_m = 5e-3;
+        c.medium.bodies[0].centre_m.y = 30e-3;
+        CHECK(has(only_remark(c).message,
+                  "it reaches 32 mm along y, into the margin of 5 mm before "
+                  "the domain's edge at 33.75 mm"));
+    }
+    SECTION("outside") {
+        c.medium.bodies[0].centre_m.y = 36e-3;
+        CHECK(only_remark(c).severity == Severity::error);
+        CHECK(has(only_remark(c).message, "changes nothing: from 34 to 38 mm along y"));
+    }
+}
+
+TEST_CASE("an endless cylinder must meet itself at the periodic edges", "[check_variation]") {
+    Case c = good_case();
+    Cylinder bone{.radius_m = 3e-3, .azimuth_deg = 90.0};
+    c.medium.bodies[0].shape = bone;
+    CHECK(check_variation(c).empty());
+    bone.azimuth_deg = 30.0;
+    c.medium.bodies[0].shape = bone;
+    CHECK(only_remark(c).key == "medium.body[1].azimuth_deg");
+    CHECK(has(only_remark(c).message, "lies at 30 degrees"));
+    c.medium.bodies[0].shape = Cylinder{.radius_m = 3e-3, .axis = CylinderAxis::vertical};
+    CHECK(check_variation(c).empty());
+}
+
+TEST_CASE("a map that is beside the domain or ends in it is told", "[check_variation]") {
+    Case c = good_case();
+    c.medium.map = map_over(48e-3);
+    CHECK(check_variation(c).empty());
+    c.medium.map = map_over(30e-3);
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "medium.map");
+    CHECK(has(only_remark(c).message, "it covers x from -30 to 30, y from"));
+    c.medium.map = map_over(30e-3, 90e-3);
+    CHECK(only_remark(c).severity == Severity::error);
+    CHECK(has(only_remark(c).message, "nothing of the domain"));
+}
