@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "config/finding.hpp"
+#include "config/map_loader.hpp"
 #include "config/override.hpp"
 #include "model/plan.hpp"
 
@@ -30,8 +31,9 @@ private:
 };
 
 /// Reads, expands and checks. Throws BadJob with every mistake (and the warnings) at once. Touches
-/// no files: `file_name` is for messages. Not collective; the same text gives the same job.
+/// no files: `file_name` is for messages, maps come from `load_map`; without it a job that names
+/// one is bad. Collective if `load_map` is; the same text and maps give the same job.
 Job read_job(std::string_view text, const std::string& file_name,
-             std::span<const Override> overrides = {});
+             std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr);
 
 } // namespace shearwake

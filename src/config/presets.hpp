@@ -21,6 +21,11 @@ NodePtr medium_preset(std::string_view name, const Place& place);
 /// `layer` with the keys it does not give taken from the preset it names, if it names one.
 NodePtr with_layer_preset(const NodePtr& layer);
 
+/// Those that a [[medium.body]] may name, and its table with the keys it does not give taken from
+/// the one it names, if it names one.
+std::vector<std::string> body_preset_names();
+NodePtr with_body_preset(const NodePtr& body);
+
 /// `root` with medium.preset replaced by its base and layers. Layers or a base that the job gives
 /// stay. An unknown name stays too, for the reader to report.
 NodePtr with_medium_preset(const NodePtr& root);

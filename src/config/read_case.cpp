@@ -226,7 +226,8 @@ std::span<const std::string_view> case_tables() {
     return tables;
 }
 
-std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, Diagnostics& findings) {
+std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const MapLoader& load_map,
+                              Diagnostics& findings) {
     const Sound sound(findings);
     Reader root(with_medium_preset(job), "", findings);
     for (const std::string_view needed : {"medium", "load", "domain", "time"})
@@ -236,7 +237,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, Diagno
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
            record = root.optional_table("record");
-    c.medium = read_medium(medium);
+    c.medium = read_medium(medium, load_map);
     c.load = read_load(load, c.medium, other_kinds);
     c.domain = read_domain(domain);
     c.time = read_time(time);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "config/map_loader.hpp"
 #include "config/reader.hpp"
 #include "model/case.hpp"
 
@@ -11,7 +12,9 @@ namespace shearwake {
 enum class OtherKinds { refused, ignored };
 
 /// The parts of a case, each from its table.
-Medium read_medium(Reader& reader);
+Medium read_medium(Reader& reader, const MapLoader& load_map);
+/// The body of a table that stands `number`th (from 1) in a medium whose layers and map are read.
+Body read_body(Reader reader, std::size_t number, const Medium& medium);
 Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds);
 Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds);
 Domain read_domain(Reader& reader);
@@ -23,7 +26,8 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
                           const MeasureOptions& measure);
 
 /// The case that the whole job `root` describes; nothing, and findings, if there is a mistake.
-std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, Diagnostics& findings);
+std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds,
+                              const MapLoader& load_map, Diagnostics& findings);
 
 /// The tables of a job of which a case is made.
 std::span<const std::string_view> case_tables();

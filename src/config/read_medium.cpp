@@ -1,5 +1,7 @@
+#include "base/error.hpp"
 #include "config/presets.hpp"
 #include "config/read_case.hpp"
+#include "model/bulk_modulus.hpp"
 
 #include <array>
 #include <fmt/format.h>
@@ -64,13 +66,12 @@ Layer read_layer(Reader reader, std::size_t number, bool endless) {
     layer.c_s_m_s = reader.number("c_s_m_s", Range::above(0.0));
     layer.loss = read_loss(reader);
     reader.finish();
-    // lambda + 2/3 mu > 0, or the layer would swell when pressed from all sides.
-    const double ratio2 = layer.c_p_m_s * layer.c_p_m_s / (layer.c_s_m_s * layer.c_s_m_s);
-    if (reader.findings().errors() == before && !(ratio2 > 4.0 / 3.0))
+    if (reader.findings().errors() == before &&
+        !has_positive_bulk_modulus({layer.c_p_m_s, layer.c_s_m_s}))
         reader.error("c_p_m_s",
                      fmt::format("must be above {:.6g}, 1.1547 times c_s_m_s = {:.6g} "
                                  "(a positive bulk modulus), and is {:.6g}",
-                                 layer.c_s_m_s * 1.1547005383792515, layer.c_s_m_s, layer.c_p_m_s));
+                                 layer.c_s_m_s * least_speed_ratio, layer.c_s_m_s, layer.c_p_m_s));
     return layer;
 }
 
@@ -82,23 +83,7 @@ NodePtr prepared(const NodePtr& layer, bool endless) {
     return endless && !given ? without(filled, "thickness_mm") : filled;
 }
 
-} // namespace
-
-Medium read_medium(Reader& reader) {
-    static const std::array<std::string, 2> bases = {"rigid", "half-space"};
-    if (reader.empty()) return {};
-    Medium medium;
-    medium.base = reader.choice("base", bases) == "rigid" ? Base::rigid : Base::half_space;
-    if (reader.has("body"))
-        reader.error("body",
-                     "is not possible yet: both engines compute stratified media only; take "
-                     "the body out");
-    const bool preset_is_known =
-        !reader.has("preset") || reader.find_choice("preset", preset_names()).has_value();
-    if (preset_is_known && reader.has("preset") && reader.has("layer"))
-        reader.error("preset", "fills in all the layers, but medium.layer is given as well; name "
-                               "the preset in a layer, or take the layers out");
-    if (preset_is_known && !reader.has("layer")) reader.missing("layer");
+void read_layers(Reader& reader, Medium& medium) {
     const std::vector<Reader> layers = reader.tables("layer");
     if (reader.has("layer") && layers.empty()) reader.error("layer", "must hold a layer");
     const NodePtr list = reader.node("layer");
@@ -108,6 +93,70 @@ Medium read_medium(Reader& reader) {
         medium.layers.push_back(
             read_layer(Reader(table, layers[i].path(), reader.findings()), i + 1, endless));
     }
+}
+
+std::shared_ptr<const MaterialMap> read_map(Reader& reader, const MapLoader& load_map) {
+    const auto file = reader.find_word("map");
+    if (!file) return nullptr;
+    if (!load_map) {
+        reader.error("map", "names a file, and no files are read here");
+        return nullptr;
+    }
+    try {
+        return load_map(*file);
+    } catch (const UsageError& problem) {
+        reader.error("map", fmt::format("cannot be used: {}", problem.what()));
+        return nullptr;
+    }
+}
+
+/// Where the map gives one of the speeds, the other one may be the layer's.
+void check_bulk_modulus_of_map(const Reader& reader, const Medium& medium) {
+    for (std::size_t i = 0; i < medium.layers.size(); ++i) {
+        const Speeds speeds = softest_against_pressure(medium, i);
+        if (!has_positive_bulk_modulus(speeds))
+            reader.error("map",
+                         fmt::format("makes c_p = {:.6g} and c_s = {:.6g} m/s somewhere in layer "
+                                     "\"{}\": c_p must be above {:.6g}, 1.1547 times c_s (a "
+                                     "positive bulk modulus)",
+                                     speeds.c_p_m_s, speeds.c_s_m_s, excerpt(medium.layers[i].name),
+                                     speeds.c_s_m_s * least_speed_ratio));
+    }
+}
+
+/// `around` is without layers when they have mistakes: nothing is compared with them then.
+std::vector<Body> read_bodies(Reader& reader, const Medium& around) {
+    const std::vector<Reader> bodies = reader.tables("body");
+    const NodePtr list = reader.node("body");
+    std::vector<Body> read;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const NodePtr table = with_body_preset(std::get<ListNode>(list->value)[i]);
+        read.push_back(
+            read_body(Reader(table, bodies[i].path(), reader.findings()), i + 1, around));
+    }
+    return read;
+}
+
+} // namespace
+
+Medium read_medium(Reader& reader, const MapLoader& load_map) {
+    static const std::array<std::string, 2> bases = {"rigid", "half-space"};
+    if (reader.empty()) return {};
+    Medium medium;
+    medium.base = reader.choice("base", bases) == "rigid" ? Base::rigid : Base::half_space;
+    const bool preset_is_known =
+        !reader.has("preset") || reader.find_choice("preset", preset_names()).has_value();
+    if (preset_is_known && reader.has("preset") && reader.has("layer"))
+        reader.error("preset", "fills in all the layers, but medium.layer is given as well; name "
+                               "the preset in a layer, or take the layers out");
+    if (preset_is_known && !reader.has("layer")) reader.missing("layer");
+    const std::size_t before = reader.findings().errors();
+    read_layers(reader, medium);
+    medium.map = read_map(reader, load_map);
+    if (reader.findings().errors() == before && medium.map)
+        check_bulk_modulus_of_map(reader, medium);
+    const bool is_sound = reader.findings().errors() == before;
+    medium.bodies = read_bodies(reader, is_sound ? medium : Medium{});
     reader.finish();
     return medium;
 }

@@ -87,9 +87,6 @@ TEST_CASE("a mistake in a layer stands in its place", "[config][medium]") {
          "mean \"fractional\"?"},
         {"viscosity_Pa_s = 1.0", "loss = { law = \"standard-linear\", tau_us = 1, strenth = 1 }",
          "job.toml:12:47: error: medium.layer[1].loss.strenth is unknown; did you mean strength?"},
-        {"[load]", "[[medium.body]]\nshape = \"box\"\n[load]",
-         "job.toml:13:1: error: medium.body is not possible yet: both engines compute "
-         "stratified media only; take the body out"},
         {"viscosity_Pa_s", "preset = \"ecoflx\"\nviscosity_Pa_s",
          "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
          "\"ecoflex\" or \"forearm\", and is \"ecoflx\"; did you mean \"ecoflex\"?"},
