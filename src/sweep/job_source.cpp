@@ -2,9 +2,27 @@
 
 #include "base/error.hpp"
 #include "io/files.hpp"
+#include "io/map_file.hpp"
 #include "parallel/agree.hpp"
 
+#include <map>
+
 namespace shearwake {
+namespace {
+
+/// Maps in files beside the job, each read once for all its cases. Collective: every rank reads the
+/// same job and comes to the same file at the same time.
+MapLoader maps_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::shared_ptr<const MaterialMap>>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        auto& map = (*known)[file];
+        if (!map) map = std::make_shared<const MaterialMap>(read_map_file(folder / file, world));
+        return map;
+    };
+}
+
+} // namespace
 
 Override parse_override(const std::string& text) {
     const auto equals = text.find('=');
@@ -20,7 +38,8 @@ Job load_job(const std::filesystem::path& path, const std::vector<std::string>& 
         parsed.push_back(parse_override(text));
     std::string text;
     on_root(world, [&] { text = read_file(path); });
-    return read_job(world.broadcast(std::move(text)), path.string(), parsed);
+    return read_job(world.broadcast(std::move(text)), path.string(), parsed,
+                    maps_beside(path, world));
 }
 
 } // namespace shearwake

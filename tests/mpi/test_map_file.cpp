@@ -1,0 +1,80 @@
+#include "io/map_file.hpp"
+
+#include "base/error.hpp"
+#include "io/h5.hpp"
+#include "parallel/agree.hpp"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <unistd.h>
+
+using namespace shearwake;
+
+namespace {
+
+/// A path that all ranks know and whose file goes with the test.
+class SharedFile {
+public:
+    explicit SharedFile(const Comm& world) : world_(world) {
+        path_ = world.broadcast((std::filesystem::temp_directory_path() /
+                                 ("shearwake-map-" + std::to_string(::getpid()) + ".h5"))
+                                    .string());
+    }
+    ~SharedFile() {
+        world_.barrier();
+        if (world_.is_root()) std::filesystem::remove(path_);
+    }
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    Comm world_;
+    std::filesystem::path path_;
+};
+
+/// More points than one piece of the broadcast holds.
+constexpr hsize_t nx = 2100, ny = 2001, nz = 1;
+
+void write_map(const std::filesystem::path& path) {
+    const h5::Id file = h5::open_file(path, h5::Access::create);
+    const auto put = [&](const char* name, std::vector<hsize_t> shape, auto value) {
+        hsize_t count = 1;
+        for (const hsize_t extent : shape)
+            count *= extent;
+        std::vector<double> values;
+        for (hsize_t i = 0; i < count; ++i)
+            values.push_back(value(static_cast<double>(i)));
+        h5::write_all(h5::create_dataset(file.raw(), name, shape), values);
+    };
+    put("x_m", {nx}, [](double i) { return 1e-4 * i; });
+    put("y_m", {ny}, [](double i) { return 1e-4 * i - 0.05; });
+    put("z_m", {nz}, [](double) { return 0.0; });
+    put("c_s_m_s", {nx, ny, nz}, [](double i) { return 1.0 + 1e-6 * i; });
+}
+
+} // namespace
+
+TEST_CASE("every rank ends with the same map", "[mpi]") {
+    const Comm world = Comm::world();
+    const SharedFile file(world);
+    on_root(world, [&] { write_map(file.path()); });
+    const MaterialMap map = read_map_file(file.path(), world);
+    // Recomputed here from what has arrived, then compared with rank 0's own.
+    const double differs = hash_of(map) == world.broadcast(map.content_hash) ? 0.0 : 1.0;
+    CHECK(world.max(differs) == 0.0);
+    const double last = map.c_s_m_s.empty() ? 0.0 : map.c_s_m_s.back();
+    CHECK(world.max(last) == 1.0 + 1e-6 * static_cast<double>(nx * ny * nz - 1));
+    CHECK(world.max(-last) == -last);
+}
+
+TEST_CASE("a map that is not there is the same error on all ranks", "[mpi]") {
+    const Comm world = Comm::world();
+    std::string said;
+    try {
+        read_map_file("/nowhere/map.h5", world);
+    } catch (const UsageError& error) {
+        said = error.what();
+    }
+    const bool as_on_root = said == world.broadcast(said);
+    CHECK(world.max(as_on_root ? 0 : 1) == 0);
+    CHECK(said == "/nowhere/map.h5 is not there");
+}
