@@ -236,8 +236,10 @@ std::vector<std::string> dataset_names(hid_t group) {
             static_cast<std::vector<std::string>*>(out)->emplace_back(name);
         return 0;
     };
-    check(H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, visit, &names),
-          "list a group");
+    if (H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, visit, &names) >= 0)
+        return names;
+    names.clear(); // other programs' files keep no order of creation
+    check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names), "list a group");
     return names;
 }
 

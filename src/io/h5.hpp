@@ -67,7 +67,7 @@ double number_attribute(hid_t object, const std::string& name);
 void make_scale(const Id& coordinate, const std::string& name);
 void attach_scale(const Id& dataset, const Id& coordinate, unsigned dimension);
 
-/// Names of the datasets of a group, in order of creation.
+/// Names of the datasets of a group, in order of creation; of the alphabet if none is kept.
 std::vector<std::string> dataset_names(hid_t group);
 
 std::string library_version();

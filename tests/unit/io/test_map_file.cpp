@@ -113,6 +113,18 @@ TEST_CASE("the file's name does not matter, its content does", "[map_file]") {
     CHECK_FALSE(read_map_file(folder / "a.h5") == read_map_file(folder / "c.h5"));
 }
 
+TEST_CASE("a file of another program, which keeps no order of creation, is read", "[map_file]") {
+    const test::TemporaryFolder folder;
+    const std::filesystem::path path = folder / "map.h5";
+    {
+        const h5::Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+                          H5Fclose, "create");
+        for (const auto& [name, dataset] : good())
+            h5::write_all(h5::create_dataset(file.raw(), name, dataset.shape), dataset.values);
+    }
+    CHECK(read_map_file(path).c_s_m_s == good()["c_s_m_s"].values);
+}
+
 TEST_CASE("single precision passes", "[map_file]") {
     const test::TemporaryFolder folder;
     write_raw(folder / "map.h5", "density_kg_m3", H5T_NATIVE_FLOAT, {1, 1, 1});
