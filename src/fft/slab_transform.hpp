@@ -17,24 +17,36 @@ struct SlabShare {
     std::ptrdiff_t reals = 0;                  // doubles that one plane's buffer needs
 };
 
-/// Inverse transform of one real plane, distributed over a team in slabs (FFTW3-MPI):
-///     f(x, y) = sum over kx, ky of F(ky, kx) e^{i (kx x + ky y)}, unnormalised, in place;
-/// spectrum rows are ky (the non-negative half), contiguous in kx; physical rows are x,
-/// contiguous in y with padding. Collective: construction and `execute`, surplus ranks too.
+/// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
+enum class Planning { estimated, measured };
+
+/// Transforms of a real plane, distributed over a team in slabs (FFTW3-MPI), unnormalised, in
+/// place:
+///     to_physical:  f(x, y)   = sum over kx, ky of F(ky, kx) e^{+i (kx x + ky y)}
+///     to_spectral:  F(ky, kx) = sum over x, y   of f(x, y)   e^{-i (kx x + ky y)}
+/// so that one after the other is nx ny times the plane. Spectrum rows are ky (the non-negative
+/// half), contiguous in kx; physical rows are x, contiguous in y, padded to `padded_ny`; what
+/// stands in the padding does not matter. Collective: construction and transforms, surplus ranks
+/// too.
 class SlabTransform {
 public:
-    SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team);
+    SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
+                  Planning planning = Planning::estimated);
     ~SlabTransform();
     SlabTransform(const SlabTransform&) = delete;
     SlabTransform& operator=(const SlabTransform&) = delete;
 
     const SlabShare& share() const { return share_; }
     /// `plane` holds share().reals doubles, aligned as AlignedVector is.
-    void execute(double* plane) const;
+    void to_physical(double* plane) const;
+    void to_spectral(double* plane) const;
+    /// The same for `count` planes that follow each other at a distance of share().reals.
+    void to_physical(double* planes, std::ptrdiff_t count) const;
+    void to_spectral(double* planes, std::ptrdiff_t count) const;
 
 private:
-    struct Plan;
-    std::unique_ptr<Plan> plan_;
+    struct Plans;
+    std::unique_ptr<Plans> plans_;
     SlabShare share_;
 };
 

@@ -77,7 +77,7 @@ ExitCode bench_command(const std::string& name, const Comm& world) {
         return seconds_of(world, [&] {
             for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
                 plane.assign(plane.size(), 0.0);
-                slabs.execute(plane.data());
+                slabs.to_physical(plane.data());
             }
         });
     });

@@ -7,6 +7,35 @@
 
 using namespace shearwake;
 
+namespace {
+
+/// Grids whose extents do not divide, odd ones, and ones with fewer rows than ranks.
+using Grid = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
+const auto grids = {Grid{14, 10}, Grid{30, 18}, Grid{9, 7}, Grid{4, 2}, Grid{2, 6}};
+
+/// Numbers without a pattern that belong to a place in the grid, so to no rank.
+double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
+    const auto x = static_cast<double>(i), y = static_cast<double>(j);
+    return std::sin(12.9898 * x + 78.233 * y + 3.1 * x * y + 1.0);
+}
+
+/// A plane of noise in its rows, and in the padding what must not matter.
+AlignedVector<double> noise_plane(const SlabShare& share, std::ptrdiff_t ny,
+                                  std::ptrdiff_t seed = 0) {
+    AlignedVector<double> plane(static_cast<std::size_t>(share.reals), 1e3);
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < ny; ++j)
+            plane[static_cast<std::size_t>(i * share.padded_ny + j)] =
+                noise(share.x_start + i, j + seed);
+    return plane;
+}
+
+std::complex<double>* spectrum_of(AlignedVector<double>& plane) {
+    return reinterpret_cast<std::complex<double>*>(plane.data());
+}
+
+} // namespace
+
 TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents", "[mpi]") {
     // Extents that do not divide, and one with fewer rows than ranks: surplus ranks join in.
     const auto [nx, ny] = GENERATE(std::pair<std::ptrdiff_t, std::ptrdiff_t>{14, 10},
@@ -31,7 +60,7 @@ TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents
             spectrum[j * nx + i] = value;
         }
     }
-    transform.execute(plane.data());
+    transform.to_physical(plane.data());
     double worst = 0.0, rows = 0.0;
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i, ++rows) {
         for (std::ptrdiff_t j = 0; j < ny; ++j) {
@@ -50,4 +79,120 @@ TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents
     CHECK(world.max(worst) < 1e-13);
     CHECK(world.sum(rows) == static_cast<double>(nx)); // every row has exactly one owner
     CHECK(world.sum(static_cast<double>(share.ky_count)) == static_cast<double>(ny / 2 + 1));
+}
+
+TEST_CASE("there and back is nx ny times the plane", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const SlabTransform transform(nx, ny, world);
+    const SlabShare& share = transform.share();
+    const AlignedVector<double> before = noise_plane(share, ny);
+    AlignedVector<double> plane = before;
+    transform.to_spectral(plane.data());
+    transform.to_physical(plane.data());
+    double worst = 0.0;
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i) {
+        for (std::ptrdiff_t j = 0; j < ny; ++j) {
+            const auto at = static_cast<std::size_t>(i * share.padded_ny + j);
+            const double back = plane[at] / static_cast<double>(nx * ny);
+            worst = test::worse(worst, std::abs(back - before[at]));
+        }
+    }
+    // Values of 1, some 10 roundings of 1e-16 on the way.
+    CHECK(world.max(worst) < 5e-15);
+}
+
+TEST_CASE("a cosine has the two modes that it is made of", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const SlabTransform transform(nx, ny, world);
+    const SlabShare& share = transform.share();
+    AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
+    // cos(-x + y + phase): at kx = -1, ky = 1 half its amplitude times e^{i phase}; the other mode,
+    // at kx = 1, ky = -1, is in the stored half only where ky = 1 is the Nyquist row.
+    const double phase = 0.4;
+    const double dx = 2.0 * std::numbers::pi / static_cast<double>(nx);
+    const double dy = 2.0 * std::numbers::pi / static_cast<double>(ny);
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < ny; ++j)
+            plane[static_cast<std::size_t>(i * share.padded_ny + j)] = std::cos(
+                -static_cast<double>(share.x_start + i) * dx + static_cast<double>(j) * dy + phase);
+    transform.to_spectral(plane.data());
+    const double points = static_cast<double>(nx * ny);
+    double worst = 0.0;
+    for (std::ptrdiff_t j = 0; j < share.ky_count; ++j) {
+        for (std::ptrdiff_t i = 0; i < nx; ++i) {
+            const std::ptrdiff_t ky = share.ky_start + j;
+            std::complex<double> expected = 0.0;
+            if (ky == 1 && i == nx - 1) expected += std::polar(0.5 * points, phase);
+            if (ky == 1 && ny == 2 && i == 1) expected += std::polar(0.5 * points, -phase);
+            worst = test::worse(worst, std::abs(spectrum_of(plane)[j * nx + i] - expected));
+        }
+    }
+    CHECK(world.max(worst) / points < 1e-15); // roundings of the sum over points, relative to it
+}
+
+TEST_CASE("each direction is the other one's adjoint", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const SlabTransform transform(nx, ny, world);
+    const SlabShare& share = transform.share();
+    AlignedVector<double> spectrum(static_cast<std::size_t>(share.reals));
+    for (std::ptrdiff_t j = 0; j < share.ky_count; ++j)
+        for (std::ptrdiff_t i = 0; i < nx; ++i)
+            spectrum_of(spectrum)[j * nx + i] = {noise(i, share.ky_start + j),
+                                                 noise(i + 1000, share.ky_start + j)};
+    AlignedVector<double> real = noise_plane(share, ny);
+    AlignedVector<double> real_of_spectrum = spectrum, spectrum_of_real = real;
+    transform.to_physical(real_of_spectrum.data());
+    transform.to_spectral(spectrum_of_real.data());
+    double in_space = 0.0, in_modes = 0.0;
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < ny; ++j) {
+            const auto at = static_cast<std::size_t>(i * share.padded_ny + j);
+            in_space += real_of_spectrum[at] * real[at];
+        }
+    for (std::ptrdiff_t j = 0; j < share.ky_count; ++j) {
+        // Rows that stand for their mirror image as well count twice.
+        const std::ptrdiff_t ky = share.ky_start + j;
+        const double weight = ky == 0 || 2 * ky == ny ? 1.0 : 2.0;
+        for (std::ptrdiff_t i = 0; i < nx; ++i)
+            in_modes += weight * std::real(std::conj(spectrum_of(spectrum_of_real)[j * nx + i]) *
+                                           spectrum_of(spectrum)[j * nx + i]);
+    }
+    // Both are sums of nx ny products of numbers up to about sqrt(nx ny).
+    const double size = std::pow(static_cast<double>(nx * ny), 1.5);
+    CHECK(std::abs(world.sum(in_space) - world.sum(in_modes)) / size < 1e-14);
+}
+
+TEST_CASE("planes together are transformed as they are one by one", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const SlabTransform transform(nx, ny, world);
+    const SlabShare& share = transform.share();
+    const std::ptrdiff_t count = 5;
+    AlignedVector<double> planes;
+    for (std::ptrdiff_t n = 0; n < count; ++n) {
+        const AlignedVector<double> plane = noise_plane(share, ny, 100 * n);
+        planes.insert(planes.end(), plane.begin(), plane.end());
+    }
+    AlignedVector<double> alone = planes;
+    transform.to_spectral(planes.data(), count);
+    for (std::ptrdiff_t n = 0; n < count; ++n)
+        transform.to_spectral(alone.data() + n * share.reals);
+    double worst = 0.0;
+    const auto compare = [&](std::ptrdiff_t row, std::ptrdiff_t begin, std::ptrdiff_t end) {
+        for (std::ptrdiff_t n = 0; n < count; ++n)
+            for (std::ptrdiff_t at = begin; at < end; ++at) {
+                const auto i = static_cast<std::size_t>(n * share.reals + row + at);
+                worst = test::worse(worst, std::abs(planes[i] - alone[i]));
+            }
+    };
+    compare(0, 0, 2 * share.ky_count * nx);
+    transform.to_physical(planes.data(), count);
+    for (std::ptrdiff_t n = 0; n < count; ++n)
+        transform.to_physical(alone.data() + n * share.reals);
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        compare(i * share.padded_ny, 0, ny);
+    CHECK(world.max(worst) == 0.0); // the same bits
 }

@@ -187,7 +187,7 @@ void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer) {
             for (std::ptrdiff_t n = 0; n < count; ++n) {
                 std::copy_n(reinterpret_cast<const double*>(spectra->frame(n)),
                             2 * spectra->plane(), plane.data());
-                slabs_->execute(plane.data());
+                slabs_->to_physical(plane.data());
                 observer.frame({.number = first + n,
                                 .depth = depth,
                                 .u_z_m = View2<const double>(plane.data(), share.x_count,

@@ -58,7 +58,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer) {
             stepper->advance();
         for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
             stepper->plane_of_w(c.measure.depths_m[depth], plane.data());
-            slabs.execute(plane.data());
+            slabs.to_physical(plane.data());
             observer.frame({.number = frame,
                             .depth = depth,
                             .u_z_m = View2<const double>(plane.data(), share.x_count, c.domain.ny,

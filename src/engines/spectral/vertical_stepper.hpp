@@ -24,7 +24,7 @@ public:
     /// From t = n dt to (n + 1) dt.
     void advance();
 
-    /// u_z at a depth as rows of the transposed spectrum, ready for SlabTransform::execute.
+    /// u_z at a depth as rows of the transposed spectrum, ready for SlabTransform::to_physical.
     void plane_of_w(double depth_m, double* plane) const;
 
 private:
