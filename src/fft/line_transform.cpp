@@ -1,6 +1,5 @@
 #include "fft/line_transform.hpp"
 
-#include "base/error.hpp"
 #include "fft/aligned.hpp"
 
 namespace shearwake {
@@ -10,10 +9,9 @@ namespace shearwake {
 LineTransform::LineTransform(std::ptrdiff_t length, Direction direction) : length_(length) {
     AlignedVector<std::complex<double>> scratch(static_cast<std::size_t>(length));
     auto* data = reinterpret_cast<fftw_complex*>(scratch.data());
-    plan_.reset(fftw_plan_dft_1d(static_cast<int>(length), data, data,
-                                 direction == Direction::forward ? FFTW_FORWARD : FFTW_BACKWARD,
-                                 FFTW_ESTIMATE));
-    if (!plan_) throw Error("FFTW refused to make a plan");
+    plan_ = checked_plan(fftw_plan_dft_1d(
+        static_cast<int>(length), data, data,
+        direction == Direction::forward ? FFTW_FORWARD : FFTW_BACKWARD, FFTW_ESTIMATE));
 }
 
 void LineTransform::execute(std::complex<double>* line) const {

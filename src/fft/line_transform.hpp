@@ -1,11 +1,9 @@
 #pragma once
 
-#include <complex>
-#include <memory>
-#include <string>
-#include <type_traits>
+#include "fft/fftw_plan.hpp"
 
-#include <fftw3.h>
+#include <complex>
+#include <string>
 
 namespace shearwake {
 
@@ -20,10 +18,7 @@ public:
     std::ptrdiff_t length() const { return length_; }
 
 private:
-    struct Destroy {
-        void operator()(fftw_plan p) const { fftw_destroy_plan(p); }
-    };
-    std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy> plan_;
+    FftwPlan plan_;
     std::ptrdiff_t length_;
 };
 

@@ -1,40 +1,105 @@
 #include "fft/slab_transform.hpp"
 
-#include "base/error.hpp"
+#include "fft/fftw_plan.hpp"
 
 #include <algorithm>
 #include <fftw3-mpi.h>
-#include <type_traits>
 
 namespace shearwake {
 namespace {
 
-struct Destroy {
-    void operator()(fftw_plan p) const { fftw_destroy_plan(p); }
-};
-using Plan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, Destroy>;
+using Complex = std::complex<double>;
 
-Plan checked(fftw_plan raw) {
-    if (!raw) throw Error("FFTW refused to make a plan");
-    return Plan(raw);
+// Rows that are transposed together: four complex numbers are one line of the cache.
+constexpr std::ptrdiff_t width = 4;
+
+fftw_complex* raw(Complex* values) {
+    return reinterpret_cast<fftw_complex*>(values);
 }
 
-fftw_complex* complexes(double* plane) {
-    return reinterpret_cast<fftw_complex*>(plane);
+/// An odd number of cache lines of 64 bytes: every plane of a pile is aligned as the first, and the
+/// same point of all planes does not fall into the same few sets of the cache.
+std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
+    const std::ptrdiff_t line = 8;
+    return line * (((reals + line - 1) / line) | 1);
+}
+
+/// columns[k * stride + r] = rows[r * pitch + k] for `count` rows of `length`.
+void rows_to_columns(const Complex* rows, std::ptrdiff_t pitch, std::ptrdiff_t count,
+                     std::ptrdiff_t length, Complex* columns, std::ptrdiff_t stride) {
+    const auto copy = [&](auto rows_together) {
+        for (std::ptrdiff_t k = 0; k < length; ++k)
+            for (std::ptrdiff_t r = 0; r < rows_together; ++r)
+                columns[k * stride + r] = rows[r * pitch + k];
+    };
+    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>()); // unrolled
+    copy(count);
+}
+
+/// The way back: rows[r * pitch + k] = columns[k * stride + r].
+void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff_t count,
+                     std::ptrdiff_t length, Complex* rows, std::ptrdiff_t pitch) {
+    const auto copy = [&](auto rows_together) {
+        for (std::ptrdiff_t k = 0; k < length; ++k)
+            for (std::ptrdiff_t r = 0; r < rows_together; ++r)
+                rows[r * pitch + k] = columns[k * stride + r];
+    };
+    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>());
+    copy(count);
 }
 
 } // namespace
 
-struct SlabTransform::Plans {
-    Plan physical, spectral;
+// to_spectral, plane by plane (to_physical runs the same steps back):
+//  1. a few rows at a time r2c along y into `lines_`, from there transposed into `columns_`:
+//     all ky of this rank's x, contiguous in x;
+//  2. FFTW3-MPI transposes those among the ranks into `rows_`: this rank's ky, all x (one rank:
+//  none);
+//  3. along x, from `rows_` back into the plane.
+// Every line has the same plan, so the bits do not depend on the number of ranks.
+struct SlabTransform::Work {
+    std::ptrdiff_t nx, ny, modes, pitch, stride;
+    AlignedVector<Complex> lines_, columns_, rows_;
+    FftwPlan y_to_spectral, y_to_physical, x_to_spectral, x_to_physical;
+    FftwPlan slabs_to_spectral, slabs_to_physical; // none on one rank
+
+    Complex* columns() { return columns_.data(); }
+    Complex* rows() { return rows_.empty() ? columns_.data() : rows_.data(); }
+    Complex* line(std::ptrdiff_t r) { return lines_.data() + r * pitch; }
+
+    void plan_lines(double* plane, unsigned effort);
+    void plan_slabs(const Comm& team, unsigned effort);
 };
 
-// One plane at a time: interleaving several planes (howmany 4, 8) was slower on 1 and 2 ranks
-// (256 x 192: 0.25 ms a plane alone, 0.32 and 0.27 interleaved). On one rank FFTW3-MPI is as fast
-// as the plain library with the same strides, so there is one path for any number of ranks.
+void SlabTransform::Work::plan_lines(double* plane, unsigned effort) {
+    const int x = static_cast<int>(nx), y = static_cast<int>(ny);
+    auto* modes_of_plane = reinterpret_cast<fftw_complex*>(plane);
+    // Lines begin at any complex number; FFTW's vector code may want more than that.
+    const bool aligned = fftw_alignment_of(plane + 2) == fftw_alignment_of(plane);
+    const unsigned flags = effort | FFTW_DESTROY_INPUT | (aligned ? 0U : FFTW_UNALIGNED);
+    y_to_spectral = checked_plan(fftw_plan_dft_r2c_1d(y, plane, raw(line(0)), flags));
+    y_to_physical = checked_plan(fftw_plan_dft_c2r_1d(y, raw(line(0)), plane, flags));
+    x_to_spectral =
+        checked_plan(fftw_plan_dft_1d(x, raw(rows()), modes_of_plane, FFTW_FORWARD, flags));
+    x_to_physical =
+        checked_plan(fftw_plan_dft_1d(x, modes_of_plane, raw(rows()), FFTW_BACKWARD, flags));
+}
+
+void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
+    const unsigned flags = effort | FFTW_DESTROY_INPUT;
+    auto* by_x = reinterpret_cast<double*>(columns());
+    auto* by_ky = reinterpret_cast<double*>(rows());
+    slabs_to_spectral = checked_plan(
+        fftw_mpi_plan_many_transpose(nx, modes, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
+                                     by_x, by_ky, team.raw(), flags | FFTW_MPI_TRANSPOSED_IN));
+    slabs_to_physical = checked_plan(
+        fftw_mpi_plan_many_transpose(modes, nx, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
+                                     by_ky, by_x, team.raw(), flags | FFTW_MPI_TRANSPOSED_OUT));
+}
+
 SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
                              Planning planning)
-    : plans_(std::make_unique<Plans>()) {
+    : work_(std::make_unique<Work>()) {
     fftw_mpi_init();
     const std::ptrdiff_t modes = ny / 2 + 1;
     const std::ptrdiff_t n[2] = {nx, modes};
@@ -42,28 +107,60 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
         2, n, 1, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK, team.raw(), &share_.x_count,
         &share_.x_start, &share_.ky_count, &share_.ky_start);
     share_.padded_ny = 2 * modes;
-    // An odd number of cache lines of 64 bytes: every plane of a pile is aligned as the first, and
-    // the same point of all planes does not fall into the same few sets of the cache.
-    const std::ptrdiff_t line = 8;
-    const std::ptrdiff_t lines = (2 * std::max<std::ptrdiff_t>(values, 1) + line - 1) / line;
-    share_.reals = line * (lines | 1);
-    AlignedVector<double> scratch(static_cast<std::size_t>(share_.reals));
-    double* plane = scratch.data();
+    share_.reals = odd_lines(2 * std::max<std::ptrdiff_t>({values, nx, modes}));
+
+    Work& w = *work_;
+    w.nx = nx, w.ny = ny, w.modes = modes;
+    w.pitch = modes + 3; // so that lines do not share their cache sets
+    w.lines_.resize(static_cast<std::size_t>(width * w.pitch));
+    const bool alone = team.size() == 1;
+    w.stride =
+        alone ? nx + width : share_.x_count; // likewise, where FFTW-MPI does not prescribe it
+    const auto room = static_cast<std::size_t>(
+        std::max(share_.reals / 2, alone ? w.stride * modes : std::ptrdiff_t{0}));
+    w.columns_.resize(room);
+    if (!alone) w.rows_.resize(room);
+
+    AlignedVector<double> plane(static_cast<std::size_t>(share_.reals));
     const unsigned effort = planning == Planning::measured ? FFTW_MEASURE : FFTW_ESTIMATE;
-    plans_->physical = checked(fftw_mpi_plan_dft_c2r_2d(nx, ny, complexes(plane), plane, team.raw(),
-                                                        effort | FFTW_MPI_TRANSPOSED_IN));
-    plans_->spectral = checked(fftw_mpi_plan_dft_r2c_2d(nx, ny, plane, complexes(plane), team.raw(),
-                                                        effort | FFTW_MPI_TRANSPOSED_OUT));
+    w.plan_lines(plane.data(), effort);
+    if (!alone) w.plan_slabs(team, effort);
 }
 
 SlabTransform::~SlabTransform() = default;
 
 void SlabTransform::to_physical(double* plane) const {
-    fftw_mpi_execute_dft_c2r(plans_->physical.get(), complexes(plane), plane);
+    Work& w = *work_;
+    auto* modes = reinterpret_cast<Complex*>(plane);
+    const std::ptrdiff_t line_of_x = w.slabs_to_physical ? w.nx : w.stride;
+    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
+        fftw_execute_dft(w.x_to_physical.get(), raw(modes + k * w.nx),
+                         raw(w.rows() + k * line_of_x));
+    if (w.slabs_to_physical) fftw_execute(w.slabs_to_physical.get());
+    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
+        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
+        columns_to_rows(w.columns() + i, w.stride, count, w.modes, w.line(0), w.pitch);
+        for (std::ptrdiff_t r = 0; r < count; ++r)
+            fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)),
+                                 plane + (i + r) * share_.padded_ny);
+    }
 }
 
 void SlabTransform::to_spectral(double* plane) const {
-    fftw_mpi_execute_dft_r2c(plans_->spectral.get(), plane, complexes(plane));
+    Work& w = *work_;
+    auto* modes = reinterpret_cast<Complex*>(plane);
+    const std::ptrdiff_t line_of_x = w.slabs_to_spectral ? w.nx : w.stride;
+    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
+        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
+        for (std::ptrdiff_t r = 0; r < count; ++r)
+            fftw_execute_dft_r2c(w.y_to_spectral.get(), plane + (i + r) * share_.padded_ny,
+                                 raw(w.line(r)));
+        rows_to_columns(w.line(0), w.pitch, count, w.modes, w.columns() + i, w.stride);
+    }
+    if (w.slabs_to_spectral) fftw_execute(w.slabs_to_spectral.get());
+    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
+        fftw_execute_dft(w.x_to_spectral.get(), raw(w.rows() + k * line_of_x),
+                         raw(modes + k * w.nx));
 }
 
 void SlabTransform::to_physical(double* planes, std::ptrdiff_t count) const {

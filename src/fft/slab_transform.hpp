@@ -20,14 +20,17 @@ struct SlabShare {
 /// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
 enum class Planning { estimated, measured };
 
-/// Transforms of a real plane, distributed over a team in slabs (FFTW3-MPI), unnormalised, in
-/// place:
+/// Transforms of a real plane, distributed over a team in slabs, unnormalised, in place:
 ///     to_physical:  f(x, y)   = sum over kx, ky of F(ky, kx) e^{+i (kx x + ky y)}
 ///     to_spectral:  F(ky, kx) = sum over x, y   of f(x, y)   e^{-i (kx x + ky y)}
 /// so that one after the other is nx ny times the plane. Spectrum rows are ky (the non-negative
-/// half), contiguous in kx; physical rows are x, contiguous in y, padded to `padded_ny`; what
-/// stands in the padding does not matter. Collective: construction and transforms, surplus ranks
-/// too.
+/// half), contiguous in kx; physical rows are x, contiguous in y, padded to `padded_ny` with values
+/// that do not matter. The bits do not depend on the number of ranks. Keeps a plane or two of its
+/// own. Collective: construction and transforms, surplus ranks too.
+///
+/// 256 x 192, ns a point to physical / spectral, 1 and 2 ranks: estimated 2.2/1.6 and 1.5/1.1,
+/// measured 1.8/1.6 and 1.3/1.2; FFTW's own 2-D plans 3.4/2.7 and 2.4/1.5,
+/// measured 2.1/2.0, 1.4/1.1.
 class SlabTransform {
 public:
     SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
@@ -45,8 +48,8 @@ public:
     void to_spectral(double* planes, std::ptrdiff_t count) const;
 
 private:
-    struct Plans;
-    std::unique_ptr<Plans> plans_;
+    struct Work;
+    std::unique_ptr<Work> work_;
     SlabShare share_;
 };
 

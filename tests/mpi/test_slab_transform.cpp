@@ -196,3 +196,28 @@ TEST_CASE("planes together are transformed as they are one by one", "[mpi]") {
         compare(i * share.padded_ny, 0, ny);
     CHECK(world.max(worst) == 0.0); // the same bits
 }
+
+TEST_CASE("a team gets the bits that one rank gets", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const SlabTransform transform(nx, ny, world);
+    const SlabTransform whole(nx, ny, world.split(world.rank()));
+    const SlabShare& share = transform.share();
+    AlignedVector<double> mine = noise_plane(share, ny), all = noise_plane(whole.share(), ny);
+    transform.to_spectral(mine.data());
+    whole.to_spectral(all.data());
+    double worst = 0.0;
+    for (std::ptrdiff_t i = 0; i < share.ky_count * nx; ++i)
+        worst = test::worse(
+            worst, std::abs(spectrum_of(mine)[i] - spectrum_of(all)[share.ky_start * nx + i]));
+    transform.to_physical(mine.data());
+    whole.to_physical(all.data());
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < ny; ++j) {
+            const std::ptrdiff_t at = i * share.padded_ny + j;
+            const std::ptrdiff_t in_all = at + share.x_start * share.padded_ny;
+            worst = test::worse(worst, std::abs(mine[static_cast<std::size_t>(at)] -
+                                                all[static_cast<std::size_t>(in_all)]));
+        }
+    CHECK(world.max(worst) == 0.0); // every line has the same plan wherever it is
+}
