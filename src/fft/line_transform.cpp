@@ -1,6 +1,7 @@
 #include "fft/line_transform.hpp"
 
 #include "fft/aligned.hpp"
+#include "fft/wisdom.hpp"
 
 namespace shearwake {
 
@@ -9,9 +10,11 @@ namespace shearwake {
 LineTransform::LineTransform(std::ptrdiff_t length, Direction direction) : length_(length) {
     AlignedVector<std::complex<double>> scratch(static_cast<std::size_t>(length));
     auto* data = reinterpret_cast<fftw_complex*>(scratch.data());
-    plan_ = checked_plan(fftw_plan_dft_1d(
-        static_cast<int>(length), data, data,
-        direction == Direction::forward ? FFTW_FORWARD : FFTW_BACKWARD, FFTW_ESTIMATE));
+    const int sign = direction == Direction::forward ? FFTW_FORWARD : FFTW_BACKWARD;
+    plan_estimated([&](unsigned flags) {
+        plan_.reset(fftw_plan_dft_1d(static_cast<int>(length), data, data, sign, flags));
+        return plan_ != nullptr;
+    });
 }
 
 void LineTransform::execute(std::complex<double>* line) const {

@@ -1,9 +1,12 @@
 #include "fft/slab_transform.hpp"
 
 #include "fft/fftw_plan.hpp"
+#include "fft/wisdom.hpp"
 
 #include <algorithm>
 #include <fftw3-mpi.h>
+#include <string>
+#include <type_traits>
 
 namespace shearwake {
 namespace {
@@ -67,22 +70,21 @@ struct SlabTransform::Work {
     Complex* rows() { return rows_.empty() ? columns_.data() : rows_.data(); }
     Complex* line(std::ptrdiff_t r) { return lines_.data() + r * pitch; }
 
-    void plan_lines(double* plane, unsigned effort);
+    bool plan_lines(double* plane, unsigned flags); // whether FFTW could
     void plan_slabs(const Comm& team, unsigned effort);
 };
 
-void SlabTransform::Work::plan_lines(double* plane, unsigned effort) {
+bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
     const int x = static_cast<int>(nx), y = static_cast<int>(ny);
     auto* modes_of_plane = reinterpret_cast<fftw_complex*>(plane);
     // Lines begin at any complex number; FFTW's vector code may want more than that.
     const bool aligned = fftw_alignment_of(plane + 2) == fftw_alignment_of(plane);
-    const unsigned flags = effort | FFTW_DESTROY_INPUT | (aligned ? 0U : FFTW_UNALIGNED);
-    y_to_spectral = checked_plan(fftw_plan_dft_r2c_1d(y, plane, raw(line(0)), flags));
-    y_to_physical = checked_plan(fftw_plan_dft_c2r_1d(y, raw(line(0)), plane, flags));
-    x_to_spectral =
-        checked_plan(fftw_plan_dft_1d(x, raw(rows()), modes_of_plane, FFTW_FORWARD, flags));
-    x_to_physical =
-        checked_plan(fftw_plan_dft_1d(x, modes_of_plane, raw(rows()), FFTW_BACKWARD, flags));
+    flags |= FFTW_DESTROY_INPUT | (aligned ? 0U : FFTW_UNALIGNED);
+    y_to_spectral.reset(fftw_plan_dft_r2c_1d(y, plane, raw(line(0)), flags));
+    y_to_physical.reset(fftw_plan_dft_c2r_1d(y, raw(line(0)), plane, flags));
+    x_to_spectral.reset(fftw_plan_dft_1d(x, raw(rows()), modes_of_plane, FFTW_FORWARD, flags));
+    x_to_physical.reset(fftw_plan_dft_1d(x, modes_of_plane, raw(rows()), FFTW_BACKWARD, flags));
+    return y_to_spectral && y_to_physical && x_to_spectral && x_to_physical;
 }
 
 void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
@@ -122,9 +124,15 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
     if (!alone) w.rows_.resize(room);
 
     AlignedVector<double> plane(static_cast<std::size_t>(share_.reals));
-    const unsigned effort = planning == Planning::measured ? FFTW_MEASURE : FFTW_ESTIMATE;
-    w.plan_lines(plane.data(), effort);
-    if (!alone) w.plan_slabs(team, effort);
+    const auto lines = [&](unsigned flags) { return w.plan_lines(plane.data(), flags); };
+    const bool measured = planning == Planning::measured;
+    if (measured)
+        plan_measured(team, std::to_string(nx) + "x" + std::to_string(ny), lines);
+    else
+        plan_estimated(lines);
+    // Transposing moves numbers and changes none, so that these plans need not be kept.
+    if (!alone) w.plan_slabs(team, measured ? FFTW_MEASURE : FFTW_ESTIMATE);
+    fftw_forget_wisdom();
 }
 
 SlabTransform::~SlabTransform() = default;
