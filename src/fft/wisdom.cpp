@@ -75,6 +75,8 @@ fs::path file_beside(const fs::path& path) {
 /// Gives `part` its final name unless there is a good file of that name already.
 void publish_first(const fs::path& part, const fs::path& path, bool replace) {
     std::error_code failed;
+    // mkstemp's files are for their owner alone; a folder may serve several users.
+    fs::permissions(part, fs::perms(0644), failed);
     if (!replace) {
         fs::create_hard_link(part, path, failed); // fails where the name is taken
         std::error_code ignored;
@@ -87,10 +89,12 @@ void publish_first(const fs::path& part, const fs::path& path, bool replace) {
 /// The words of the file, learnt now if there are none that lead to plans; empty when no file can
 /// be kept. On rank 0 alone.
 std::string recall_or_learn(const fs::path& path, const MakePlans& make) {
+    std::error_code ignored;
+    // Files appear whole, so what was there before reading and is of no use is damaged; what
+    // another program brings from now on is not.
+    const bool damaged = fs::exists(path, ignored);
     std::string words = content(path);
     if (make_from(words, make)) return words;
-    std::error_code ignored;
-    const bool damaged = fs::exists(path, ignored);
     const fs::path part = file_beside(path); // first: measuring is in vain if it cannot be kept
     if (part.empty()) return "";
     fftw_forget_wisdom();
