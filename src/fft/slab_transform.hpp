@@ -28,9 +28,9 @@ enum class Planning { estimated, measured };
 /// that do not matter. The bits do not depend on the number of ranks. Keeps a plane or two of its
 /// own. Collective: construction and transforms, surplus ranks too.
 ///
-/// 256 x 192, ns a point to physical / spectral, 1 and 2 ranks: estimated 2.2/1.6 and 1.5/1.1,
-/// measured 1.8/1.6 and 1.3/1.2; FFTW's own 2-D plans 3.4/2.7 and 2.4/1.5,
-/// measured 2.1/2.0, 1.4/1.1.
+/// 256 x 192, ns a point there and back, 1 / 2 ranks: estimated 3.8 / 2.6, measured 3.4 to 4.0
+/// / 2.5 to 2.7 (each time another plan); FFTW's own 2-D plans 6.1 / 3.9, measured 4.1 to 4.8 / 2.5
+/// to 3.0.
 class SlabTransform {
 public:
     SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
