@@ -141,6 +141,15 @@ SpectralOptions read_spectral(Reader options, const TimeAxis& time) {
     if (degree != std::floor(degree)) options.error("degree", "must be a whole number");
     spectral.degree = static_cast<int>(degree);
     spectral.longest_element_m = options.number_or("longest_element_mm", 0.0, Range::above(0.0));
+    static const std::array<std::string, 3> methods = {"auto", "one-solve", "iterative"};
+    const std::string method = options.find_choice("method", methods).value_or("auto");
+    spectral.method = method == "auto"        ? SpectralMethod::automatic
+                      : method == "one-solve" ? SpectralMethod::one_solve
+                                              : SpectralMethod::iterative;
+    spectral.residual =
+        options.number_or("residual", spectral.residual, Range::between(1e-13, 1e-2));
+    spectral.contrast_cap =
+        options.number_or("contrast_cap", spectral.contrast_cap, Range::between(1.0, 1e6));
     options.finish();
     return spectral;
 }

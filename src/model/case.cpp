@@ -227,6 +227,11 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
                        t.put("time_step_s", o.time_step_s);
                        t.put("degree", static_cast<std::ptrdiff_t>(o.degree));
                        t.put("longest_element_m", o.longest_element_m);
+                       t.put("method", o.method == SpectralMethod::automatic   ? "auto"
+                                       : o.method == SpectralMethod::one_solve ? "one-solve"
+                                                                               : "iterative");
+                       t.put("residual", o.residual);
+                       t.put("contrast_cap", o.contrast_cap);
                    },
                },
                solver);

@@ -60,11 +60,16 @@ struct LayeredOptions {
     double interpolation_tolerance = 1e-9; // of H in |k|, relative to H nearby
     bool operator==(const LayeredOptions&) const = default;
 };
+/// How engine `spectral` treats what varies laterally.
+enum class SpectralMethod { automatic, one_solve, iterative };
 /// Engine `spectral`: Fourier in x and y, spectral elements in z, implicit in time.
 struct SpectralOptions {
     double time_step_s = 25e-6;
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
+    SpectralMethod method = SpectralMethod::automatic;
+    double residual = 1e-4;       // of the iterations, relative to the step's change in energy norm
+    double contrast_cap = 1000.0; // stiffer bodies are held to this many times the layer's mu
     bool operator==(const SpectralOptions&) const = default;
 };
 using SolverOptions = std::variant<LayeredOptions, SpectralOptions>;

@@ -1,7 +1,7 @@
 #include "engines/spectral/spectral_engine.hpp"
 
 #include "base/error.hpp"
-#include "engines/spectral/vertical_stepper.hpp"
+#include "engines/spectral/stepper.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -44,20 +44,19 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const std::ptrdiff_t per_frame = steps_per_frame(c, options);
     const double step_s = c.time.interval_s / static_cast<double>(per_frame);
-    const SlabTransform slabs(c.domain.nx, c.domain.ny, team);
+    const SlabTransform slabs(c.domain.nx, c.domain.ny, team, Planning::measured);
     const SlabShare& share = slabs.share();
-    std::optional<VerticalStepper> stepper;
+    Stepper stepper(c, choose_mesh(c, options), slabs, step_s, team);
     AlignedVector<double> plane;
     together(team, [&] {
-        stepper.emplace(c, choose_mesh(c, options), share, step_s);
         plane.resize(static_cast<std::size_t>(share.reals));
     });
     observer.begin({share.x_start, share.x_count});
     for (std::ptrdiff_t frame = 0; frame < c.time.frames; ++frame) {
         for (std::ptrdiff_t i = 0; i < per_frame; ++i)
-            stepper->advance();
+            stepper.advance();
         for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
-            stepper->plane_of_w(c.measure.depths_m[depth], plane.data());
+            stepper.plane_of_w(c.measure.depths_m[depth], plane.data());
             slabs.to_physical(plane.data());
             observer.frame({.number = frame,
                             .depth = depth,

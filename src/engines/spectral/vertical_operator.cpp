@@ -1,6 +1,7 @@
 #include "engines/spectral/vertical_operator.hpp"
 
 #include "base/error.hpp"
+#include "engines/spectral/band_matrix.hpp"
 
 #include <algorithm>
 
@@ -18,75 +19,131 @@ double viscosity_of(const Layer& layer) {
     throw CaseFailure("engine spectral computes Kelvin-Voigt or lossless layers");
 }
 
+double lambda_of(const Layer& layer) {
+    return layer.density_kg_m3 * layer.c_p_m_s * layer.c_p_m_s - 2.0 * static_shear_modulus(layer);
+}
+
+/// out[q][column] = sum over j of D[q][j] in[j][column], or with D transposed; rows of `width`.
+enum class Matrix { as_is, transposed };
+template <int width>
+void times_derivative(const double* derivative, std::ptrdiff_t nodes, Matrix which,
+                      const Lanes* in, Lanes* out) {
+    const std::ptrdiff_t along = which == Matrix::as_is ? 1 : nodes;
+    const std::ptrdiff_t across = which == Matrix::as_is ? nodes : 1;
+    for (std::ptrdiff_t q = 0; q < nodes; ++q) {
+        Lanes sum[width] = {};
+        for (std::ptrdiff_t j = 0; j < nodes; ++j) {
+            const double d = derivative[q * across + j * along];
+            for (int c = 0; c < width; ++c)
+                sum[c] += d * in[j * width + c];
+        }
+        for (int c = 0; c < width; ++c)
+            out[q * width + c] = sum[c];
+    }
+}
+
 } // namespace
 
-VerticalOperator::VerticalOperator(const DepthMesh& mesh, const Medium& medium)
-    : finest_(finest_mode(mesh.rule)), derivative_(mesh.rule.derivative),
-      weights_(mesh.rule.weights), nodes_(mesh.degree + 1),
-      unknowns_(2 * static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
-    if (medium.base != Base::rigid) throw CaseFailure("engine spectral needs a rigid base");
-    if (nodes_ > most_nodes) throw CaseFailure("solver.spectral.degree is too high");
-    mass_.assign(static_cast<std::size_t>(unknowns_) + 2, 0.0);
+Background background_of(const DepthMesh& mesh, const Medium& medium) {
+    Background b;
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         const Layer& layer = medium.layers[mesh.layers[e]];
-        const double mu = static_shear_modulus(layer);
-        const double half = 0.5 * mesh.length_m(e);
-        elements_.push_back({layer.density_kg_m3,
-                             layer.density_kg_m3 * layer.c_p_m_s * layer.c_p_m_s - 2.0 * mu, mu,
-                             viscosity_of(layer), 1.0 / half, half});
-        for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
-            const auto level = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1) + i;
-            for (std::ptrdiff_t c = 0; c < 2; ++c)
-                mass_[static_cast<std::size_t>(2 * level + c)] +=
-                    layer.density_kg_m3 * half * weights_[static_cast<std::size_t>(i)];
+        for (int i = 0; i <= mesh.degree; ++i) {
+            b.density_kg_m3.push_back(layer.density_kg_m3);
+            b.lambda_Pa.push_back(lambda_of(layer));
+            b.mu_accurate_Pa.push_back(static_shear_modulus(layer));
+            b.mu_stable_Pa.push_back(static_shear_modulus(layer));
+            b.viscosity_Pa_s.push_back(viscosity_of(layer));
+            b.drag_Hz.push_back(0.0);
         }
     }
-    mass_.resize(static_cast<std::size_t>(unknowns_));
+    return b;
 }
 
-Lanes VerticalOperator::stabilising_mu(const Element& el, Lanes k, double dt_s) const {
-    const double vertical = finest_ * el.slope * el.slope;
-    Lanes a;
-    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
-        const double fastest = el.mu / el.density * (k[lane] * k[lane] + vertical); // (rad/s)^2
-        a[lane] = std::max(1.0 / 12.0, 0.25 - 0.98 / (fastest * dt_s * dt_s));
+VerticalOperator::VerticalOperator(const DepthMesh& mesh, const Medium& medium,
+                                   Background background)
+    : background_(std::move(background)), finest_(finest_mode(mesh.rule)),
+      derivative_(mesh.rule.derivative), weights_(mesh.rule.weights), nodes_(mesh.degree + 1),
+      levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+    if (nodes_ > most_nodes) throw CaseFailure("solver.spectral.degree is too high");
+    mass_.assign(mesh.levels(), 0.0);
+    drag_.assign(mesh.levels(), 0.0);
+    for (std::size_t e = 0; e < mesh.elements(); ++e) {
+        const Layer& layer = medium.layers[mesh.layers[e]];
+        const double half = 0.5 * mesh.length_m(e);
+        Element el{lambda_of(layer), static_shear_modulus(layer), viscosity_of(layer), 1.0 / half,
+                   half, background_.density_kg_m3[point(e, 0)]};
+        for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
+            const std::size_t at = point(e, i);
+            const auto level = e * static_cast<std::size_t>(nodes_ - 1) + static_cast<std::size_t>(i);
+            const double mass =
+                background_.density_kg_m3[at] * half * weights_[static_cast<std::size_t>(i)];
+            mass_[level] += mass;
+            drag_[level] += mass * background_.drag_Hz[at];
+            el.density = std::min(el.density, background_.density_kg_m3[at]);
+        }
+        elements_.push_back(el);
     }
-    return a;
 }
 
-void VerticalOperator::assemble(Lanes k, double dt_s, Lanes* matrix) const {
-    for (std::ptrdiff_t i = 0; i < unknowns_ * band(); ++i)
-        matrix[i] = Lanes{};
+double VerticalOperator::stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m,
+                                          double dt_s) const {
+    const Element& el = elements_[element];
+    const double kappa2 = k_rad_m * k_rad_m + finest_ * el.slope * el.slope;
+    return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - 0.98 * el.density / (kappa2 * dt_s * dt_s));
+}
+
+Lanes VerticalOperator::implicit_mu(std::size_t element, std::ptrdiff_t node, Lanes k,
+                                    double dt_s) const {
+    const Element& el = elements_[element];
+    const std::size_t at = point(element, node);
+    const double vertical = finest_ * el.slope * el.slope;
+    Lanes m;
+    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+        m[lane] = std::max(background_.mu_accurate_Pa[at] / 12.0,
+                           background_.mu_stable_Pa[at] / 4.0 -
+                               0.98 * el.density /
+                                   ((k[lane] * k[lane] + vertical) * dt_s * dt_s));
+    return m;
+}
+
+void VerticalOperator::assemble_psv(Lanes k, double dt_s, Lanes* matrix) const {
+    const std::ptrdiff_t band = 2 * nodes_, unknowns = psv();
+    std::fill_n(matrix, unknowns * band, Lanes{});
     const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t column, Lanes value) {
-        if (column <= row && row < unknowns_)
-            matrix[row * band() + column - row + band() - 1] += value;
+        if (column <= row && row < unknowns) matrix[row * band + column - row + band - 1] += value;
     };
-    for (std::ptrdiff_t i = 0; i < unknowns_; ++i)
-        add(i, i, Lanes{} + mass_[static_cast<std::size_t>(i)] / (dt_s * dt_s));
+    for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
+        const auto level = static_cast<std::size_t>(i / 2);
+        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s) + 0.5 * drag_[level] / dt_s);
+    }
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const Element& el = elements_[e];
-        const double l = stabilising_lambda * el.lambda;
-        const Lanes m = stabilising_mu(el, k, dt_s) * el.mu + 0.5 * el.eta / dt_s;
         const std::ptrdiff_t first = 2 * static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
-        const auto d = [&](std::ptrdiff_t q, std::ptrdiff_t i) {
-            return derivative_[static_cast<std::size_t>(q * nodes_ + i)] * el.slope;
-        };
+        Lanes lw[most_nodes], mw[most_nodes]; // moduli times the nodes' weights
+        for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
+            const double w = weights_[static_cast<std::size_t>(q)] * el.half;
+            lw[q] = Lanes{} + w * stabilising_lambda * background_.lambda_Pa[point(e, q)];
+            mw[q] = w * (implicit_mu(e, q, k, dt_s) +
+                         0.5 * background_.viscosity_Pa_s[point(e, q)] / dt_s);
+        }
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             for (std::ptrdiff_t j = 0; j < nodes_; ++j) {
-                double slopes = 0.0; // integral of the two nodes' derivatives
-                for (std::ptrdiff_t q = 0; q < nodes_; ++q)
-                    slopes += weights_[static_cast<std::size_t>(q)] * el.half * d(q, i) * d(q, j);
-                const double wi = weights_[static_cast<std::size_t>(i)] * el.half;
-                const double wj = weights_[static_cast<std::size_t>(j)] * el.half;
+                Lanes l_slopes{}, m_slopes{}; // integrals of the two nodes' derivatives
+                for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
+                    const double dd = d(q, i) * d(q, j) * el.slope * el.slope;
+                    l_slopes += lw[q] * dd;
+                    m_slopes += mw[q] * dd;
+                }
                 const std::ptrdiff_t ui = first + 2 * i, uj = first + 2 * j;
-                Lanes uu = m * slopes, ww = (l + 2.0 * m) * slopes;
+                Lanes uu = m_slopes, ww = l_slopes + 2.0 * m_slopes;
                 if (i == j) {
-                    uu += k * k * ((l + 2.0 * m) * wi);
-                    ww += k * k * (m * wi);
+                    uu += k * k * (lw[i] + 2.0 * mw[i]);
+                    ww += k * k * mw[i];
                 }
                 // Test function V_i against W_j: -lambda k V W' + mu V' k W.
-                const Lanes uw = k * (-l * wi * d(i, j) + m * wj * d(j, i));
-                const Lanes wu = k * (-l * wj * d(j, i) + m * wi * d(i, j));
+                const Lanes uw = k * el.slope * (mw[j] * d(j, i) - lw[i] * d(i, j));
+                const Lanes wu = k * el.slope * (mw[i] * d(i, j) - lw[j] * d(j, i));
                 add(ui, uj, uu);
                 add(ui + 1, uj + 1, ww);
                 add(ui, uj + 1, uw);
@@ -96,121 +153,110 @@ void VerticalOperator::assemble(Lanes k, double dt_s, Lanes* matrix) const {
     }
 }
 
-void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
-                                          Lanes* force) const {
-    Lanes div_u[most_nodes], div_w[most_nodes], shear_u[most_nodes], shear_w[most_nodes];
-    Lanes dw[most_nodes], du_m[most_nodes], dw_m[most_nodes], s[most_nodes], g[most_nodes],
-        r[most_nodes];
+void VerticalOperator::assemble_sh(Lanes k, double dt_s, Lanes* matrix) const {
+    const std::ptrdiff_t band = nodes_;
+    std::fill_n(matrix, levels_ * band, Lanes{});
+    const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t column, Lanes value) {
+        if (column <= row && row < levels_) matrix[row * band + column - row + band - 1] += value;
+    };
+    for (std::ptrdiff_t i = 0; i < levels_; ++i) {
+        const auto level = static_cast<std::size_t>(i);
+        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s) + 0.5 * drag_[level] / dt_s);
+    }
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const Element& el = elements_[e];
-        const std::ptrdiff_t first = 2 * static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
-        for (std::ptrdiff_t part = 0; part < parts; ++part) {
-            for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
-                const auto n = static_cast<std::size_t>(i);
-                const std::ptrdiff_t at = (first + 2 * i) * parts + part;
-                if (first + 2 * i >= unknowns_) { // the base
-                    div_u[n] = div_w[n] = shear_u[n] = shear_w[n] = Lanes{};
-                    continue;
-                }
-                const Lanes a = u[at], b = u[at + parts];
-                div_u[n] = el.lambda * a;
-                div_w[n] = el.lambda * b;
-                shear_u[n] = el.mu * a + el.eta * rate * (a - before[at]);
-                shear_w[n] = el.mu * b + el.eta * rate * (b - before[at + parts]);
-            }
-            for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
-                const auto n = static_cast<std::size_t>(q);
-                Lanes lw{}, mu_u{}, mu_w{};
-                for (std::ptrdiff_t j = 0; j < nodes_; ++j) {
-                    const auto c = static_cast<std::size_t>(j);
-                    const double d = derivative_[static_cast<std::size_t>(q * nodes_ + j)];
-                    lw += d * div_w[c];
-                    mu_u += d * shear_u[c];
-                    mu_w += d * shear_w[c];
-                }
-                dw[n] = lw * el.slope;
-                du_m[n] = mu_u * el.slope;
-                dw_m[n] = mu_w * el.slope;
-                const double w = weights_[n] * el.half;
-                s[n] = w * (dw[n] - k * div_u[n]);      // lambda (W' - kU)
-                g[n] = w * (du_m[n] + k * shear_w[n]);  // mu (U' + kW)
-                dw_m[n] = s[n] + 2.0 * w * dw_m[n];     // sigma_zz
-                r[n] = 2.0 * w * k * shear_u[n] - s[n]; // -sigma_rr
-            }
-            for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
-                if (first + 2 * i >= unknowns_) continue;
-                const auto n = static_cast<std::size_t>(i);
-                const Lanes fu = k * r[n], fw = k * g[n];
-                Lanes su{}, sw{};
-                for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
-                    const double d = derivative_[static_cast<std::size_t>(q * nodes_ + i)];
-                    su += d * g[static_cast<std::size_t>(q)];
-                    sw += d * dw_m[static_cast<std::size_t>(q)];
-                }
-                const std::ptrdiff_t at = (first + 2 * i) * parts + part;
-                force[at] -= fu + su * el.slope;
-                force[at + parts] -= fw + sw * el.slope;
-            }
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
+        for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
+            const double w = weights_[static_cast<std::size_t>(q)] * el.half;
+            const Lanes mw = w * (implicit_mu(e, q, k, dt_s) +
+                                  0.5 * background_.viscosity_Pa_s[point(e, q)] / dt_s);
+            add(first + q, first + q, k * k * mw);
+            for (std::ptrdiff_t i = 0; i < nodes_; ++i)
+                for (std::ptrdiff_t j = 0; j <= i; ++j)
+                    add(first + i, first + j, mw * (d(q, i) * d(q, j) * el.slope * el.slope));
         }
     }
 }
 
-void factorise(std::ptrdiff_t unknowns, std::ptrdiff_t band, Lanes* matrix) {
-    // row(i)[j] is the entry (i, j).
-    const auto row = [&](std::ptrdiff_t i) { return matrix + i * band + (band - 1 - i); };
-    for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
-        Lanes* mine = row(i);
-        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, i - band + 1);
-        for (std::ptrdiff_t j = first; j < i; ++j) { // L_ij D_j
-            const Lanes* other = row(j);
-            Lanes sum = mine[j];
-            const std::ptrdiff_t common = std::max(first, j - band + 1);
-            for (std::ptrdiff_t m = common; m < j; ++m)
-                sum -= mine[m] * other[m];
-            mine[j] = sum;
-        }
-        Lanes diagonal = mine[i];
-        for (std::ptrdiff_t j = first; j < i; ++j) {
-            const Lanes l = mine[j] * row(j)[j]; // the diagonal holds 1 / D
-            diagonal -= l * mine[j];
-            mine[j] = l;
-        }
-        mine[i] = 1.0 / diagonal;
-    }
+void VerticalOperator::factorise_implicit(Lanes k, double dt_s, Lanes* factor) const {
+    assemble_psv(k, dt_s, factor);
+    factorise(psv(), 2 * nodes_, factor);
+    Lanes* sh = factor + psv() * 2 * nodes_;
+    assemble_sh(k, dt_s, sh);
+    factorise(levels_, nodes_, sh);
 }
 
-void solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x) {
-    for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
-        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, i - band + 1);
-        const Lanes* row = factor + i * band + band - 1 - i;
-        Lanes a = x[i * parts], b = x[i * parts + 1], c = x[i * parts + 2], d = x[i * parts + 3];
-        for (std::ptrdiff_t j = first; j < i; ++j) {
-            const Lanes l = row[j];
-            a -= l * x[j * parts];
-            b -= l * x[j * parts + 1];
-            c -= l * x[j * parts + 2];
-            d -= l * x[j * parts + 3];
+Lanes VerticalOperator::solve_implicit(const Lanes* factor, Lanes* pencil,
+                                       const Lanes* counted) const {
+    const Lanes energy = solve(psv(), 2 * nodes_, factor, pencil, counted);
+    return energy + solve(levels_, nodes_, factor + psv() * 2 * nodes_, pencil + psv() * parts,
+                          counted);
+}
+
+void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
+                                          Lanes* force) const {
+    constexpr int fields = 4; // mu-weighted U, W, V; then W alone
+    constexpr int wide = fields * parts, narrow = 3 * parts;
+    Lanes at_nodes[most_nodes * wide], slopes[most_nodes * wide];
+    Lanes pulls[most_nodes * narrow], pushed[most_nodes * narrow];
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        const Element& el = elements_[e];
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
+        const double theta = el.eta * rate / el.mu; // mu (u + theta (u - before))
+        for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
+            Lanes* x = at_nodes + i * wide;
+            if (first + i >= levels_) { // the base
+                std::fill_n(x, wide, Lanes{});
+                continue;
+            }
+            const std::ptrdiff_t uw = 2 * (first + i) * parts, v = (psv() + first + i) * parts;
+            for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                const Lanes a = u[uw + p], b = u[uw + parts + p], c = u[v + p];
+                x[p] = a + theta * (a - before[uw + p]);
+                x[parts + p] = b + theta * (b - before[uw + parts + p]);
+                x[2 * parts + p] = c + theta * (c - before[v + p]);
+                x[3 * parts + p] = b;
+            }
         }
-        x[i * parts] = a;
-        x[i * parts + 1] = b;
-        x[i * parts + 2] = c;
-        x[i * parts + 3] = d;
+        times_derivative<wide>(derivative_.data(), nodes_, Matrix::as_is, at_nodes, slopes);
+        for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
+            const double w = weights_[static_cast<std::size_t>(q)] * el.half;
+            const double wl = w * el.lambda, wm = w * el.mu;
+            const Lanes* x = at_nodes + q * wide;
+            const Lanes* s = slopes + q * wide;
+            Lanes* pull = pulls + q * narrow;
+            const bool rests = first + q >= levels_;
+            const std::ptrdiff_t uw = 2 * (first + q) * parts, v = (psv() + first + q) * parts;
+            for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                const Lanes plain_u = rests ? Lanes{} : u[uw + p];
+                const Lanes dilation = wl * (el.slope * s[3 * parts + p] - k * plain_u);
+                const Lanes shear = wm * (el.slope * s[p] + k * x[parts + p]);
+                pull[p] = shear * el.slope;
+                pull[parts + p] = (dilation + 2.0 * wm * el.slope * s[parts + p]) * el.slope;
+                pull[2 * parts + p] = (wm * el.slope * el.slope) * s[2 * parts + p];
+                if (rests) continue;
+                force[uw + p] -= k * (2.0 * wm * k * x[p] - dilation);
+                force[uw + parts + p] -= k * shear;
+                force[v + p] -= wm * k * k * x[2 * parts + p];
+            }
+        }
+        times_derivative<narrow>(derivative_.data(), nodes_, Matrix::transposed, pulls, pushed);
+        for (std::ptrdiff_t i = 0; i < nodes_ && first + i < levels_; ++i) {
+            const std::ptrdiff_t uw = 2 * (first + i) * parts, v = (psv() + first + i) * parts;
+            for (std::ptrdiff_t p = 0; p < 2 * parts; ++p)
+                force[uw + p] -= pushed[i * narrow + p];
+            for (std::ptrdiff_t p = 0; p < parts; ++p)
+                force[v + p] -= pushed[i * narrow + 2 * parts + p];
+        }
     }
-    for (std::ptrdiff_t i = 0; i < unknowns; ++i)
-        for (std::ptrdiff_t part = 0; part < parts; ++part)
-            x[i * parts + part] *= factor[i * band + band - 1];
-    for (std::ptrdiff_t i = unknowns; i-- > 0;) {
-        const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, i - band + 1);
-        const Lanes* row = factor + i * band + band - 1 - i;
-        const Lanes a = x[i * parts], b = x[i * parts + 1], c = x[i * parts + 2],
-                    d = x[i * parts + 3];
-        for (std::ptrdiff_t j = first; j < i; ++j) {
-            const Lanes l = row[j];
-            x[j * parts] -= l * a;
-            x[j * parts + 1] -= l * b;
-            x[j * parts + 2] -= l * c;
-            x[j * parts + 3] -= l * d;
-        }
+    for (std::ptrdiff_t level = 0; level < levels_; ++level) {
+        const double drag = drag_[static_cast<std::size_t>(level)] * rate;
+        if (drag == 0.0) continue;
+        const std::ptrdiff_t uw = 2 * level * parts, v = (psv() + level) * parts;
+        for (std::ptrdiff_t p = 0; p < 2 * parts; ++p)
+            force[uw + p] -= drag * (u[uw + p] - before[uw + p]);
+        for (std::ptrdiff_t p = 0; p < parts; ++p)
+            force[v + p] -= drag * (u[v + p] - before[v + p]);
     }
 }
 

@@ -7,52 +7,76 @@
 
 namespace shearwake {
 
-/// The P-SV problem of one |k| over depth, u_r = i U(z), u_z = W(z), on spectral elements:
-///     a(u, v) = integral of lambda (W' - kU)(Z' - kV) + 2 mu (k^2 U V + W' Z')
-///               + mu (U' + kW)(V' + kZ),
+/// What the implicit operator is made of, at every node of every element
+/// ([element * nodes + node]), laterally constant. The matrix is
+///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
+/// m = max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2), kappa^2 the largest eigenvalue of
+/// strain against displacement on the element: 1/12 makes shear motion fourth order in dt, and
+/// what lies above it makes it stable at any step.
+struct Background {
+    std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
+    std::vector<double> drag_Hz; // force on rho du/dt: absorbs
+};
+
+/// The background of a medium without bodies.
+Background background_of(const DepthMesh& mesh, const Medium& medium);
+
+/// The motion of one |k| over depth, u_r = i U(z), u_t = i V(z), u_z = W(z), on spectral elements:
+///     a = integral of lambda (W' - kU)^2 + 2 mu (k^2 U^2 + W'^2) + mu (U' + kW)^2   (P-SV)
+///       + mu (V'^2 + k^2 V^2)                                                        (SH)
 /// with the surface traction as natural condition, the mass diagonal (the nodes' own quadrature)
-/// and the last level held (rigid base). Unknown 2 level + 0 is U, + 1 is W.
+/// and the last level held (rigid base). A pencil is [2 level + {U, W}][part] of all levels that
+/// move, then [level][part] of V.
 class VerticalOperator {
 public:
-    VerticalOperator(const DepthMesh& mesh, const Medium& medium);
+    /// The forces are those of the medium's layers, the implicit operator is the background's.
+    /// Throws CaseFailure for a loss law that it does not know.
+    VerticalOperator(const DepthMesh& mesh, const Medium& medium, Background background);
 
-    std::ptrdiff_t unknowns() const { return unknowns_; }
-    /// Entries of a row of the lower band, the diagonal included.
-    std::ptrdiff_t band() const { return 2 * nodes_; }
-    const std::vector<double>& mass() const { return mass_; } // per unknown [kg/m^2]
+    std::ptrdiff_t levels() const { return levels_; } // that move
+    std::ptrdiff_t psv() const { return 2 * levels_; }
+    std::ptrdiff_t unknowns() const { return 3 * levels_; }
+    std::ptrdiff_t nodes() const { return nodes_; } // of an element
+    /// Lanes of the two factors of one pencil.
+    std::ptrdiff_t factor_size() const { return psv() * 2 * nodes_ + levels_ * nodes_; }
 
-    /// Lower band of M/dt^2 + a_lambda K_lambda + a_mu K_mu + C/(2 dt) for eight k at once, row by
-    /// row: matrix[row * band + (column - row + band - 1)]. a_mu = 1/12, which makes shear motion
-    /// fourth order in dt, raised element by element where their finest mode needs more to be
-    /// stable: 1/4 - 1/(omega dt)^2. So there is no limit on the step.
-    void assemble(Lanes k, double dt_s, Lanes* matrix) const;
+    /// Assembles and factorises the implicit operator for eight k at once.
+    void factorise_implicit(Lanes k, double dt_s, Lanes* factor) const;
 
-    /// -K u - C (u - before)/dt of all four parts, added to `force`; arrays are
-    /// [unknown][part] of lanes. `rate` is 1/dt.
+    /// Solves with that, in place. Returns b . A^-1 b over the counted parts.
+    Lanes solve_implicit(const Lanes* factor, Lanes* pencil, const Lanes* counted) const;
+
+    /// -K u - C (u - before)/dt, added to `force`; `rate` is 1/dt.
     void add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
                             Lanes* force) const;
 
+    /// The stabilising shear modulus at a place of stiffness mu in an element, for the largest k.
+    double stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m, double dt_s) const;
+
 private:
     struct Element {
-        double density, lambda, mu, eta;
-        double slope; // 2 / h
-        double half;  // h / 2
+        double lambda, mu, eta; // of the layer
+        double slope;           // 2 / h
+        double half;            // h / 2
+        double density;         // the least of the background's here
     };
-    Lanes stabilising_mu(const Element& el, Lanes k, double dt_s) const;
+    Lanes implicit_mu(std::size_t element, std::ptrdiff_t node, Lanes k, double dt_s) const;
+    void assemble_psv(Lanes k, double dt_s, Lanes* matrix) const;
+    void assemble_sh(Lanes k, double dt_s, Lanes* matrix) const;
+    double d(std::ptrdiff_t q, std::ptrdiff_t i) const {
+        return derivative_[static_cast<std::size_t>(q * nodes_ + i)];
+    }
+    std::size_t point(std::size_t element, std::ptrdiff_t node) const {
+        return element * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(node);
+    }
 
     std::vector<Element> elements_;
+    Background background_;
     double finest_; // eigenvalue of the reference element's finest mode
-    std::vector<double> mass_;
-    std::vector<double> derivative_; // of the reference element
+    std::vector<double> mass_, drag_; // per level [kg/m^2], [kg/(m^2 s)]
+    std::vector<double> derivative_;  // of the reference element
     std::vector<double> weights_;
-    std::ptrdiff_t nodes_; // of an element
-    std::ptrdiff_t unknowns_;
+    std::ptrdiff_t nodes_, levels_;
 };
-
-/// L D L^T of a banded matrix in place, lanes apart. The matrices here are positive definite.
-void factorise(std::ptrdiff_t unknowns, std::ptrdiff_t band, Lanes* matrix);
-
-/// Solves for the four parts in place, x[unknown][part].
-void solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x);
 
 } // namespace shearwake

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "engines/spectral/lanes.hpp"
+
+namespace shearwake {
+
+/// Symmetric positive definite band matrices of eight wavenumbers side by side: the lower band, row
+/// by row, matrix[row * band + (column - row + band - 1)]; `band` counts the diagonal.
+
+/// L D L^T in place, lanes apart; the diagonal then holds 1 / D.
+void factorise(std::ptrdiff_t unknowns, std::ptrdiff_t band, Lanes* matrix);
+
+/// Solves A x = b for the four parts in place, x[unknown][part]. Returns the sum over the parts
+/// that `counted` weighs of b . A^-1 b, lanes apart.
+Lanes solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x,
+            const Lanes* counted);
+
+} // namespace shearwake

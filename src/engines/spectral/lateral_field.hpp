@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engines/spectral/lateral_variation.hpp"
+
+#include <vector>
+
+namespace shearwake {
+
+/// Strains and stresses at the cells where the medium varies, [point][component][cell], and the
+/// moduli that act on them. Not collective: sums are this rank's.
+class LateralField {
+public:
+    using Values = std::vector<double>;
+    LateralField(LateralVariation variation, std::ptrdiff_t ny, const SlabShare& share);
+
+    const LateralVariation& variation() const { return variation_; }
+    std::size_t size() const { return variation_.cells * static_cast<std::size_t>(components_); }
+
+    /// Stress beyond that of the layers: for strain `now`, and its rate (now - before) * rate.
+    void stress(const Values& now, const Values& before, double rate, Values& out) const;
+    /// The implicit operator's part that is not the background's; `inner` is its bilinear form.
+    void implicit(const Values& strain, Values& out) const;
+    static double inner(const Values& a, const Values& b);
+
+    /// Physical planes [point][component]: zero but for the cells.
+    void to_planes(const Values& values, double* planes) const;
+    void from_planes(const double* planes, Values& values) const;
+
+private:
+    template <class F>
+    void each_cell(F f) const;
+
+    LateralVariation variation_;
+    std::size_t components_;
+    std::ptrdiff_t ny_;
+    SlabShare share_;
+};
+
+} // namespace shearwake

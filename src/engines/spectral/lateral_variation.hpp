@@ -1,0 +1,46 @@
+#pragma once
+
+#include "engines/spectral/strain_transfer.hpp"
+#include "engines/spectral/vertical_operator.hpp"
+#include "parallel/comm.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// Columns [begin, end) of one of this rank's rows, and where their values begin in an array that
+/// holds only the cells where the medium varies.
+struct CellRun {
+    std::ptrdiff_t row, begin, end;
+    std::size_t offset;
+};
+
+/// What varies laterally, on this rank's rows: at each strain point the cells concerned, and their
+/// moduli beyond those of the layer, times the quadrature weight [m]. The implicit operator is
+///     background + E^T (implicit) E,   E the strain (and displacement, for density),
+/// where the implicit ones are never negative.
+struct LateralVariation {
+    struct Point {
+        std::vector<CellRun> runs;
+        std::size_t first = 0, cells = 0;
+    };
+    std::vector<StrainPoint> strain_points;
+    std::vector<Point> points;
+    std::size_t cells = 0;
+    std::vector<double> lambda, mu, viscosity;                     // of the forces, per cell
+    std::vector<double> implicit_lambda, implicit_mu, implicit_mass; // empty without iterations
+    Background background;
+    bool iterates = false;
+    bool density_varies = false;
+    std::vector<std::string> notes;
+
+    bool empty() const { return strain_points.empty(); }
+    int components() const { return density_varies ? all_components : strain_components; }
+};
+
+/// Collective: extremes over the whole plane decide. Throws CaseFailure on all ranks together.
+LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
+                                   double step_s, const Comm& team);
+
+} // namespace shearwake

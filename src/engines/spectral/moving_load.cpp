@@ -1,0 +1,119 @@
+#include "engines/spectral/moving_load.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+/// Times, in steps, whose loads enter a step, and their weights.
+struct Sample {
+    std::ptrdiff_t step;
+    double weight;
+};
+std::array<Sample, 3> samples_at(std::ptrdiff_t n) {
+    if (n == 0) return {{{0, 7.0 / 12.0}, {1, 0.5}, {2, -1.0 / 12.0}}};
+    return {{{n - 1, 1.0 / 12.0}, {n, 10.0 / 12.0}, {n + 1, 1.0 / 12.0}}};
+}
+
+} // namespace
+
+double WaveVectors::kx_rad_m(std::ptrdiff_t i) const {
+    return two_pi / domain_.extent_x_m() * static_cast<double>(i);
+}
+
+double WaveVectors::ky_rad_m(std::ptrdiff_t row) const {
+    return two_pi / domain_.extent_y_m() * static_cast<double>(share_.ky_start + row);
+}
+
+Lanes WaveVectors::kx(std::ptrdiff_t block) const {
+    Lanes k{};
+    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+        k[lane] = kx_rad_m(block * lane_count + lane);
+    return k;
+}
+
+Lanes WaveVectors::k(std::ptrdiff_t row, std::ptrdiff_t block) const {
+    Lanes k{};
+    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+        k[lane] = std::hypot(kx_rad_m(block * lane_count + lane), ky_rad_m(row));
+    return k;
+}
+
+Counted WaveVectors::counted(std::ptrdiff_t row, std::ptrdiff_t block) const {
+    Counted weight;
+    const double both = share_.ky_start + row == 0 ? 1.0 : 2.0;
+    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
+        const std::ptrdiff_t i = block * lane_count + lane;
+        const double plus = is_there(i) ? both : 0.0, minus = i == 0 ? 0.0 : plus;
+        weight.part[plus_re][lane] = weight.part[plus_im][lane] = plus;
+        weight.part[minus_re][lane] = weight.part[minus_im][lane] = minus;
+    }
+    return weight;
+}
+
+double WaveVectors::largest_k_rad_m() const {
+    return std::hypot(kx_rad_m(domain_.nx / 2), two_pi / domain_.extent_y_m() *
+                                                    static_cast<double>(domain_.ny / 2));
+}
+
+MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
+    : case_(c), vectors_(vectors), step_s_(step_s) {
+    shape_.resize(static_cast<std::size_t>(vectors.pencils() * lane_count));
+    auto value = shape_.begin();
+    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
+        for (std::ptrdiff_t i = 0; i < vectors.blocks() * lane_count; ++i)
+            *value++ = vectors.is_there(i) ? spectrum(c.load.footprint, vectors.kx_rad_m(i),
+                                                      vectors.ky_rad_m(row))
+                                           : 0.0;
+}
+
+void MovingLoad::sample(std::ptrdiff_t n) {
+    const Trajectory& trajectory = case_.load.modulation.trajectory;
+    const double off_s = off_time_s(trajectory);
+    const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
+    const auto samples = samples_at(n);
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+        const double t_s = static_cast<double>(samples[s].step) * step_s_;
+        Sampled& load = loads_[s];
+        // At a path's end the load is a step down: half of it counts at the very time.
+        const double on = t_s < off_s - 0.5 * step_s_   ? 1.0
+                          : t_s < off_s + 0.5 * step_s_ ? 0.5
+                                                        : 0.0;
+        load.amplitude_Pa =
+            on * samples[s].weight * case_.load.peak_Pa * amplitude(case_.load, t_s) / area_m2;
+        const Vec2 focus =
+            position(trajectory, t_s) - Vec2{case_.domain.x_m(0), case_.domain.y_m(0)};
+        load.x.resize(static_cast<std::size_t>(vectors_.blocks() * lane_count));
+        load.y.resize(static_cast<std::size_t>(vectors_.rows()));
+        for (std::size_t i = 0; i < load.x.size(); ++i)
+            load.x[i] =
+                std::polar(1.0, -vectors_.kx_rad_m(static_cast<std::ptrdiff_t>(i)) * focus.x);
+        for (std::size_t j = 0; j < load.y.size(); ++j)
+            load.y[j] =
+                std::polar(1.0, -vectors_.ky_rad_m(static_cast<std::ptrdiff_t>(j)) * focus.y);
+    }
+}
+
+void MovingLoad::put(std::ptrdiff_t row, std::ptrdiff_t block, Lanes* surface) const {
+    const Lanes g = lanes(shape_.data())[row * vectors_.blocks() + block];
+    Lanes plus_x{}, plus_y{}, minus_x{}, minus_y{};
+    for (const Sampled& load : loads_) {
+        const Complex y = load.amplitude_Pa * load.y[static_cast<std::size_t>(row)];
+        Lanes re, im;
+        load_ascending(load.x.data() + block * lane_count, re, im);
+        plus_x += re * y.real() - im * y.imag();
+        plus_y += re * y.imag() + im * y.real();
+        minus_x += re * y.real() + im * y.imag();
+        minus_y += re * y.imag() - im * y.real();
+    }
+    surface[plus_re] = g * plus_x;
+    surface[plus_im] = g * plus_y;
+    surface[minus_re] = g * minus_x;
+    surface[minus_im] = g * minus_y;
+}
+
+} // namespace shearwake

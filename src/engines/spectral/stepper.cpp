@@ -1,0 +1,245 @@
+#include "engines/spectral/stepper.hpp"
+
+#include "base/error.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+constexpr int most_iterations = 500;
+
+/// Weights of an element's nodes at reference position x in [-1, 1] (Lagrange).
+std::vector<double> weights_at(const GaussLobatto& rule, double x) {
+    std::vector<double> weights(rule.nodes.size(), 1.0);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        for (std::size_t j = 0; j < weights.size(); ++j)
+            if (i != j) weights[i] *= (x - rule.nodes[j]) / (rule.nodes[i] - rule.nodes[j]);
+    return weights;
+}
+
+} // namespace
+
+Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs, double step_s,
+                 const Comm& team)
+    : case_(c), mesh_(mesh), slabs_(slabs), team_(team), vectors_(c.domain, slabs.share()),
+      step_s_(step_s), tolerance_(std::get<SpectralOptions>(c.solver).residual),
+      field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
+      operator_(mesh, c.medium, field_.variation().background),
+      transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
+      load_(c, vectors_, step_s) {
+    together(team, [&] { assemble(); });
+}
+
+void Stepper::assemble() {
+    const std::ptrdiff_t pencils = vectors_.pencils(), factor_size = operator_.factor_size();
+    const std::ptrdiff_t size = operator_.unknowns() * parts * lane_count;
+    factors_.resize(static_cast<std::size_t>(pencils * factor_size * lane_count));
+    now_.assign(static_cast<std::size_t>(pencils * size), 0.0);
+    before_ = now_;
+    pencil_.resize(static_cast<std::size_t>(size));
+    planes_.assign(static_cast<std::size_t>(transfer_.planes() * slabs_.share().reals), 0.0);
+    for (auto* values : {&strain_, &strain_before_, &stress_, &scratch_})
+        values->assign(field_.size(), 0.0);
+    if (field_.variation().iterates)
+        for (auto& values : changes_)
+            values.assign(field_.size(), 0.0);
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
+            operator_.factorise_implicit(vectors_.k(row, block), step_s_,
+                                         lanes(factors_.data()) +
+                                             (row * vectors_.blocks() + block) * factor_size);
+}
+
+void Stepper::advance() {
+    const LateralVariation& variation = field_.variation();
+    load_.sample(step_);
+    LateralField::Values guess;
+    if (!variation.empty()) {
+        field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
+        if (variation.iterates) {
+            guess.resize(field_.size());
+            for (std::size_t i = 0; i < guess.size(); ++i)
+                guess[i] = 3.0 * (changes_[0][i] - changes_[1][i]) + changes_[2][i];
+            field_.implicit(guess, scratch_);
+            for (std::size_t i = 0; i < guess.size(); ++i)
+                stress_[i] += scratch_[i];
+        }
+        field_.to_planes(stress_, planes_.data());
+        slabs_.to_spectral(planes_.data(), transfer_.planes());
+    }
+    first_pass();
+    if (!variation.empty()) {
+        slabs_.to_physical(planes_.data(), transfer_.planes());
+        LateralField::Values change(field_.size());
+        field_.from_planes(planes_.data(), change);
+        if (variation.iterates) {
+            LateralField::Values residual(change), strain(guess);
+            for (std::size_t i = 0; i < guess.size(); ++i)
+                residual[i] -= guess[i];
+            // `change` is E d of the guess; iterations turn it into that of their result.
+            stress_ = residual;
+            const auto before = statistics_.iterations;
+            iterate(strain);
+            if (statistics_.iterations > before) {
+                correct(strain, guess);
+                for (std::size_t i = 0; i < change.size(); ++i)
+                    change[i] = strain[i] + stress_[i];
+            }
+            std::rotate(changes_.begin(), changes_.end() - 1, changes_.end());
+            changes_[0] = change;
+        }
+        advance_strains(change);
+    }
+    std::swap(now_, before_);
+    ++step_;
+    ++statistics_.steps;
+}
+
+void Stepper::first_pass() {
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    Lanes* force = lanes(pencil_.data());
+    Lanes sum{}, work{};
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        if (vectors_.is_nyquist(row)) continue;
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const std::ptrdiff_t at = row * vectors_.blocks() + block;
+            const Lanes* u = lanes(now_.data()) + at * size;
+            Lanes* before = lanes(before_.data()) + at * size;
+            const Counted counted = vectors_.counted(row, block);
+            std::fill(pencil_.begin(), pencil_.end(), 0.0);
+            Lanes pressure[parts];
+            load_.put(row, block, pressure);
+            std::copy_n(pressure, parts, force + parts); // unknown 1: W at the surface
+            operator_.add_internal_force(vectors_.k(row, block), 1.0 / step_s_, u, before, force);
+            transfer_.add_force(row, block, planes_.data(), per_point, force);
+            sum += operator_.solve_implicit(lanes(factors_.data()) + at * operator_.factor_size(),
+                                            force, counted.part);
+            for (std::ptrdiff_t p = 0; p < parts; ++p) // f . (u+ - u-)/2
+                work += counted.part[p] * pressure[p] *
+                        (u[parts + p] - before[parts + p] + 0.5 * scale * force[parts + p]);
+            transfer_.strain(row, block, force, planes_.data());
+            for (std::ptrdiff_t i = 0; i < size; ++i)
+                before[i] = 2.0 * u[i] - before[i] + scale * force[i];
+        }
+    }
+    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
+        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
+    work_ += std::abs(sum_of(work));
+    reference_ = sum_of(sum);
+}
+
+void Stepper::strain_of_response(double scale) {
+    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    Lanes* force = lanes(pencil_.data());
+    slabs_.to_spectral(planes_.data(), transfer_.planes());
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        if (vectors_.is_nyquist(row)) continue;
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const std::ptrdiff_t at = row * vectors_.blocks() + block;
+            const Counted counted = vectors_.counted(row, block);
+            std::fill(pencil_.begin(), pencil_.end(), 0.0);
+            transfer_.add_force(row, block, planes_.data(), per_point, force);
+            operator_.solve_implicit(lanes(factors_.data()) + at * operator_.factor_size(), force,
+                                     counted.part);
+            if (scale == 0.0) {
+                transfer_.strain(row, block, force, planes_.data());
+            } else {
+                Lanes* next = lanes(before_.data()) + at * size;
+                for (std::ptrdiff_t i = 0; i < size; ++i)
+                    next[i] += scale * force[i];
+            }
+        }
+    }
+    if (scale != 0.0) return;
+    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
+        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
+    slabs_.to_physical(planes_.data(), transfer_.planes());
+}
+
+void Stepper::iterate(LateralField::Values& strain) {
+    LateralField::Values& residual = stress_;
+    LateralField::Values direction(residual), image(field_.size());
+    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+    field_.implicit(residual, scratch_);
+    double sums[2] = {reference_, per_point * LateralField::inner(residual, scratch_)};
+    team_.sum(std::span<double>(sums));
+    // The error of d in the norm of B is at most half of the residual's in that of S.
+    const double goal = 4.0 * tolerance_ * tolerance_ * sums[0];
+    double norm = sums[1];
+    int count = 0;
+    for (; norm > goal && count < most_iterations; ++count) {
+        field_.implicit(direction, scratch_);
+        field_.to_planes(scratch_, planes_.data());
+        strain_of_response(0.0);
+        field_.from_planes(planes_.data(), image);
+        for (std::size_t i = 0; i < image.size(); ++i)
+            image[i] = direction[i] - image[i];
+        const double curvature = team_.sum(per_point * LateralField::inner(image, scratch_));
+        const double alpha = norm / curvature;
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            strain[i] += alpha * direction[i];
+            residual[i] -= alpha * image[i];
+        }
+        field_.implicit(residual, scratch_);
+        const double next = team_.sum(per_point * LateralField::inner(residual, scratch_));
+        const double beta = next / norm;
+        for (std::size_t i = 0; i < image.size(); ++i)
+            direction[i] = residual[i] + beta * direction[i];
+        norm = next;
+    }
+    if (!(norm <= goal)) // not a number, too
+        throw CaseFailure(fmt::format(
+            "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "
+            "shorter solver.spectral.time_step_us or a smaller contrast_cap would help",
+            step_, 1e3 * static_cast<double>(step_) * step_s_, count));
+    statistics_.iterations += count;
+    statistics_.most_iterations = std::max(statistics_.most_iterations, count);
+}
+
+void Stepper::correct(const LateralField::Values& strain, const LateralField::Values& guess) {
+    LateralField::Values difference(strain);
+    for (std::size_t i = 0; i < guess.size(); ++i)
+        difference[i] -= guess[i];
+    field_.implicit(difference, scratch_);
+    field_.to_planes(scratch_, planes_.data());
+    strain_of_response(step_ == 0 ? 0.5 : 1.0);
+}
+
+void Stepper::advance_strains(const LateralField::Values& change) {
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    for (std::size_t i = 0; i < change.size(); ++i)
+        strain_before_[i] = 2.0 * strain_[i] - strain_before_[i] + scale * change[i];
+    std::swap(strain_, strain_before_);
+}
+
+void Stepper::plane_of_w(double depth_m, double* plane) const {
+    const auto above = std::upper_bound(mesh_.ends_m.begin(), mesh_.ends_m.end() - 1, depth_m);
+    const auto element = static_cast<std::size_t>(above - mesh_.ends_m.begin()) - 1;
+    const std::vector<double> weights = weights_at(
+        mesh_.rule, 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0);
+    const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const Lanes* u = lanes(now_.data()) +
+                             (row * vectors_.blocks() + block) * operator_.unknowns() * parts;
+            Lanes w[parts] = {};
+            for (std::ptrdiff_t i = 0; i <= mesh_.degree; ++i) {
+                const std::ptrdiff_t unknown = 2 * (first + i) + 1;
+                if (unknown >= operator_.psv()) continue; // the base rests
+                for (std::ptrdiff_t part = 0; part < parts; ++part)
+                    w[part] += weights[static_cast<std::size_t>(i)] * u[unknown * parts + part];
+            }
+            StrainTransfer::put(vectors_, row, block, plane, w);
+        }
+    }
+    StrainTransfer::clear_nyquist(vectors_, plane);
+}
+
+} // namespace shearwake

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "engines/spectral/lateral_field.hpp"
+#include "engines/spectral/moving_load.hpp"
+#include "engines/spectral/strain_transfer.hpp"
+#include "engines/spectral/vertical_operator.hpp"
+#include "fft/slab_transform.hpp"
+
+#include <array>
+#include <vector>
+
+namespace shearwake {
+
+/// How hard the steps were.
+struct StepStatistics {
+    std::ptrdiff_t steps = 0;
+    std::ptrdiff_t iterations = 0; // of conjugate gradients, in all
+    int most_iterations = 0;       // in one step
+};
+
+/// The displacement at this rank's wave vectors over depth, and the step that advances it:
+///     [M/dt^2 + a_lambda K_lambda + a_mu K_mu + C/(2 dt)] d = f - K u - C (u - u-)/dt,
+///     u+ = 2u - u- + d;   from rest, u(dt) = d / 2.
+/// Second order in dt for compressional and viscous forces, fourth for shear. Where the medium
+/// varies laterally, its stress beyond the layers' is found in (x, y) space from strains that are
+/// advanced with u, and the operator is either a background at least as stiff as the medium (one
+/// solve) or the true one, A = B + E^T S E: with e = E d it is (1 + E B^-1 E^T S) e = E B^-1 rhs,
+/// self-adjoint in the product (a, S b), solved by conjugate gradients from the quadratic
+/// extrapolation of the last three steps; as many as preconditioning A with B would need.
+class Stepper {
+public:
+    /// Collective. Throws CaseFailure on all ranks together.
+    Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs, double step_s,
+            const Comm& team);
+
+    /// From t = n dt to (n + 1) dt. Collective.
+    void advance();
+
+    /// u_z at a depth as rows of the transposed spectrum, ready for SlabTransform. Not collective.
+    void plane_of_w(double depth_m, double* plane) const;
+
+    const std::vector<std::string>& notes() const { return field_.variation().notes; }
+    const StepStatistics& statistics() const { return statistics_; }
+
+private:
+    void assemble();
+    /// One pass over the pencils: forces, solve, and what comes of it.
+    void first_pass();
+    void strain_of_response(double scale);
+    void iterate(LateralField::Values& strain);
+    void correct(const LateralField::Values& strain, const LateralField::Values& guess);
+    void advance_strains(const LateralField::Values& change);
+
+    const Case& case_;
+    DepthMesh mesh_;
+    const SlabTransform& slabs_;
+    Comm team_;
+    WaveVectors vectors_;
+    double step_s_;
+    double tolerance_;
+    std::ptrdiff_t step_ = 0;
+    LateralField field_;
+    VerticalOperator operator_;
+    StrainTransfer transfer_;
+    MovingLoad load_;
+    StepStatistics statistics_;
+    double reference_ = 0.0; // d . B d of this step, all ranks
+    double work_ = 0.0;
+    // Lanes by eights: a vector of a vector type would lose the type's alignment.
+    AlignedVector<double> factors_, now_, before_, pencil_;
+    AlignedVector<double> planes_;
+    LateralField::Values strain_, strain_before_, stress_, scratch_;
+    std::array<LateralField::Values, 3> changes_; // of the last steps, newest first
+};
+
+} // namespace shearwake
