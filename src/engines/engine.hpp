@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/view.hpp"
+#include "engines/checkpoint.hpp"
 #include "model/case.hpp"
 #include "parallel/comm.hpp"
 
@@ -28,6 +29,10 @@ public:
     virtual ~Observer() = default;
     virtual void begin(const Slab& slab) = 0;
     virtual void frame(const Frame& frame) = 0;
+    /// What the frames so far have left, for a run that goes on later with the next one; restored
+    /// after `begin`. Collective; called by engines within their own save and restore.
+    virtual void save(StateWriter& /*state*/) {}
+    virtual void restore(StateReader& /*state*/) {}
 };
 
 /// What a case needs.
@@ -45,8 +50,11 @@ public:
     /// Not collective. `ranks`: of the team that would run it.
     virtual Estimate estimate(const Case& c, int ranks) const = 0;
     /// Collective over the team; always the same team for one engine.
-    /// Throws CaseFailure on all ranks together.
-    virtual void run(const Case& c, const Comm& team, Observer& observer) = 0;
+    /// Throws CaseFailure on all ranks together. With `checkpoints` it goes on from the newest
+    /// state, and returns early after a save when they say stop; engines whose cases take seconds
+    /// ignore them.
+    virtual void run(const Case& c, const Comm& team, Observer& observer,
+                     Checkpoints* checkpoints = nullptr) = 0;
 };
 
 /// The engine that the case's solver options name.

@@ -166,7 +166,8 @@ void LayeredEngine::prepare(const Case& c, const Comm& team) {
     table_ = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team);
 }
 
-void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer) {
+void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer,
+                        Checkpoints* /*checkpoints*/) {
     prepare(c, team);
     const SlabShare& share = slabs_->share();
     // The batch is the same on all ranks: the largest slab decides.

@@ -14,7 +14,8 @@ namespace shearwake {
 class LayeredEngine : public Engine {
 public:
     Estimate estimate(const Case& c, int ranks) const override;
-    void run(const Case& c, const Comm& team, Observer& observer) override;
+    void run(const Case& c, const Comm& team, Observer& observer,
+             Checkpoints* checkpoints) override;
 
 private:
     void prepare(const Case& c, const Comm& team);

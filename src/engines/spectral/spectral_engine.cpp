@@ -40,7 +40,8 @@ Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
     return e;
 }
 
-void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer) {
+void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
+                         Checkpoints* /*checkpoints*/) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const std::ptrdiff_t per_frame = steps_per_frame(c, options);
     const double step_s = c.time.interval_s / static_cast<double>(per_frame);

@@ -10,7 +10,8 @@ namespace shearwake {
 class SpectralEngine : public Engine {
 public:
     Estimate estimate(const Case& c, int ranks) const override;
-    void run(const Case& c, const Comm& team, Observer& observer) override;
+    void run(const Case& c, const Comm& team, Observer& observer,
+             Checkpoints* checkpoints) override;
 };
 
 } // namespace shearwake
