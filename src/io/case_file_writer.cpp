@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "io/files.hpp"
+#include "io/h5_block.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -127,36 +128,11 @@ void CaseFileWriter::create_surface() const {
 
 void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<const double> u_z_m,
                                    std::ptrdiff_t x_start) {
-    const auto rows = static_cast<hsize_t>(u_z_m.rows());
-    const auto ny = static_cast<hsize_t>(surface_.domain.ny);
-    const hsize_t start[4] = {time, depth, static_cast<hsize_t>(x_start), 0};
-    const hsize_t count[4] = {1, 1, std::max<hsize_t>(rows, 1), ny};
-    const hsize_t in_memory[2] = {std::max<hsize_t>(rows, 1), static_cast<hsize_t>(u_z_m.stride())};
-    const hsize_t origin[2] = {0, 0}, taken[2] = {std::max<hsize_t>(rows, 1), ny};
-    const h5::Id file_space(H5Dget_space(shared_field_.raw()), H5Sclose, "find a dataspace");
-    const h5::Id memory_space(H5Screate_simple(2, in_memory, nullptr), H5Sclose,
-                              "make a dataspace");
-    if (rows > 0) {
-        h5::check(
-            H5Sselect_hyperslab(file_space.raw(), H5S_SELECT_SET, start, nullptr, count, nullptr),
-            "select a slab");
-        h5::check(H5Sselect_hyperslab(memory_space.raw(), H5S_SELECT_SET, origin, nullptr, taken,
-                                      nullptr),
-                  "select a slab");
-    } else {
-        H5Sselect_none(file_space.raw());
-        H5Sselect_none(memory_space.raw());
-    }
-    const h5::Id transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "make a property list");
-    h5::check(H5Pset_dxpl_mpio(transfer.raw(), H5FD_MPIO_COLLECTIVE), "write collectively");
-    const double nothing = 0.0;
-    const herr_t status =
-        H5Dwrite(shared_field_.raw(), H5T_NATIVE_DOUBLE, memory_space.raw(), file_space.raw(),
-                 transfer.raw(), rows > 0 ? u_z_m.data() : &nothing);
-    const std::string reason = status < 0 ? h5::last_error() : "";
-    if (team_.max(status < 0 ? 1 : 0) != 0)
-        throw CaseFailure(
-            fmt::format("cannot write a surface field to {} {}", part_.string(), reason));
+    const h5::Block block{
+        {time, depth, static_cast<hsize_t>(x_start), 0},
+        {1, 1, static_cast<hsize_t>(u_z_m.rows()), static_cast<hsize_t>(u_z_m.columns())}};
+    h5::write_block(shared_field_, block, u_z_m, "write a surface field to " + part_.string(),
+                    team_);
 }
 
 void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,

@@ -107,8 +107,12 @@ void make_directory(const fs::path& path) {
     if (error) refuse("cannot make the folder", path, error.value());
 }
 
+void flush_to_disk(const fs::path& path) {
+    Descriptor(path, O_RDONLY).flush();
+}
+
 void publish(const fs::path& part, const fs::path& path) {
-    Descriptor(part, O_RDONLY).flush();
+    flush_to_disk(part);
     std::error_code error;
     fs::rename(part, path, error);
     if (error) refuse("cannot rename to", path, error.value());

@@ -20,6 +20,9 @@ void append_line(const std::filesystem::path& path, std::string_view line);
 
 void make_directory(const std::filesystem::path& path);
 
+/// What has been written to the file so far reaches the disk.
+void flush_to_disk(const std::filesystem::path& path);
+
 /// Flushes `part` to the disk and gives it its final name.
 void publish(const std::filesystem::path& part, const std::filesystem::path& path);
 

@@ -107,11 +107,12 @@ Id open_file(const std::filesystem::path& path, Access access) {
               "create " + path.string());
 }
 
-Id open_shared(const std::filesystem::path& path, const Comm& comm) {
+Id open_shared(const std::filesystem::path& path, const Comm& comm, Access access) {
     be_quiet();
-    const Id access = property(H5P_FILE_ACCESS);
-    check(H5Pset_fapl_mpio(access.raw(), comm.raw(), MPI_INFO_NULL), "choose MPI");
-    const hid_t raw = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.raw());
+    const Id properties = property(H5P_FILE_ACCESS);
+    check(H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL), "choose MPI");
+    const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
+    const hid_t raw = H5Fopen(path.c_str(), flags, properties.raw());
     const std::string reason = raw < 0 ? last_error() : "";
     if (comm.max(raw < 0 ? 1 : 0) != 0)
         throw CaseFailure(
@@ -217,6 +218,17 @@ double number_attribute(hid_t object, const std::string& name) {
     double value = 0.0;
     check(H5Aread(attribute.raw(), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
     return value;
+}
+
+std::vector<std::string> attribute_names(hid_t object) {
+    std::vector<std::string> names;
+    const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+    };
+    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names),
+          "list attributes");
+    return names;
 }
 
 void make_scale(const Id& coordinate, const std::string& name) {

@@ -43,7 +43,8 @@ enum class Access { create, read_write, read };
 /// A file through the ordinary driver. Not collective.
 Id open_file(const std::filesystem::path& path, Access access);
 /// An existing file through MPI. Collective; throws CaseFailure on all ranks together.
-Id open_shared(const std::filesystem::path& path, const Comm& comm);
+Id open_shared(const std::filesystem::path& path, const Comm& comm,
+               Access access = Access::read_write);
 
 Id open_group(hid_t parent, const std::string& name);
 Id create_group(hid_t parent, const std::string& name);
@@ -62,6 +63,7 @@ void put_attribute(hid_t object, const std::string& name, long value);
 bool has_attribute(hid_t object, const std::string& name);
 std::string text_attribute(hid_t object, const std::string& name);
 double number_attribute(hid_t object, const std::string& name);
+std::vector<std::string> attribute_names(hid_t object);
 
 /// The dataset becomes the coordinate of a dimension; another one is tied to it.
 void make_scale(const Id& coordinate, const std::string& name);

@@ -2,35 +2,15 @@
 #include "io/case_file_reader.hpp"
 #include "io/case_file_writer.hpp"
 #include "io/h5.hpp"
-#include "parallel/agree.hpp"
+#include "support/shared_folder.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
-#include <unistd.h>
 
 using namespace shearwake;
+using test::SharedFolder;
 
 namespace {
-
-/// A folder that all ranks know and that goes with the test.
-class SharedFolder {
-public:
-    explicit SharedFolder(const Comm& world) : world_(world) {
-        path_ = world.broadcast(
-            (std::filesystem::temp_directory_path() / ("shearwake-" + std::to_string(::getpid())))
-                .string());
-        on_root(world_, [&] { std::filesystem::create_directories(path_); });
-    }
-    ~SharedFolder() {
-        world_.barrier();
-        if (world_.is_root()) std::filesystem::remove_all(path_);
-    }
-    std::filesystem::path file(const std::string& name) const { return path_ / name; }
-
-private:
-    Comm world_;
-    std::filesystem::path path_;
-};
 
 const std::vector<Attribute> complete = {{"title", std::string("a title")},
                                          {"case_id", std::string("00ff")},
