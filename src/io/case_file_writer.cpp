@@ -55,6 +55,11 @@ std::vector<double> coordinate(std::ptrdiff_t count, const auto& at) {
     return values;
 }
 
+std::vector<hsize_t> shape_of(const SurfaceLayout& layout) {
+    return {layout.times_s.size(), layout.depths_m.size(), static_cast<hsize_t>(layout.domain.nx),
+            static_cast<hsize_t>(layout.domain.ny)};
+}
+
 } // namespace
 
 double SurfaceLayout::bytes() const {
@@ -63,9 +68,10 @@ double SurfaceLayout::bytes() const {
 }
 
 CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& team,
-                               SurfaceLayout surface)
+                               SurfaceLayout surface, Beginning beginning)
     : path_(path), part_(path.string() + ".part"), team_(team), surface_(std::move(surface)) {
     on_root(team_, [&] {
+        if (beginning == Beginning::go_on && !surface_.empty()) return;
         // Asked before it is used: an MPI write that finds the disk full may end the whole program.
         const double needed = surface_.bytes() + 1e6;
         const double free = free_bytes(path_.parent_path());
@@ -88,7 +94,7 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
 }
 
 CaseFileWriter::~CaseFileWriter() {
-    if (committed_ || !team_.is_root()) return;
+    if (committed_ || left_ || !team_.is_root()) return;
     std::error_code ignored;
     std::filesystem::remove(part_, ignored);
 }
@@ -114,9 +120,7 @@ void CaseFileWriter::create_surface() const {
              "position along y",
              ""}};
         write_group(group.raw(), axes);
-        const std::vector<hsize_t> shape = {surface_.times_s.size(), surface_.depths_m.size(),
-                                            static_cast<hsize_t>(d.nx), static_cast<hsize_t>(d.ny)};
-        const h5::Id field = h5::create_dataset(group.raw(), "u_z", shape);
+        const h5::Id field = h5::create_dataset(group.raw(), "u_z", shape_of(surface_));
         put_words(field.raw(), {.name = "u_z",
                                 .units = "m",
                                 .long_name = "normal displacement, positive into the tissue"});
@@ -133,6 +137,31 @@ void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<co
         {1, 1, static_cast<hsize_t>(u_z_m.rows()), static_cast<hsize_t>(u_z_m.columns())}};
     h5::write_block(shared_field_, block, u_z_m, "write a surface field to " + part_.string(),
                     team_);
+}
+
+void CaseFileWriter::flush() {
+    if (surface_.empty()) return;
+    const herr_t status = H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL);
+    if (team_.max(status < 0 ? 1 : 0) != 0)
+        throw CaseFailure(fmt::format("cannot flush {} {}", part_.string(), h5::last_error()));
+    on_root(team_, [&] { flush_to_disk(part_); });
+}
+
+std::string trouble_with_part(const std::filesystem::path& path, const SurfaceLayout& surface) {
+    const std::filesystem::path part = path.string() + ".part";
+    if (!std::filesystem::exists(part)) return "is missing";
+    try {
+        const h5::Id file = h5::open_file(part, h5::Access::read);
+        const h5::Id field = h5::open_dataset(file.raw(), "surface/u_z");
+        H5G_info_t root{};
+        h5::check(H5Gget_info(file.raw(), &root), "look at the root group");
+        if (root.nlinks != 1) return "was ended while it was being completed";
+        if (h5::shape(field) != shape_of(surface)) return "holds other surface fields";
+        if (H5Dget_offset(field.raw()) == HADDR_UNDEF) return "has no room for its surface fields";
+        return "";
+    } catch (const Error& error) {
+        return fmt::format("is damaged ({})", error.what());
+    }
 }
 
 void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,

@@ -21,14 +21,18 @@ struct SurfaceLayout {
     double bytes() const;
 };
 
+/// Whether a case file is begun anew, or what an earlier run has left of it is written on.
+enum class Beginning { anew, go_on };
+
 /// A case file in the making: `<path>.part` until it is committed, then whole and renamed; removed
-/// when it is not. xarray opens the result as it is: dimension scales, units and long names on
-/// every variable.
+/// when it is not, unless it is left for a later run. xarray opens the result as it is: dimension
+/// scales, units and long names on every variable.
 class CaseFileWriter {
 public:
     /// Collective. Rank 0 creates the file, then all ranks open it through MPI if there are surface
     /// fields to come. Throws CaseFailure on all ranks (no space, no permission).
-    CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface);
+    CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
+                   Beginning beginning = Beginning::anew);
     /// Not collective: rank 0 removes what was not committed.
     ~CaseFileWriter();
     CaseFileWriter(const CaseFileWriter&) = delete;
@@ -37,6 +41,12 @@ public:
     /// This rank's rows x_start ... of one surface field. Collective; ranks may have no rows.
     void write_surface(std::size_t time, std::size_t depth, View2<const double> u_z_m,
                        std::ptrdiff_t x_start);
+
+    /// All surface fields so far reach the disk. Nothing but their numbers has changed in the file
+    /// since it was created, so it can be opened again after any end. Collective.
+    void flush();
+    /// From now on what is not committed stays for a run that goes on. Not collective.
+    void leave_for_later() { left_ = true; }
 
     /// The rest of the file, flushed, renamed. Collective; only rank 0's arguments are written.
     void commit(const std::vector<VariableGroup>& groups, const std::vector<Attribute>& attributes);
@@ -48,7 +58,11 @@ private:
     Comm team_;
     SurfaceLayout surface_;
     h5::Id shared_file_, shared_field_;
-    bool committed_ = false;
+    bool committed_ = false, left_ = false;
 };
+
+/// Why `<path>.part` cannot be gone on with, in words that follow its name; empty when it has these
+/// surface fields. Not collective.
+std::string trouble_with_part(const std::filesystem::path& path, const SurfaceLayout& surface);
 
 } // namespace shearwake

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <span>
 
 namespace shearwake {
 namespace {
@@ -23,7 +24,32 @@ std::ptrdiff_t frame_at(const Case& c, double t_s) {
                                       c.time.frames - 1);
 }
 
-constexpr std::size_t sum_count = 6, peak_count = 2;
+constexpr std::size_t sum_count = 6, peak_count = 2, all_count = sum_count + peak_count;
+
+/// Sums first, then peaks.
+std::vector<double> flat(const std::vector<SurfaceSums>& frames) {
+    std::vector<double> values;
+    for (const SurfaceSums& s : frames)
+        values.insert(values.end(),
+                      {s.u, s.abs_u, s.u2, s.u4, s.focal_u2, s.focal_weight, s.peak, s.focal_peak});
+    return values;
+}
+
+/// Adds the sums of another part of the surface, keeps the larger peaks.
+void add(std::span<const double> part, std::vector<SurfaceSums>& frames) {
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+        const auto p = part.subspan(n * all_count, all_count);
+        SurfaceSums& s = frames[n];
+        s = {s.u + p[0],
+             s.abs_u + p[1],
+             s.u2 + p[2],
+             s.u4 + p[3],
+             s.focal_u2 + p[4],
+             s.focal_weight + p[5],
+             std::max(s.peak, p[6]),
+             std::max(s.focal_peak, p[7])};
+    }
+}
 
 } // namespace
 
@@ -68,6 +94,7 @@ void SurfaceRecorder::frame(const Frame& frame) {
                                                   focus, case_.measure.focal_radius_m);
     if (frame.depth == 0) add_to_traces(frame);
     if (frame.depth == 0 && frame.number == instant_) {
+        instant_held_ = true;
         for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
             const auto row = frame.u_z_m.row(i);
             instant_rows_.insert(instant_rows_.end(), row.begin(), row.end());
@@ -78,6 +105,53 @@ void SurfaceRecorder::frame(const Frame& frame) {
         writer_->write_surface(static_cast<std::size_t>(kept - kept_.begin()), frame.depth,
                                frame.u_z_m, slab_.x_start);
     if (tick_) tick_();
+}
+
+void SurfaceRecorder::save(StateWriter& state) {
+    if (writer_) writer_->flush();
+    state.put("recorder_ranks", team_.size());
+    const auto put_part = [&](const std::string& name, const std::vector<double>& part) {
+        state.put(name, {team_.size(), team_.rank(), 1, static_cast<std::ptrdiff_t>(part.size())},
+                  part.data());
+    };
+    for (std::size_t i = 0; i < depths_.size(); ++i)
+        put_part(fmt::format("sums_{}", i), flat(depths_[i].frames));
+    for (std::size_t i = 0; i < traces_.size(); ++i)
+        put_part(fmt::format("trace_{}", i), traces_[i].u_m);
+    state.put("instant_held", instant_held_ ? 1.0 : 0.0);
+    if (instant_held_) state.put("instant", surface_rows(), instant_rows_.data());
+}
+
+void SurfaceRecorder::restore(StateReader& state) {
+    // On as many ranks each takes its own part again, on others several parts or none.
+    const auto parts = static_cast<std::ptrdiff_t>(std::lround(state.get("recorder_ranks")));
+    const std::ptrdiff_t first = parts * team_.rank() / team_.size();
+    const std::ptrdiff_t count = parts * (team_.rank() + 1) / team_.size() - first;
+    std::vector<double> mine;
+    const auto get_parts = [&](const std::string& name, std::size_t length) {
+        const auto row_length = static_cast<std::ptrdiff_t>(length);
+        together(team_, [&] { mine.resize(static_cast<std::size_t>(count) * length); });
+        state.get(name, {parts, first, count, row_length}, mine.data());
+    };
+    for (std::size_t i = 0; i < depths_.size(); ++i) {
+        std::vector<SurfaceSums>& frames = depths_[i].frames;
+        const std::size_t length = frames.size() * all_count;
+        get_parts(fmt::format("sums_{}", i), length);
+        std::fill(frames.begin(), frames.end(), SurfaceSums{});
+        for (std::size_t at = 0; at < mine.size(); at += length)
+            add(std::span(mine).subspan(at, length), frames);
+    }
+    for (std::size_t i = 0; i < traces_.size(); ++i) {
+        std::vector<double>& u = traces_[i].u_m;
+        get_parts(fmt::format("trace_{}", i), u.size());
+        std::fill(u.begin(), u.end(), 0.0);
+        for (std::size_t at = 0; at < mine.size(); ++at)
+            u[at % u.size()] += mine[at];
+    }
+    instant_held_ = state.get("instant_held") != 0.0;
+    if (!instant_held_) return;
+    instant_rows_.resize(static_cast<std::size_t>(slab_.x_count * case_.domain.ny));
+    state.get("instant", surface_rows(), instant_rows_.data());
 }
 
 void SurfaceRecorder::add_to_traces(const Frame& frame) {

@@ -22,6 +22,10 @@ public:
 
     void begin(const Slab& slab) override;
     void frame(const Frame& frame) override;
+    /// Every rank's own part of the sums: the same ranks go on bit for bit, others share the parts
+    /// out. The frames kept so far reach the disk.
+    void save(StateWriter& state) override;
+    void restore(StateReader& state) override;
 
     /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is
     /// not finite.
@@ -36,6 +40,9 @@ public:
     static std::vector<std::ptrdiff_t> kept_frames(const Case& c);
 
 private:
+    StateRows surface_rows() const {
+        return {case_.domain.nx, slab_.x_start, slab_.x_count, case_.domain.ny};
+    }
     void add_to_traces(const Frame& frame);
     void fit_mach(const std::vector<double>& instant);
 
@@ -50,6 +57,8 @@ private:
     std::vector<DepthSeries> depths_;
     std::vector<TraceSeries> traces_;
     std::vector<double> instant_rows_;
+    bool instant_held_ =
+        false; // the frame of the instant has come; this rank may have no row of it
     std::optional<MachFit> mach_;
 };
 
