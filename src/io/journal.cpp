@@ -82,6 +82,20 @@ void Journal::started(const std::string& id, int ranks) const {
     append_line(path_, text(line));
 }
 
+void Journal::checkpointed(const std::string& id, long step) const {
+    Json line = event("checkpointed");
+    line["id"] = id;
+    line["step"] = step;
+    append_line(path_, text(line));
+}
+
+void Journal::resumed(const std::string& id, long step) const {
+    Json line = event("resumed");
+    line["id"] = id;
+    line["step"] = step;
+    append_line(path_, text(line));
+}
+
 void Journal::finished(const std::string& id, double seconds) const {
     Json line = event("finished");
     line["id"] = id;

@@ -18,6 +18,8 @@ public:
                      const std::vector<std::string>& overrides) const;
     void run_ended(const std::string& how) const;
     void started(const std::string& id, int ranks) const;
+    void checkpointed(const std::string& id, long step) const;
+    void resumed(const std::string& id, long step) const;
     void finished(const std::string& id, double seconds) const;
     void failed(const std::string& id, const std::string& reason) const;
 

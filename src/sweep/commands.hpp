@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
+#include "sweep/case_checkpoints.hpp"
 
 #include <filesystem>
 #include <string>
@@ -27,6 +28,7 @@ struct RunArguments : JobArguments {
     int ranks_per_case = 0;    // 0: chosen
     std::vector<std::string> only;
     std::string shard; // "I/N"
+    CheckpointSchedule checkpoints;
     bool retry_failed = false;
     bool fail_fast = false;
     bool quiet = false;

@@ -1,8 +1,11 @@
 #include "sweep/output_folder.hpp"
 
 #include "base/error.hpp"
+#include "io/case_file_reader.hpp"
 #include "io/files.hpp"
 #include "io/plan_file.hpp"
+#include "sweep/case_checkpoints.hpp"
+#include "sweep/provenance.hpp"
 
 #include <fmt/format.h>
 
@@ -43,9 +46,14 @@ void prepare_output(const OutputFolder& folder, const Job& job) {
     if (!fs::exists(folder.plan())) write_file(folder.plan(), text);
 }
 
-void clear_half_written(const OutputFolder& folder, const std::vector<std::string>& ids) {
+void clear_half_written(const OutputFolder& folder, const Plan& plan,
+                        const std::vector<std::string>& ids) {
     for (const std::string& id : ids)
-        std::filesystem::remove(folder.case_file(id).string() + ".part");
+        if (!has_checkpoint(folder.checkpoints(id), {id, program_git_id()}))
+            std::filesystem::remove(folder.case_file(id).string() + ".part");
+    if (!std::filesystem::exists(folder.root / "checkpoints")) return;
+    for (const PlannedCase& c : plan.cases)
+        if (is_whole(folder.case_file(c.id), c.id)) remove_checkpoints(folder.checkpoints(c.id));
 }
 
 } // namespace shearwake

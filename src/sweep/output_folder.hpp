@@ -19,14 +19,20 @@ struct OutputFolder {
     std::filesystem::path tables() const { return root / "tables"; }
     std::filesystem::path report() const { return root / "report"; }
     std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
+    /// The states of a case at work: this with .A.h5 and .B.h5.
+    std::filesystem::path checkpoints(const std::string& id) const {
+        return root / "checkpoints" / id;
+    }
 };
 
 /// Makes the folder for this job, or finds it again. Throws UsageError when it holds another plan,
 /// or cannot be written. Not collective.
 void prepare_output(const OutputFolder& folder, const Job& job);
 
-/// Removes what a killed run has left half-written of these cases; other runs may be at work on the
-/// others. Not collective.
-void clear_half_written(const OutputFolder& folder, const std::vector<std::string>& ids);
+/// Removes what a killed run has left half-written of the cases to be computed, `ids`, but not what
+/// a state of this program goes with, and the states of cases that are whole. Other runs may be at
+/// work on the other cases. Not collective.
+void clear_half_written(const OutputFolder& folder, const Plan& plan,
+                        const std::vector<std::string>& ids);
 
 } // namespace shearwake

@@ -60,6 +60,14 @@ void add_run(CLI::App& app, Action& action) {
         ->delimiter(',');
     verb->add_option("--shard", arguments->shard, "only every N-th case, from the I-th on")
         ->type_name("I/N");
+    verb->add_option("--checkpoint-interval", arguments->checkpoints.interval_s,
+                     "seconds between saves of a case at work (default 300; 0: at a stop only)")
+        ->type_name("S")
+        ->check(CLI::NonNegativeNumber);
+    verb->add_option("--checkpoint-steps", arguments->checkpoints.steps,
+                     "save every so many steps besides (0: no)")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber);
     verb->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
     verb->add_flag("--fail-fast", arguments->fail_fast, "stop at the first failed case");
     verb->add_flag("--quiet", arguments->quiet, "no progress, no warnings");

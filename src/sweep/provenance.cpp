@@ -17,9 +17,13 @@ std::string compiler() {
 
 } // namespace
 
+std::string program_git_id() {
+    return SHEARWAKE_GIT_ID;
+}
+
 std::vector<Attribute> program_attributes() {
     return {{"program", std::string("shearwake ") + SHEARWAKE_VERSION},
-            {"git_id", std::string(SHEARWAKE_GIT_ID)},
+            {"git_id", program_git_id()},
             {"compiler", compiler()},
             {"build_type", std::string(SHEARWAKE_BUILD_TYPE)},
             {"mpi_version", mpi_version()},

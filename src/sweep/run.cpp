@@ -11,6 +11,7 @@
 #include "sweep/next_command.hpp"
 #include "sweep/output_folder.hpp"
 #include "sweep/progress.hpp"
+#include "sweep/provenance.hpp"
 #include "sweep/run_case.hpp"
 #include "sweep/select_cases.hpp"
 #include "sweep/stop_signal.hpp"
@@ -25,22 +26,22 @@ namespace shearwake {
 namespace {
 
 /// Counters that all teams share.
-enum Shared { next_case, done, failed, begun, stopping, teams_ended, shared_count };
+enum Shared { next_case, done, failed, begun, stopping, signalled, teams_ended, shared_count };
 
 /// One team at work: takes cases from the shared counter until there are none or a stop is asked.
 class Worker {
 public:
     Worker(const std::vector<const PlannedCase*>& work, const JobFacts& facts,
-           const OutputFolder& folder, const Comm& world, const Comm& team, bool fail_fast,
-           Progress& progress)
+           const OutputFolder& folder, const Comm& world, const Comm& team,
+           const RunArguments& arguments, Progress& progress)
         : work_(work), facts_(facts), folder_(folder), journal_(folder.journal()), world_(world),
-          team_(team), counters_(world, shared_count), fail_fast_(fail_fast), progress_(progress) {}
+          team_(team), counters_(world, shared_count), arguments_(arguments), progress_(progress) {}
 
     void work() {
         while (true) {
             long index = -1;
             if (team_.is_root()) {
-                if (stop_requested()) counters_.fetch_add(stopping, 1);
+                if (stop_asked()) counters_.fetch_add(stopping, 1);
                 const bool go_on = counters_.read(stopping) == 0;
                 index = go_on ? counters_.fetch_add(next_case, 1) : -1;
             }
@@ -74,10 +75,16 @@ private:
         try {
             on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
             if (!engine_) engine_ = make_engine(planned.physics.solver);
-            const double seconds = run_case(planned, facts_, *engine_, team_,
-                                            folder_.case_file(planned.id), [this] { tick(); });
-            on_root(team_, [&] { journal_.finished(planned.id, seconds); });
-            if (team_.is_root()) counters_.fetch_add(done, 1);
+            CaseCheckpoints checkpoints(folder_.checkpoints(planned.id),
+                                        {planned.id, program_git_id()}, arguments_.checkpoints,
+                                        team_, journal_,
+                                        {[this] { return stop_asked(); },
+                                         [this](const auto& text) { progress_.say(text); }});
+            const auto seconds =
+                run_case(planned, facts_, *engine_, team_, folder_.case_file(planned.id),
+                         checkpoints, [this] { tick(); });
+            if (seconds) on_root(team_, [&] { journal_.finished(planned.id, *seconds); });
+            if (team_.is_root()) counters_.fetch_add(seconds ? done : begun, seconds ? 1 : -1);
         } catch (const CaseFailure& failure) {
             record(planned, failure.what());
         } catch (const UsageError& failure) { // the file system refuses: this case's trouble alone
@@ -97,7 +104,22 @@ private:
             progress_.say(fmt::format("and the journal cannot be written: {}", error.what()));
         }
         counters_.fetch_add(failed, 1);
-        if (fail_fast_) counters_.fetch_add(stopping, 1);
+        if (arguments_.fail_fast) counters_.fetch_add(stopping, 1);
+    }
+
+    /// Whether a signal has come to any team's root. Called by roots between the steps of a case,
+    /// so it asks rank 0's memory only now and then.
+    bool stop_asked() {
+        if (!signal_told_ && stop_requested()) {
+            signal_told_ = true;
+            counters_.fetch_add(signalled, 1);
+        }
+        const auto now = std::chrono::steady_clock::now();
+        if (!signal_seen_ && now - last_look_ > std::chrono::milliseconds(50)) {
+            last_look_ = now;
+            signal_seen_ = counters_.read(signalled) > 0;
+        }
+        return signal_told_ || signal_seen_;
     }
 
     void tick() {
@@ -120,9 +142,10 @@ private:
     const Comm& team_;
     SharedCounters counters_;
     std::unique_ptr<Engine> engine_;
-    bool fail_fast_;
+    const RunArguments& arguments_;
     Progress& progress_;
-    std::chrono::steady_clock::time_point last_tick_{};
+    std::chrono::steady_clock::time_point last_tick_{}, last_look_{};
+    bool signal_told_ = false, signal_seen_ = false;
 };
 
 std::vector<std::string> ids_of(const Plan& plan, const std::vector<std::size_t>& indices) {
@@ -177,7 +200,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
         lock.emplace(folder.journal(),
                      part_only ? RunLock::Sharing::with_others : RunLock::Sharing::alone);
         selection = select_cases(job.plan, folder, arguments);
-        clear_half_written(folder, ids_of(job.plan, selection.work));
+        clear_half_written(folder, job.plan, ids_of(job.plan, selection.work));
     });
     selection = share(selection, world);
     std::vector<const PlannedCase*> cases, work;
@@ -202,7 +225,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
     const Comm team = world.split(layout.team_of(world.rank()));
     const JobFacts facts{job.plan.title, job.text,
                          fmt::format("{}", fmt::join(arguments.overrides, "\n")), memory_B};
-    Worker worker(work, facts, folder, world, team, arguments.fail_fast, progress);
+    Worker worker(work, facts, folder, world, team, arguments, progress);
     worker.work();
     worker.wait_for_others(layout.teams);
     progress.finish();

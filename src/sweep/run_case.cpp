@@ -33,12 +33,34 @@ SurfaceLayout layout_of(const Case& c) {
     return layout;
 }
 
+/// Whether the case file of an earlier run is gone on with. Without it the states are worth
+/// nothing. Collective.
+Beginning beginning_of(const std::filesystem::path& path, const SurfaceLayout& layout,
+                       const Comm& team, CaseCheckpoints& checkpoints) {
+    if (!checkpoints.has_state()) {
+        checkpoints.discard(); // what is left cannot be used
+        return Beginning::anew;
+    }
+    if (layout.empty()) return Beginning::anew;
+    long usable = 0;
+    on_root(team, [&] {
+        const std::string trouble = trouble_with_part(path, layout);
+        usable = trouble.empty() ? 1 : 0;
+        if (usable == 0)
+            checkpoints.say(
+                fmt::format("{}.part {}: the case begins anew", path.string(), trouble));
+    });
+    if (team.broadcast(usable) != 0) return Beginning::go_on;
+    checkpoints.discard();
+    return Beginning::anew;
+}
+
 /// Engines and recorder throw CaseFailure on all ranks together. Anything else has struck one rank
 /// alone, whose open file the others would wait for while it unwinds: it ends here.
-void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& recorder) {
+template <class Work>
+void or_abort(const Work& work) {
     try {
-        engine.run(c, team, recorder);
-        recorder.finish();
+        work();
     } catch (const CaseFailure&) {
         throw;
     } catch (const UsageError&) {
@@ -48,10 +70,33 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
     }
 }
 
+/// Leaves early when a stop was asked for. What fails on the way (a full disk) may go on from the
+/// newest state; a field that is not finite may not.
+void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& recorder,
+             CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
+    try {
+        or_abort([&] { engine.run(c, team, recorder, &checkpoints); });
+    } catch (const Error&) {
+        if (checkpoints.has_state()) writer.leave_for_later();
+        throw;
+    }
+    if (checkpoints.stop()) {
+        writer.leave_for_later();
+        return;
+    }
+    try {
+        or_abort([&] { recorder.finish(); });
+    } catch (const Error&) {
+        checkpoints.discard();
+        throw;
+    }
+}
+
 } // namespace
 
-double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
-                const std::filesystem::path& path, const std::function<void()>& tick) {
+std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
+                               const Comm& team, const std::filesystem::path& path,
+                               CaseCheckpoints& checkpoints, const std::function<void()>& tick) {
     const auto began = std::chrono::steady_clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
@@ -62,17 +107,20 @@ double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
     refuse_too_large(c, team, job.memory_per_rank_B);
 
     const SurfaceLayout layout = layout_of(c);
-    CaseFileWriter writer(path, team, layout);
+    CaseFileWriter writer(path, team, layout, beginning_of(path, layout, team, checkpoints));
     SurfaceRecorder recorder(c, team, layout.empty() ? nullptr : &writer, tick);
-    compute(c, engine, team, recorder);
+    compute(c, engine, team, recorder, writer, checkpoints);
+    if (checkpoints.stop()) return std::nullopt;
 
     std::vector<VariableGroup> groups;
     on_root(team, [&] {
         groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach());
     });
-    facts.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    facts.wall_s = checkpoints.earlier_seconds() +
+                   std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     facts.ended = timestamp();
     writer.commit(groups, case_attributes(planned, facts));
+    checkpoints.discard();
     if (c.record.frames) on_root(team, [&] { write_xdmf(path, layout); });
     return facts.wall_s;
 }

@@ -2,9 +2,11 @@
 
 #include "engines/engine.hpp"
 #include "model/plan.hpp"
+#include "sweep/case_checkpoints.hpp"
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace shearwake {
@@ -17,9 +19,12 @@ struct JobFacts {
     double memory_per_rank_B = 0.0;
 };
 
-/// Computes one case on a team and writes its file. Returns the seconds it took. Collective over
-/// the team. Throws CaseFailure on all its ranks together; nothing half-written is left then.
-double run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine, const Comm& team,
-                const std::filesystem::path& path, const std::function<void()>& tick);
+/// Computes one case on a team, from its newest state on if it has one, and writes its file.
+/// Returns the seconds it took over all runs; nothing when it was saved to go on later. Collective
+/// over the team. Throws CaseFailure on all its ranks together; nothing half-written is left then
+/// but what a state goes with.
+std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
+                               const Comm& team, const std::filesystem::path& path,
+                               CaseCheckpoints& checkpoints, const std::function<void()>& tick);
 
 } // namespace shearwake

@@ -2,8 +2,9 @@
 
 namespace shearwake {
 
-/// From now on SIGINT, SIGTERM and SIGUSR1 ask for an orderly stop: the running cases are finished,
-/// no further ones are started. A second SIGINT or SIGTERM ends the program at once.
+/// From now on SIGINT, SIGTERM and SIGUSR1 ask for an orderly stop: the running cases are saved
+/// where they are, or finished where their engine cannot; no further ones are started. A second
+/// SIGINT or SIGTERM ends the program at once.
 void watch_for_stop_signals();
 
 /// Whether one has come to this rank.

@@ -1,0 +1,182 @@
+#include "sweep/case_checkpoints.hpp"
+
+#include "base/error.hpp"
+#include "parallel/agree.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <vector>
+
+namespace shearwake {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+std::array<fs::path, 2> paths_of(const fs::path& stem) {
+    return {stem.string() + ".A.h5", stem.string() + ".B.h5"};
+}
+
+RowRange range_of(const StateRows& rows) {
+    return {rows.total, rows.start, rows.count, rows.row_length};
+}
+
+/// An engine's words to a file; keeps the count of steps for the journal.
+class FileStateWriter : public StateWriter {
+public:
+    explicit FileStateWriter(CheckpointFileWriter& file) : file_(file) {}
+    void put(const std::string& name, const StateRows& rows, const double* values) override {
+        file_.put(name, range_of(rows), values);
+    }
+    void put(const std::string& name, double value) override {
+        file_.put(name, value);
+        if (name == "step") step_ = std::lround(value);
+    }
+    long step() const { return step_; }
+
+private:
+    CheckpointFileWriter& file_;
+    long step_ = 0;
+};
+
+class FileStateReader : public StateReader {
+public:
+    explicit FileStateReader(const CheckpointFileReader& file) : file_(file) {}
+    void get(const std::string& name, const StateRows& rows, double* values) override {
+        file_.get(name, range_of(rows), values);
+    }
+    double get(const std::string& name) override {
+        const double value = file_.get(name);
+        if (name == "step") step_ = std::lround(value);
+        return value;
+    }
+    long step() const { return step_; }
+
+private:
+    const CheckpointFileReader& file_;
+    long step_ = 0;
+};
+
+/// What is wrong with the numbers of a state whose attributes are fine. Collective.
+std::string damage_of(const fs::path& path, const Comm& team) {
+    try {
+        return CheckpointFileReader(path, team).damage();
+    } catch (const CaseFailure& failure) {
+        return fmt::format("is damaged ({})", failure.what());
+    }
+}
+
+} // namespace
+
+CaseCheckpoints::CaseCheckpoints(fs::path stem, CheckpointOwner owner, CheckpointSchedule schedule,
+                                 const Comm& team, const Journal& journal, CheckpointHooks hooks)
+    : stem_(std::move(stem)), owner_(std::move(owner)), schedule_(schedule), team_(team),
+      journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_) {
+    find_newest();
+    if (newest_) earlier_seconds_ = newest_->facts.seconds;
+}
+
+void CaseCheckpoints::find_newest() {
+    const auto paths = paths_of(stem_);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        // Rank 0 looks: 0 there is none, 1 it may be one.
+        long candidate = 0;
+        CheckpointFacts facts;
+        const auto pass_over = [&](const std::string& trouble) {
+            hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), trouble));
+        };
+        on_root(team_, [&] {
+            if (!fs::exists(paths[i])) return;
+            const std::string trouble = trouble_with_checkpoint(paths[i], owner_, facts);
+            candidate = trouble.empty() ? 1 : 0;
+            if (!trouble.empty()) pass_over(trouble);
+        });
+        if (team_.broadcast(candidate) == 0) continue;
+        facts.sequence = team_.broadcast(facts.sequence);
+        facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
+        if (newest_ && newest_->facts.sequence > facts.sequence) continue;
+        const std::string damage = damage_of(paths[i], team_);
+        if (damage.empty())
+            newest_ = {paths[i], facts};
+        else if (team_.is_root())
+            pass_over(damage);
+    }
+}
+
+CaseCheckpoints::Answer CaseCheckpoints::decide() {
+    ++steps_;
+    if (!stop_failed_ && hooks_.stop_asked()) return Answer::save_and_stop;
+    const bool enough_steps = schedule_.steps > 0 && steps_ >= schedule_.steps;
+    const bool late = schedule_.interval_s > 0.0 && seconds_since(saved_) >= schedule_.interval_s;
+    return enough_steps || late ? Answer::save : Answer::go_on;
+}
+
+bool CaseCheckpoints::due() {
+    // Clocks and signals differ from rank to rank: the root decides.
+    const auto answer = static_cast<Answer>(
+        team_.broadcast(static_cast<long>(team_.is_root() ? decide() : Answer::go_on)));
+    stopping_ = answer == Answer::save_and_stop;
+    return answer != Answer::go_on;
+}
+
+void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
+    const auto paths = paths_of(stem_);
+    const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];
+    const CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
+                                .seconds = earlier_seconds_ + seconds_since(began_)};
+    std::string trouble;
+    try {
+        CheckpointFileWriter file(path, team_);
+        FileStateWriter state(file);
+        write(state);
+        file.commit(owner_, facts);
+        newest_ = {path, facts};
+        on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
+    } catch (const CaseFailure& failure) {
+        trouble = failure.what();
+    } catch (const UsageError& failure) { // the file system refuses
+        trouble = failure.what();
+    }
+    if (!trouble.empty() && team_.is_root())
+        hooks_.say(fmt::format("case {} goes on without being saved: {}", owner_.case_id, trouble));
+    // A stop that cannot be saved waits for the end of the case.
+    if (stopping_) (trouble.empty() ? saved_for_stop_ : stop_failed_) = true;
+    steps_ = 0;
+    saved_ = Clock::now();
+}
+
+bool CaseCheckpoints::restore(const std::function<void(StateReader&)>& read) {
+    if (!newest_) return false;
+    const CheckpointFileReader file(newest_->path, team_);
+    FileStateReader state(file);
+    read(state);
+    on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
+    return true;
+}
+
+void CaseCheckpoints::discard() {
+    on_root(team_, [&] { remove_checkpoints(stem_); });
+    newest_.reset();
+    earlier_seconds_ = 0.0;
+}
+
+bool has_checkpoint(const fs::path& stem, const CheckpointOwner& owner) {
+    CheckpointFacts facts;
+    for (const fs::path& path : paths_of(stem))
+        if (fs::exists(path) && trouble_with_checkpoint(path, owner, facts).empty()) return true;
+    return false;
+}
+
+void remove_checkpoints(const fs::path& stem) {
+    for (const fs::path& path : paths_of(stem)) {
+        fs::remove(path);
+        fs::remove(path.string() + ".part");
+    }
+}
+
+} // namespace shearwake

@@ -1,0 +1,194 @@
+"""Cases that are ended in the middle, and go on from their saved states."""
+import contextlib
+import os
+import signal
+import unittest
+
+import h5py
+import numpy
+
+from program import (SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal, plan_ids,
+                     table, without_reference)
+from test_resume import alive, descendants
+
+# Two cases of 800 steps and some seconds each; frames and the instant are kept on the way.
+STEPPED = without_reference(
+    (SWEEP, '"load.modulation.am_frequency_Hz" = [500, 1000]'),
+    ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 5.0 }'),
+    ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
+SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
+
+
+class Checkpoint(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        """The undisturbed run, once for all tests."""
+        cls.undisturbed = Checkpoint("shearwake")
+        cls.undisturbed.setUp()
+        cls.addClassCleanup(cls.undisturbed.doCleanups)
+        cls.undisturbed.write_job(STEPPED)
+        cls.undisturbed.shearwake("run", "job.toml")
+        cls.undisturbed.shearwake("reduce", cls.undisturbed.out)
+
+    def setUp(self):
+        super().setUp()
+        self.write_job(STEPPED)
+
+    def events(self, name):
+        lines = journal(self.out) if (self.out / "journal.jsonl").exists() else []
+        return [line for line in lines if line["event"] == name]
+
+    def states(self):
+        return sorted((self.out / "checkpoints").glob("*"))
+
+    def kill_in_the_middle(self, ranks, saves=3):
+        """Ends everything at once after that many saves of the first case."""
+        process = self.start(*SAVING, ranks, ranks=ranks)
+        self.wait_for(lambda: len(self.events("checkpointed")) >= saves, "the saves")
+        pids = [process.pid, *descendants(process.pid)]
+        for pid in pids:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.wait()
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
+        self.assertEqual(case_files(self.out), [], "it was too fast to be killed")
+
+    def go_on(self, ranks=1):
+        said = self.shearwake(*SAVING, ranks, ranks=ranks).said
+        self.says(said, "2 computed now")
+        self.assertEqual(self.states(), [], "states of cases that are whole")
+        self.assertEqual(list(self.out.rglob("*.part")), [])
+        self.shearwake("reduce", self.out)
+        assert_same_table(self, table(self.undisturbed.out), table(self.out))
+        return said
+
+    def assert_resumed(self, from_step=20):
+        resumed = self.events("resumed")
+        self.assertEqual(len(resumed), 1)
+        self.assertGreaterEqual(resumed[0]["step"], from_step)
+        self.assertEqual(resumed[0]["step"] % 20, 0)
+
+    def largest_difference(self):
+        """Of any number in any dataset of the case files, relative to the largest there."""
+        worst = 0.0
+        for path, reference in zip(case_files(self.out), case_files(self.undisturbed.out)):
+            self.assertEqual(path.name, reference.name)
+            with h5py.File(path) as file, h5py.File(reference) as whole:
+                names = []
+                whole.visititems(lambda name, item: names.append(name)  # noqa: B023
+                                 if isinstance(item, h5py.Dataset) else None)
+                self.assertIn("surface/u_z", names)
+                for name in names:
+                    if "ipr_at" in name or "ipr_period" in name:
+                        continue  # a square of sum u, which is compared
+                    a, b = file[name][()], whole[name][()]
+                    scale = numpy.abs(whole[exact_as(name)][()]).max()
+                    numpy.testing.assert_array_equal(numpy.isnan(a), numpy.isnan(b), name)
+                    if not numpy.all(numpy.isnan(b)) and scale > 0:
+                        worst = max(worst, numpy.nanmax(numpy.abs(a - b)) / scale)
+        return worst
+
+    def test_killed_in_the_middle_of_a_case_it_goes_on_from_there(self):
+        self.kill_in_the_middle(ranks=1)
+        self.assertTrue(list(self.out.rglob("cases/*.part")))
+        self.go_on()
+        self.assert_resumed(60)
+        self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
+
+    def test_killed_on_two_ranks_it_goes_on_on_three(self):
+        self.kill_in_the_middle(ranks=2)
+        self.go_on(ranks=3)
+        self.assert_resumed(60)
+        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+
+    def test_killed_on_three_ranks_it_goes_on_on_one(self):
+        self.kill_in_the_middle(ranks=3)
+        self.go_on(ranks=1)
+        self.assert_resumed(60)
+        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+
+    def test_a_signal_saves_the_case_and_the_same_command_goes_on(self):
+        for kind in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+            saved = len(self.events("checkpointed"))
+            process = self.start("run", "job.toml", "--checkpoint-steps", 20)
+            self.wait_for(lambda: len(self.events("checkpointed")) > saved, "a save")  # noqa: B023
+            process.send_signal(kind)
+            said = process.communicate(timeout=30)[0]
+            self.assertEqual(process.returncode, 75, said)
+            self.says(said, "stopped early", "next: shearwake run job.toml")
+            self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+            self.assertEqual(journal(self.out)[-2]["event"], "checkpointed")
+        self.assertEqual(len(self.events("resumed")), 2)
+        self.shearwake("run", "job.toml")
+        self.assertEqual(self.largest_difference(), 0.0)
+        last = self.events("resumed")[-1]["step"]
+        self.assertEqual(last, self.events("checkpointed")[-1]["step"])
+
+    def test_a_damaged_state_leaves_the_one_before(self):
+        self.kill_in_the_middle(ranks=1)
+        newest = max((path for path in self.states() if path.suffix == ".h5"),
+                     key=lambda path: h5py.File(path).attrs["sequence"])
+        with h5py.File(newest) as file:
+            newest_step, place = file["scalars"].attrs["step"], file["now"].id.get_offset()
+        with open(newest, "r+b") as file:
+            file.seek(place + 1000)
+            file.write(b"damage")
+        said = self.go_on()
+        self.says(said, newest.name, "is damaged (now is not what was written)", "not used")
+        self.assert_resumed(40)
+        self.assertLess(self.events("resumed")[0]["step"], newest_step)
+        self.assertEqual(self.largest_difference(), 0.0)
+
+    def test_without_a_whole_state_the_case_begins_anew(self):
+        self.kill_in_the_middle(ranks=1)
+        first, second = (path for path in self.states() if path.suffix == ".h5")
+        os.truncate(first, first.stat().st_size // 2)
+        second.write_bytes(b"words " * 1000)
+        self.says(self.go_on(), first.name, second.name, "is damaged")
+        self.assertEqual(self.events("resumed"), [])
+        self.assertEqual(self.largest_difference(), 0.0)
+
+    def test_without_the_frames_kept_so_far_the_case_begins_anew(self):
+        for damage in ("removed", "truncated"):
+            with self.subTest(damage):
+                before = len(self.events("checkpointed"))
+                self.kill_in_the_middle(ranks=1, saves=before + 3)
+                part = next(self.out.rglob("cases/*.part"))
+                if damage == "removed":
+                    part.unlink()
+                else:
+                    os.truncate(part, 2000)
+                said = self.go_on()
+                self.says(said, part.name, "begins anew")
+                self.assertEqual(self.events("resumed"), [])
+                self.assertEqual(self.largest_difference(), 0.0)
+                for path in case_files(self.out):
+                    path.unlink()
+
+    def test_a_state_of_another_program_is_not_used(self):
+        self.kill_in_the_middle(ranks=1)
+        for path in self.states():
+            if path.suffix == ".h5":
+                with h5py.File(path, "r+") as file:
+                    file.attrs["git_id"] = numpy.bytes_("0123456789ab")
+        self.says(self.go_on(), "written by another program, 0123456789ab")
+        self.assertEqual(self.events("resumed"), [])
+
+    def test_states_of_a_case_that_is_whole_are_cleared_away(self):
+        self.kill_in_the_middle(ranks=1)
+        kept = {path.name: path.read_bytes() for path in self.states()}
+        self.go_on()
+        for name, content in kept.items():
+            (self.out / "checkpoints" / name).write_bytes(content)
+        self.says(self.shearwake("run", "job.toml").said, "2 there before")
+        self.assertEqual(self.states(), [])
+
+    def test_the_exact_engine_is_not_saved(self):
+        self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"'))
+        self.shearwake(*SAVING, 1)
+        self.assertEqual(self.events("checkpointed"), [])
+        self.assertEqual(len(plan_ids(self.out)), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
