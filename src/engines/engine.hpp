@@ -6,6 +6,7 @@
 #include "parallel/comm.hpp"
 
 #include <memory>
+#include <vector>
 
 namespace shearwake {
 
@@ -22,6 +23,15 @@ struct Frame {
     View2<const double> u_z_m; // x_count rows of ny values
 };
 
+/// One level of one component of a volume snapshot.
+struct VolumePlane {
+    std::size_t snapshot = 0;   // index into RecordOptions::volumes_s
+    std::size_t field = 0;      // index into RecordOptions::volume_fields
+    std::size_t component = 0;  // index into components_of(the field)
+    std::size_t level = 0;      // index into the levels
+    View2<const double> values; // x_count rows of ny values, in the field's SI unit
+};
+
 /// Receives the field of a case as the engine produces it. Called on every rank of the team, in
 /// the same order, also where the slab is empty; an observer must not throw on one rank only.
 class Observer {
@@ -29,6 +39,11 @@ public:
     virtual ~Observer() = default;
     virtual void begin(const Slab& slab) = 0;
     virtual void frame(const Frame& frame) = 0;
+    /// The depths of the volume's levels, where a case keeps volumes: once, after `begin` and
+    /// before `restore`. Collective.
+    virtual void volume_levels(const std::vector<double>& /*z_m*/) {}
+    /// In any order, within the snapshot's frame. Collective.
+    virtual void volume(const VolumePlane& /*plane*/) {}
     /// What the frames so far have left, for a run that goes on later with the next one; restored
     /// after `begin`. Collective; called by engines within their own save and restore.
     virtual void save(StateWriter& /*state*/) {}

@@ -3,57 +3,15 @@
 #include "base/error.hpp"
 #include "io/files.hpp"
 #include "io/h5_block.hpp"
+#include "io/variable_group.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <map>
 #include <variant>
 
 namespace shearwake {
 namespace {
-
-void put_words(hid_t object, const Variable& variable) {
-    h5::put_attribute(object, "units", variable.units);
-    h5::put_attribute(object, "long_name", variable.long_name);
-    if (!variable.note.empty()) h5::put_attribute(object, "note", variable.note);
-}
-
-/// Coordinates first, then what lies over them.
-void write_group(hid_t group, const std::vector<Variable>& variables) {
-    std::map<std::string, h5::Id> coordinates;
-    for (const Variable& v : variables) {
-        if (v.dimensions != std::vector{v.name}) continue;
-        const hsize_t extent = v.values.size();
-        h5::Id dataset = h5::create_dataset(group, v.name, std::span(&extent, 1));
-        h5::write_all(dataset, v.values);
-        put_words(dataset.raw(), v);
-        h5::make_scale(dataset, v.name);
-        coordinates.emplace(v.name, std::move(dataset));
-    }
-    for (const Variable& v : variables) {
-        if (v.dimensions == std::vector{v.name}) continue;
-        std::vector<hsize_t> shape;
-        hsize_t count = 1;
-        for (const std::string& dimension : v.dimensions) {
-            shape.push_back(h5::shape(coordinates.at(dimension)).at(0));
-            count *= shape.back();
-        }
-        if (count != v.values.size()) throw Error("variable " + v.name + " has not its shape");
-        const h5::Id dataset = h5::create_dataset(group, v.name, shape);
-        h5::write_all(dataset, v.values);
-        put_words(dataset.raw(), v);
-        for (std::size_t d = 0; d < v.dimensions.size(); ++d)
-            h5::attach_scale(dataset, coordinates.at(v.dimensions[d]), static_cast<unsigned>(d));
-    }
-}
-
-std::vector<double> coordinate(std::ptrdiff_t count, const auto& at) {
-    std::vector<double> values(static_cast<std::size_t>(count));
-    for (std::ptrdiff_t i = 0; i < count; ++i)
-        values[static_cast<std::size_t>(i)] = at(i);
-    return values;
-}
 
 std::vector<hsize_t> shape_of(const SurfaceLayout& layout) {
     return {layout.times_s.size(), layout.depths_m.size(), static_cast<hsize_t>(layout.domain.nx),
@@ -71,15 +29,8 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
                                SurfaceLayout surface, Beginning beginning)
     : path_(path), part_(path.string() + ".part"), team_(team), surface_(std::move(surface)) {
     on_root(team_, [&] {
-        if (beginning == Beginning::go_on && !surface_.empty()) return;
-        // Asked before it is used: an MPI write that finds the disk full may end the whole program.
-        const double needed = surface_.bytes() + 1e6;
-        const double free = free_bytes(path_.parent_path());
-        if (free < needed)
-            throw CaseFailure(
-                fmt::format("cannot write {}: it needs {:.1f} MB and the disk has {:.1f} MB "
-                            "left",
-                            path_.string(), needed / 1e6, free / 1e6));
+        if (beginning == Beginning::go_on) return;
+        refuse_if_full(surface_.bytes());
         try {
             create_surface();
         } catch (...) {
@@ -88,9 +39,33 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
             throw;
         }
     });
-    if (surface_.empty()) return;
+    if (!surface_.empty()) open_shared();
+}
+
+void CaseFileWriter::open_shared() {
     shared_file_ = h5::open_shared(part_, team_);
-    shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z");
+    is_shared_ = true;
+    if (!surface_.empty()) shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z");
+}
+
+void CaseFileWriter::close_shared() {
+    if (!is_shared_) return;
+    is_shared_ = false;
+    for (h5::Id& field : shared_volumes_)
+        field.close_shared("close a volume field", team_);
+    shared_volumes_.clear();
+    if (!surface_.empty()) shared_field_.close_shared("close a surface field", team_);
+    shared_file_.close_shared("close " + part_.string(), team_);
+}
+
+void CaseFileWriter::refuse_if_full(double needed_B) const {
+    // Asked before it is used: an MPI write that finds the disk full may end the whole program.
+    const double needed = needed_B + 1e6;
+    const double free = free_bytes(path_.parent_path());
+    if (free < needed)
+        throw CaseFailure(fmt::format("cannot write {}: it needs {:.1f} MB and the disk has {:.1f} "
+                                      "MB left",
+                                      path_.string(), needed / 1e6, free / 1e6));
 }
 
 CaseFileWriter::~CaseFileWriter() {
@@ -120,12 +95,12 @@ void CaseFileWriter::create_surface() const {
              "position along y",
              ""}};
         write_group(group.raw(), axes);
-        const h5::Id field = h5::create_dataset(group.raw(), "u_z", shape_of(surface_));
-        put_words(field.raw(), {.name = "u_z",
-                                .units = "m",
-                                .long_name = "normal displacement, positive into the tissue"});
-        for (unsigned i = 0; i < axes.size(); ++i)
-            h5::attach_scale(field, h5::open_dataset(group.raw(), axes[i].name), i);
+        create_field(group.raw(),
+                     {.name = "u_z",
+                      .dimensions = {"time", "depth", "x", "y"},
+                      .units = "m",
+                      .long_name = "normal displacement, positive into the tissue"},
+                     shape_of(surface_));
     }
     file.close("close " + part_.string());
 }
@@ -139,23 +114,58 @@ void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<co
                     team_);
 }
 
+void CaseFileWriter::begin_volume(VolumeLayout volume, std::ptrdiff_t x_count) {
+    volume_ = std::move(volume);
+    together(team_,
+             [&] { turned_.reserve(static_cast<std::size_t>(x_count * volume_.domain.ny)); });
+    close_shared(); // rank 0 alone changes the file's structure
+    on_root(team_, [&] {
+        h5::Id file = h5::open_file(part_, h5::Access::read_write);
+        if (!has_volume_group(file.raw(), volume_)) {
+            refuse_if_full(volume_.bytes());
+            create_volume_group(file.raw(), volume_);
+        }
+        file.close("close " + part_.string());
+    });
+    open_shared();
+    for (const Variable& variable : volume_.variables())
+        shared_volumes_.push_back(h5::open_dataset(shared_file_.raw(), "volume/" + variable.name));
+}
+
+void CaseFileWriter::write_volume(std::size_t variable, std::size_t time, std::size_t level,
+                                  View2<const double> values, std::ptrdiff_t x_start) {
+    const std::ptrdiff_t rows = values.rows(), ny = volume_.domain.ny;
+    turned_.resize(static_cast<std::size_t>(rows * ny)); // within the capacity that was reserved
+    for (std::ptrdiff_t j = 0; j < ny; ++j)
+        for (std::ptrdiff_t i = 0; i < rows; ++i)
+            turned_[static_cast<std::size_t>(j * rows + i)] = values(i, j);
+    const h5::Block block{{time, level, 0, static_cast<hsize_t>(x_start)},
+                          {1, 1, static_cast<hsize_t>(ny), static_cast<hsize_t>(rows)}};
+    h5::write_block(shared_volumes_.at(variable), block,
+                    View2<const double>(turned_.data(), ny, rows),
+                    "write a volume field to " + part_.string(), team_);
+}
+
 void CaseFileWriter::flush() {
-    if (surface_.empty()) return;
+    if (!is_shared_) return;
     const herr_t status = H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL);
     if (team_.max(status < 0 ? 1 : 0) != 0)
         throw CaseFailure(fmt::format("cannot flush {} {}", part_.string(), h5::last_error()));
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 
-std::string trouble_with_part(const std::filesystem::path& path, const SurfaceLayout& surface) {
+std::string trouble_with_part(const std::filesystem::path& path, const SurfaceLayout& surface,
+                              KeepsVolume volume) {
     const std::filesystem::path part = path.string() + ".part";
     if (!std::filesystem::exists(part)) return "is missing";
     try {
         const h5::Id file = h5::open_file(part, h5::Access::read);
-        const h5::Id field = h5::open_dataset(file.raw(), "surface/u_z");
         H5G_info_t root{};
         h5::check(H5Gget_info(file.raw(), &root), "look at the root group");
-        if (root.nlinks != 1) return "was ended while it was being completed";
+        const hsize_t groups = (surface.empty() ? 0 : 1) + (volume == KeepsVolume::yes ? 1 : 0);
+        if (root.nlinks != groups) return "was ended while it was being made or completed";
+        if (surface.empty()) return "";
+        const h5::Id field = h5::open_dataset(file.raw(), "surface/u_z");
         if (h5::shape(field) != shape_of(surface)) return "holds other surface fields";
         if (H5Dget_offset(field.raw()) == HADDR_UNDEF) return "has no room for its surface fields";
         return "";
@@ -166,10 +176,7 @@ std::string trouble_with_part(const std::filesystem::path& path, const SurfaceLa
 
 void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,
                             const std::vector<Attribute>& attributes) {
-    if (!surface_.empty()) {
-        shared_field_.close_shared("close a surface field", team_);
-        shared_file_.close_shared("close " + part_.string(), team_);
-    }
+    close_shared();
     on_root(team_, [&] {
         h5::Id file = h5::open_file(part_, h5::Access::read_write);
         for (const VariableGroup& group : groups) {

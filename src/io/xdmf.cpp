@@ -40,4 +40,39 @@ void write_xdmf(const std::filesystem::path& case_file, const SurfaceLayout& lay
     write_file(path.replace_extension(".xdmf"), text);
 }
 
+void write_volume_xdmf(const std::filesystem::path& case_file, const VolumeLayout& layout) {
+    const std::string file = case_file.filename().string();
+    const std::size_t times = layout.times_s.size(), nz = layout.z_m.size();
+    const std::string shape = fmt::format("{} {} {}", nz, layout.domain.ny, layout.domain.nx);
+    const auto axis = [&](const char* name, auto extent) {
+        return fmt::format("     <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" "
+                           "Format=\"HDF\">{}:/volume/{}</DataItem>\n",
+                           extent, file, name);
+    };
+    std::string text = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n <Domain>\n"
+                       "  <Grid Name=\"volume\" GridType=\"Collection\" "
+                       "CollectionType=\"Temporal\">\n";
+    for (std::size_t t = 0; t < times; ++t) {
+        text += fmt::format("   <Grid Name=\"volume\">\n    <Time Value=\"{}\"/>\n"
+                            "    <Topology TopologyType=\"3DRectMesh\" Dimensions=\"{}\"/>\n"
+                            "    <Geometry GeometryType=\"VXVYVZ\">\n{}{}{}    </Geometry>\n",
+                            layout.times_s[t], shape, axis("x", layout.domain.nx),
+                            axis("y", layout.domain.ny), axis("z", nz));
+        for (const Variable& variable : layout.variables())
+            text += fmt::format(
+                "    <Attribute Name=\"{}\" Center=\"Node\">\n"
+                "     <DataItem ItemType=\"HyperSlab\" Dimensions=\"{}\">\n"
+                "      <DataItem Dimensions=\"3 4\" Format=\"XML\">{} 0 0 0 1 1 1 1 1 {}"
+                "</DataItem>\n"
+                "      <DataItem Dimensions=\"{} {}\" NumberType=\"Float\" Precision=\"8\" "
+                "Format=\"HDF\">{}:/volume/{}</DataItem>\n"
+                "     </DataItem>\n    </Attribute>\n",
+                variable.name, shape, t, shape, times, shape, file, variable.name);
+        text += "   </Grid>\n";
+    }
+    text += "  </Grid>\n </Domain>\n</Xdmf>\n";
+    std::filesystem::path path = case_file;
+    write_file(path.replace_extension(".volume.xdmf"), text);
+}
+
 } // namespace shearwake

@@ -10,4 +10,8 @@ namespace shearwake {
 /// Not collective.
 void write_xdmf(const std::filesystem::path& case_file, const SurfaceLayout& layout);
 
+/// `<case>.volume.xdmf` beside a case file that keeps volumes: ParaView opens each component over
+/// (x, y, z) and time with it. Not collective.
+void write_volume_xdmf(const std::filesystem::path& case_file, const VolumeLayout& layout);
+
 } // namespace shearwake

@@ -33,6 +33,12 @@ public:
             text_ += (i ? ", " : "") + number(values[i]);
         text_ += "]\n";
     }
+    void put(std::string_view key, const std::vector<std::string>& words) {
+        text_ += fmt::format("{} = [", key);
+        for (std::size_t i = 0; i < words.size(); ++i)
+            text_ += fmt::format("{}\"{}\"", i ? ", " : "", escaped(words[i]));
+        text_ += "]\n";
+    }
     void put(std::string_view key, Vec2 v) { put(key, std::vector<double>{v.x, v.y}); }
     void put(std::string_view key, Vec3 v) { put(key, std::vector<double>{v.x, v.y, v.z}); }
     void put(std::string_view key, const std::optional<double>& value) {
@@ -211,6 +217,12 @@ void put_record(TomlText& t, const RecordOptions& record) {
     t.put("traces_y_m", ys);
     t.put("snapshots_s", record.snapshots_s);
     t.put_flag("frames", record.frames);
+    if (record.volumes_s.empty()) return; // as before there were volumes: ids stay
+    std::vector<std::string> fields;
+    for (const VolumeField field : record.volume_fields)
+        fields.push_back(name_of(field));
+    t.put("volumes_s", record.volumes_s);
+    t.put("volume_fields", fields);
 }
 
 void put_solver(TomlText& t, const SolverOptions& solver) {

@@ -2,6 +2,7 @@
 
 #include "model/load.hpp"
 #include "model/medium.hpp"
+#include "model/volume.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -49,6 +50,8 @@ struct RecordOptions {
     std::vector<Vec2> traces_m;
     std::vector<double> snapshots_s;
     bool frames = false;
+    std::vector<double> volumes_s;          // ascending, each a frame's time
+    std::vector<VolumeField> volume_fields; // each once; empty without volumes
     bool operator==(const RecordOptions&) const = default;
 };
 

@@ -75,7 +75,8 @@ double memory_needed_B(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
     // The surface at the instant in slabs, and all of it on rank 0.
-    const double recorder = plane / ranks + plane;
+    double recorder = plane / ranks + plane;
+    if (!c.record.volumes_s.empty()) recorder += plane / ranks; // turned for the file
     return make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder;
 }
 

@@ -35,16 +35,19 @@ SurfaceLayout layout_of(const Case& c) {
 
 /// Whether the case file of an earlier run is gone on with. Without it the states are worth
 /// nothing. Collective.
-Beginning beginning_of(const std::filesystem::path& path, const SurfaceLayout& layout,
-                       const Comm& team, CaseCheckpoints& checkpoints) {
+Beginning beginning_of(const std::filesystem::path& path, const Case& c,
+                       const SurfaceLayout& layout, const Comm& team,
+                       CaseCheckpoints& checkpoints) {
     if (!checkpoints.has_state()) {
         checkpoints.discard(); // what is left cannot be used
         return Beginning::anew;
     }
-    if (layout.empty()) return Beginning::anew;
+    const bool volumes = !c.record.volumes_s.empty();
+    if (layout.empty() && !volumes) return Beginning::anew;
     long usable = 0;
     on_root(team, [&] {
-        const std::string trouble = trouble_with_part(path, layout);
+        const std::string trouble =
+            trouble_with_part(path, layout, volumes ? KeepsVolume::yes : KeepsVolume::no);
         usable = trouble.empty() ? 1 : 0;
         if (usable == 0)
             checkpoints.say(
@@ -107,8 +110,9 @@ std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, 
     refuse_too_large(c, team, job.memory_per_rank_B);
 
     const SurfaceLayout layout = layout_of(c);
-    CaseFileWriter writer(path, team, layout, beginning_of(path, layout, team, checkpoints));
-    SurfaceRecorder recorder(c, team, layout.empty() ? nullptr : &writer, tick);
+    CaseFileWriter writer(path, team, layout, beginning_of(path, c, layout, team, checkpoints));
+    const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
+    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
 
@@ -121,7 +125,10 @@ std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, 
     facts.ended = timestamp();
     writer.commit(groups, case_attributes(planned, facts));
     checkpoints.discard();
-    if (c.record.frames) on_root(team, [&] { write_xdmf(path, layout); });
+    on_root(team, [&] {
+        if (c.record.frames) write_xdmf(path, layout);
+        if (!c.record.volumes_s.empty()) write_volume_xdmf(path, writer.volume());
+    });
     return facts.wall_s;
 }
 

@@ -107,9 +107,36 @@ void SurfaceRecorder::frame(const Frame& frame) {
     if (tick_) tick_();
 }
 
+void SurfaceRecorder::volume_levels(const std::vector<double>& z_m) {
+    if (writer_ && !case_.record.volumes_s.empty())
+        writer_->begin_volume({.domain = case_.domain,
+                               .times_s = case_.record.volumes_s,
+                               .fields = case_.record.volume_fields,
+                               .z_m = z_m},
+                              slab_.x_count);
+}
+
+void SurfaceRecorder::volume(const VolumePlane& plane) {
+    if (!writer_) return;
+    writer_->write_volume(writer_->volume().variable(plane.field, plane.component), plane.snapshot,
+                          plane.level, plane.values, slab_.x_start);
+    volume_planes_ += 1.0;
+}
+
+void SurfaceRecorder::check_volumes() const {
+    if (!writer_ || case_.record.volumes_s.empty()) return;
+    const VolumeLayout& layout = writer_->volume();
+    const auto wanted =
+        static_cast<double>(layout.times_s.size() * layout.variables().size() * layout.z_m.size());
+    if (wanted == 0.0 || volume_planes_ != wanted)
+        throw CaseFailure(fmt::format("the engine gave {:.0f} of {:.0f} planes of the volumes",
+                                      volume_planes_, wanted));
+}
+
 void SurfaceRecorder::save(StateWriter& state) {
     if (writer_) writer_->flush();
     state.put("recorder_ranks", team_.size());
+    state.put("volume_planes", volume_planes_);
     const auto put_part = [&](const std::string& name, const std::vector<double>& part) {
         state.put(name, {team_.size(), team_.rank(), 1, static_cast<std::ptrdiff_t>(part.size())},
                   part.data());
@@ -123,6 +150,7 @@ void SurfaceRecorder::save(StateWriter& state) {
 }
 
 void SurfaceRecorder::restore(StateReader& state) {
+    volume_planes_ = state.get("volume_planes");
     // On as many ranks each takes its own part again, on others several parts or none.
     const auto parts = static_cast<std::ptrdiff_t>(std::lround(state.get("recorder_ranks")));
     const std::ptrdiff_t first = parts * team_.rank() / team_.size();
@@ -179,6 +207,7 @@ void SurfaceRecorder::add_to_traces(const Frame& frame) {
 }
 
 void SurfaceRecorder::finish() {
+    check_volumes();
     for (DepthSeries& depth : depths_) {
         std::vector<double> sums, peaks;
         for (const SurfaceSums& s : depth.frames) {

@@ -12,7 +12,8 @@
 namespace shearwake {
 
 /// The observer of every case: measures each frame on this rank's slab, keeps traces, passes on the
-/// frames to be kept, and holds the surface at the instant `measure.at` for the wake's angle.
+/// frames and volumes to be kept, and holds the surface at the instant `measure.at` for the wake's
+/// angle.
 class SurfaceRecorder : public Observer {
 public:
     /// `writer` may be null (nothing is kept). `tick` is called once a frame, for the progress
@@ -22,13 +23,15 @@ public:
 
     void begin(const Slab& slab) override;
     void frame(const Frame& frame) override;
+    void volume_levels(const std::vector<double>& z_m) override;
+    void volume(const VolumePlane& plane) override;
     /// Every rank's own part of the sums: the same ranks go on bit for bit, others share the parts
     /// out. The frames kept so far reach the disk.
     void save(StateWriter& state) override;
     void restore(StateReader& state) override;
 
     /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is
-    /// not finite.
+    /// not finite or a volume is not whole.
     void finish();
 
     const std::vector<DepthSeries>& depths() const { return depths_; }
@@ -44,6 +47,7 @@ private:
         return {case_.domain.nx, slab_.x_start, slab_.x_count, case_.domain.ny};
     }
     void add_to_traces(const Frame& frame);
+    void check_volumes() const;
     void fit_mach(const std::vector<double>& instant);
 
     const Case& case_;
@@ -59,6 +63,7 @@ private:
     std::vector<double> instant_rows_;
     bool instant_held_ =
         false; // the frame of the instant has come; this rank may have no row of it
+    double volume_planes_ = 0.0; // so far
     std::optional<MachFit> mach_;
 };
 

@@ -95,6 +95,10 @@ TEST_CASE("whatever changes in a case changes its text", "[case]") {
     SECTION("depths") {
         c.measure.depths_m = {0.0, 0.001};
     }
+    SECTION("volumes") {
+        c.record.volumes_s = {0.007};
+        c.record.volume_fields = {VolumeField::u};
+    }
     SECTION("snapshots") {
         c.record.snapshots_s = {0.007};
     }
