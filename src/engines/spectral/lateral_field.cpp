@@ -64,6 +64,37 @@ double LateralField::inner(const Values& a, const Values& b) {
     return sum;
 }
 
+StateRows LateralField::rows(std::ptrdiff_t nx) const {
+    return {.total = nx,
+            .start = share_.x_start,
+            .count = share_.x_count,
+            .row_length = static_cast<std::ptrdiff_t>(variation_.points.size() * components_) * ny_};
+}
+
+std::vector<double> LateralField::to_rows(const Values& values) const {
+    const StateRows all = rows(0);
+    std::vector<double> out(static_cast<std::size_t>(all.count * all.row_length), 0.0);
+    double* plane = out.data();
+    for (const LateralVariation::Point& point : variation_.points)
+        for (std::size_t c = 0; c < components_; ++c, plane += ny_)
+            for (const CellRun& run : point.runs)
+                std::copy_n(values.data() + point.first * components_ + c * point.cells +
+                                run.offset,
+                            run.end - run.begin, plane + run.row * all.row_length + run.begin);
+    return out;
+}
+
+void LateralField::from_rows(const std::vector<double>& in, Values& values) const {
+    const StateRows all = rows(0);
+    const double* plane = in.data();
+    for (const LateralVariation::Point& point : variation_.points)
+        for (std::size_t c = 0; c < components_; ++c, plane += ny_)
+            for (const CellRun& run : point.runs)
+                std::copy_n(plane + run.row * all.row_length + run.begin, run.end - run.begin,
+                            values.data() + point.first * components_ + c * point.cells +
+                                run.offset);
+}
+
 void LateralField::to_planes(const Values& values, double* planes) const {
     const std::ptrdiff_t used = share_.x_count * share_.padded_ny;
     for (const LateralVariation::Point& point : variation_.points) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engines/checkpoint.hpp"
 #include "engines/spectral/lateral_variation.hpp"
 
 #include <vector>
@@ -25,6 +26,11 @@ public:
     /// Physical planes [point][component]: zero but for the cells.
     void to_planes(const Values& values, double* planes) const;
     void from_planes(const double* planes, Values& values) const;
+
+    /// Values as rows of whole planes, zero but for the cells, for a file: any number of ranks.
+    StateRows rows(std::ptrdiff_t nx) const;
+    std::vector<double> to_rows(const Values& values) const;
+    void from_rows(const std::vector<double>& rows, Values& values) const;
 
 private:
     template <class F>

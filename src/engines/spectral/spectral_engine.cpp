@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <vector>
 
 namespace shearwake {
 namespace {
@@ -15,6 +15,13 @@ namespace {
 std::ptrdiff_t steps_per_frame(const Case& c, const SpectralOptions& options) {
     const double ratio = c.time.interval_s / options.time_step_s;
     return std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
+}
+
+std::vector<double> levels_of(const DepthMesh& mesh) {
+    std::vector<double> z_m;
+    for (std::size_t level = 0; level < mesh.levels(); ++level)
+        z_m.push_back(mesh.z_m(level));
+    return z_m;
 }
 
 } // namespace
@@ -41,7 +48,7 @@ Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
 }
 
 void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
-                         Checkpoints* /*checkpoints*/) {
+                         Checkpoints* checkpoints) {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const std::ptrdiff_t per_frame = steps_per_frame(c, options);
     const double step_s = c.time.interval_s / static_cast<double>(per_frame);
@@ -53,17 +60,53 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
         plane.resize(static_cast<std::size_t>(share.reals));
     });
     observer.begin({share.x_start, share.x_count});
-    for (std::ptrdiff_t frame = 0; frame < c.time.frames; ++frame) {
-        for (std::ptrdiff_t i = 0; i < per_frame; ++i)
-            stepper.advance();
+    const std::vector<double> levels_m = levels_of(choose_mesh(c, options));
+    if (!c.record.volumes_s.empty()) observer.volume_levels(levels_m);
+    if (checkpoints)
+        checkpoints->restore([&](StateReader& state) {
+            stepper.restore(state);
+            observer.restore(state);
+        });
+    const auto give_frame = [&](std::ptrdiff_t number) {
         for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
             stepper.plane_of_w(c.measure.depths_m[depth], plane.data());
             slabs.to_physical(plane.data());
-            observer.frame({.number = frame,
+            observer.frame({.number = number,
                             .depth = depth,
                             .u_z_m = View2<const double>(plane.data(), share.x_count, c.domain.ny,
                                                          share.padded_ny)});
         }
+    };
+    const auto give_volumes = [&](std::ptrdiff_t number) {
+        for (std::size_t i = 0; i < c.record.volumes_s.size(); ++i) {
+            if (std::llround(c.record.volumes_s[i] / c.time.interval_s) - 1 != number) continue;
+            for (std::size_t component = 0; component < 3; ++component) {
+                for (std::size_t level = 0; level < levels_m.size(); ++level) {
+                    stepper.plane_of_u(component, level, plane.data());
+                    slabs.to_physical(plane.data());
+                    observer.volume({.snapshot = i,
+                                     .field = 0, // "u", the only one so far
+                                     .component = component,
+                                     .level = level,
+                                     .values = View2<const double>(plane.data(), share.x_count,
+                                                                   c.domain.ny, share.padded_ny)});
+                }
+            }
+        }
+    };
+    const std::ptrdiff_t steps = c.time.frames * per_frame;
+    while (stepper.step() < steps) {
+        stepper.advance();
+        if (stepper.step() % per_frame == 0) {
+            give_frame(stepper.step() / per_frame - 1);
+            give_volumes(stepper.step() / per_frame - 1);
+        }
+        if (!checkpoints || stepper.step() == steps || !checkpoints->due()) continue;
+        checkpoints->save([&](StateWriter& state) {
+            stepper.save(state);
+            observer.save(state);
+        });
+        if (checkpoints->stop()) return;
     }
 }
 

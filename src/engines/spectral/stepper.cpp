@@ -219,6 +219,89 @@ void Stepper::advance_strains(const LateralField::Values& change) {
     std::swap(strain_, strain_before_);
 }
 
+StateRows Stepper::state_rows() const {
+    const SlabShare& share = slabs_.share();
+    return {.total = case_.domain.ny / 2 + 1,
+            .start = share.ky_start,
+            .count = share.ky_count,
+            .row_length = vectors_.blocks() * operator_.unknowns() * parts * lane_count};
+}
+
+std::vector<std::pair<std::string, const LateralField::Values*>> Stepper::cell_states() const {
+    if (field_.variation().empty()) return {};
+    if (!field_.variation().iterates)
+        return {{"strain", &strain_}, {"strain_before", &strain_before_}};
+    return {{"strain", &strain_},
+            {"strain_before", &strain_before_},
+            {"change_1", &changes_[0]},
+            {"change_2", &changes_[1]},
+            {"change_3", &changes_[2]}};
+}
+
+void Stepper::save(StateWriter& state) const {
+    state.put("step", static_cast<double>(step_));
+    state.put("iterations", static_cast<double>(statistics_.iterations));
+    state.put("most_iterations", statistics_.most_iterations);
+    state.put("now", state_rows(), now_.data());
+    state.put("before", state_rows(), before_.data());
+    for (const auto& [name, values] : cell_states()) {
+        const std::vector<double> rows = field_.to_rows(*values);
+        state.put(name, field_.rows(case_.domain.nx), rows.data());
+    }
+}
+
+void Stepper::restore(StateReader& state) {
+    step_ = std::lround(state.get("step"));
+    statistics_.steps = step_;
+    statistics_.iterations = std::lround(state.get("iterations"));
+    statistics_.most_iterations = static_cast<int>(std::lround(state.get("most_iterations")));
+    state.get("now", state_rows(), now_.data());
+    state.get("before", state_rows(), before_.data());
+    for (const auto& [name, values] : cell_states()) {
+        const StateRows rows = field_.rows(case_.domain.nx);
+        std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));
+        state.get(name, rows, buffer.data());
+        field_.from_rows(buffer, const_cast<LateralField::Values&>(*values));
+    }
+}
+
+void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane) const {
+    const auto at_level = static_cast<std::ptrdiff_t>(level);
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        const double ky = vectors_.ky_rad_m(row);
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const Lanes* u = lanes(now_.data()) +
+                             (row * vectors_.blocks() + block) * operator_.unknowns() * parts;
+            const Lanes kx = vectors_.kx(block), k = vectors_.k(row, block);
+            Lanes value[parts] = {};
+            if (at_level < operator_.levels()) {
+                const Lanes* uw = u + 2 * at_level * parts;
+                const Lanes* v = u + (operator_.psv() + at_level) * parts;
+                for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                    // u_x = i (c U - s V), u_y = i (s U + c V)
+                    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
+                        const double sign = p < minus_re ? 1.0 : -1.0;
+                        const double c = k[lane] > 0.0 ? sign * kx[lane] / k[lane] : 1.0;
+                        const double s = k[lane] > 0.0 ? ky / k[lane] : 0.0;
+                        value[p][lane] = component == 0   ? c * uw[p][lane] - s * v[p][lane]
+                                         : component == 1 ? s * uw[p][lane] + c * v[p][lane]
+                                                          : uw[parts + p][lane];
+                    }
+                }
+            }
+            if (component < 2) {
+                const Lanes plus = value[plus_re], minus = value[minus_re];
+                value[plus_re] = -value[plus_im];
+                value[plus_im] = plus;
+                value[minus_re] = -value[minus_im];
+                value[minus_im] = minus;
+            }
+            StrainTransfer::put(vectors_, row, block, plane, value);
+        }
+    }
+    StrainTransfer::clear_nyquist(vectors_, plane);
+}
+
 void Stepper::plane_of_w(double depth_m, double* plane) const {
     const auto above = std::upper_bound(mesh_.ends_m.begin(), mesh_.ends_m.end() - 1, depth_m);
     const auto element = static_cast<std::size_t>(above - mesh_.ends_m.begin()) - 1;

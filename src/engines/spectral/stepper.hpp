@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engines/checkpoint.hpp"
 #include "engines/spectral/lateral_field.hpp"
 #include "engines/spectral/moving_load.hpp"
 #include "engines/spectral/strain_transfer.hpp"
@@ -7,6 +8,8 @@
 #include "fft/slab_transform.hpp"
 
 #include <array>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace shearwake {
@@ -35,15 +38,28 @@ public:
 
     /// From t = n dt to (n + 1) dt. Collective.
     void advance();
+    /// Steps so far.
+    std::ptrdiff_t step() const { return step_; }
+
+    /// All that changes from step to step; restored into a stepper of the same case. Collective.
+    void save(StateWriter& state) const;
+    void restore(StateReader& state);
 
     /// u_z at a depth as rows of the transposed spectrum, ready for SlabTransform. Not collective.
     void plane_of_w(double depth_m, double* plane) const;
+
+    /// A component of u (0 x, 1 y, 2 z) at a level, likewise.
+    void plane_of_u(std::size_t component, std::size_t level, double* plane) const;
 
     const std::vector<std::string>& notes() const { return field_.variation().notes; }
     const StepStatistics& statistics() const { return statistics_; }
 
 private:
     void assemble();
+    /// now_ and before_ as rows of ky, which any number of ranks shares out as it likes.
+    StateRows state_rows() const;
+    /// Names and values of what is kept at the cells where the medium varies.
+    std::vector<std::pair<std::string, const LateralField::Values*>> cell_states() const;
     /// One pass over the pencils: forces, solve, and what comes of it.
     void first_pass();
     void strain_of_response(double scale);
