@@ -1,7 +1,9 @@
 #include "config/read_case.hpp"
 
+#include "base/text.hpp"
 #include "config/presets.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -204,12 +206,54 @@ MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& lo
     return measure;
 }
 
+/// In a fixed order, each once: the same fields are the same case.
+std::vector<VolumeField> read_volume_fields(Reader& reader) {
+    const auto names = reader.find_words("volume_fields");
+    if (!names) return {VolumeField::u};
+    const std::array all = {VolumeField::u, VolumeField::strain, VolumeField::stress};
+    std::vector<std::string> known;
+    std::vector<VolumeField> fields;
+    for (const VolumeField field : all) {
+        known.push_back(name_of(field));
+        if (std::find(names->begin(), names->end(), known.back()) != names->end())
+            fields.push_back(field);
+    }
+    for (const std::string& name : *names)
+        if (std::find(known.begin(), known.end(), name) == known.end())
+            reader.error("volume_fields", fmt::format("must hold some of {}, and holds \"{}\"",
+                                                      quoted_list(known), excerpt(name)));
+    if (names->empty())
+        reader.error("volume_fields", fmt::format("must hold some of {}", quoted_list(known)));
+    return fields;
+}
+
+void read_volumes(Reader& reader, const TimeAxis& time, RecordOptions& record) {
+    const auto volumes_s = reader.find_numbers("volumes_ms", Range::above(0.0));
+    const std::vector<VolumeField> fields = read_volume_fields(reader);
+    if (reader.has("volume_fields") && !reader.has("volumes_ms"))
+        reader.error("volume_fields",
+                     "says what is kept at record.volumes_ms, which is not given: give the times, "
+                     "or leave it out");
+    if (!volumes_s || volumes_s->empty()) return;
+    record.volume_fields = fields;
+    if (time.frames == 0) return; // a mistake in [time], already told
+    for (const double t_s : *volumes_s) {
+        const auto frame_s = frame_time_s(time, t_s);
+        if (!frame_s) reader.error("volumes_ms", off_frame_message(time, t_s));
+        record.volumes_s.push_back(frame_s.value_or(t_s));
+    }
+    std::sort(record.volumes_s.begin(), record.volumes_s.end());
+    record.volumes_s.erase(std::unique(record.volumes_s.begin(), record.volumes_s.end()),
+                           record.volumes_s.end());
+}
+
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
                           const MeasureOptions& measure) {
     RecordOptions record;
     record.traces_m = reader.find_points("traces_mm").value_or(std::vector{Vec2{}});
     const auto snapshots_s = reader.find_numbers("snapshots_ms", Range::above(0.0));
     record.frames = reader.flag_or("frames", false);
+    read_volumes(reader, time, record);
     reader.finish();
     for (const Vec2& point : record.traces_m)
         if (domain.nx > 0 && (std::abs(point.x) > 0.5 * domain.extent_x_m() ||

@@ -165,9 +165,21 @@ void check_sponge(const Case& c, Notes& notes) {
                   engine_name(c.solver), milli(c.domain.sponge_m));
 }
 
-/// What the engine `spectral` does not compute.
+/// What the engines do not compute.
 void check_engine(const Case& c, Notes& notes) {
-    if (!std::holds_alternative<SpectralOptions>(c.solver)) return;
+    if (!std::holds_alternative<SpectralOptions>(c.solver)) {
+        if (!c.record.volumes_s.empty())
+            notes.add(Severity::error, "record.volumes_ms",
+                      "asks for the field below the surface, which the engine \"{}\" does not "
+                      "keep; solver.engine = \"spectral\" does",
+                      engine_name(c.solver));
+        return;
+    }
+    for (const VolumeField field : c.record.volume_fields)
+        if (field != VolumeField::u)
+            notes.add(Severity::error, "record.volume_fields",
+                      "holds \"{}\", and the engine \"spectral\" keeps \"u\" only so far",
+                      name_of(field));
     if (c.medium.base != Base::rigid)
         notes.add(
             Severity::error, "medium.base",

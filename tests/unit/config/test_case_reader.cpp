@@ -131,6 +131,18 @@ TEST_CASE("a mistake in solver, measure or record stands in its place", "[config
         {"[record]\nsnapshots_ms = [2.01]",
          "job.toml:28:16: error: record.snapshots_ms must be a frame of the run: a multiple of "
          "time.output_interval_us = 50 from one up to time.duration_ms = 4; 2.01 is none"},
+        {"[record]\nvolumes_ms = [2.01]",
+         "job.toml:28:14: error: record.volumes_ms must be a frame of the run: a multiple of "
+         "time.output_interval_us = 50 from one up to time.duration_ms = 4; 2.01 is none"},
+        {"[record]\nvolumes_ms = [2]\nvolume_fields = [\"v\"]",
+         "job.toml:29:17: error: record.volume_fields must hold some of \"u\", \"strain\" or "
+         "\"stress\", and holds \"v\""},
+        {"[record]\nvolumes_ms = [2]\nvolume_fields = []",
+         "job.toml:29:17: error: record.volume_fields must hold some of \"u\", \"strain\" or "
+         "\"stress\""},
+        {"[record]\nvolume_fields = [\"u\"]",
+         "job.toml:28:17: error: record.volume_fields says what is kept at record.volumes_ms, "
+         "which is not given: give the times, or leave it out"},
         {"[record]\nframes = 1",
          "job.toml:28:10: error: record.frames must be true or false, and is a number"},
     }));
@@ -160,4 +172,17 @@ TEST_CASE("the stepping engine's options are read, and what it cannot compute is
     const Texts found = findings_of(lossy);
     REQUIRE(found.size() == 1);
     CHECK(found[0].find("error: solver.engine: \"spectral\" takes layers") != std::string::npos);
+}
+
+TEST_CASE("volumes are kept in order, each once, whatever the order of the job", "[config][case]") {
+    const std::string spectral = "[solver]\nengine = \"spectral\"\n[record]\n";
+    const Case c = only_case(plain_and(spectral + "volumes_ms = [3, 1, 3]"));
+    CHECK(c.record.volumes_s == std::vector{c.time.frame_s(19), c.time.frame_s(59)});
+    CHECK(c.record.volume_fields == std::vector{VolumeField::u});
+    CHECK(case_id(c) == case_id(only_case(plain_and(
+                            spectral + "volumes_ms = [1, 3]\nvolume_fields = [\"u\", \"u\"]"))));
+    // A job without volumes is the case it was before there were any.
+    const Case without = only_case(plain_and(spectral + "volumes_ms = []"));
+    CHECK(case_id(without) == case_id(only_case(plain_and(spectral))));
+    CHECK(canonical_text(without).find("volume") == std::string::npos);
 }

@@ -1,0 +1,89 @@
+"""Volume snapshots as xarray and ParaView open them."""
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+import h5py
+import numpy
+import xarray
+
+from program import SWEEP, ProgramTest, case_files, changed, without_reference
+
+FRAMES = "frames = true"
+KEPT = without_reference(
+    (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "spectral"'),
+    (FRAMES, "snapshots_ms = [2.0, 4.0]\nvolumes_ms = [2.0, 4.0]"))
+
+
+def extents(item):
+    return tuple(int(word) for word in item.get("Dimensions").split())
+
+
+class Volume(ProgramTest):
+    def run_case(self, ranks=1):
+        self.write_job(KEPT)
+        self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks)
+        return case_files(self.out)[0]
+
+    def test_xarray_opens_the_volume(self):
+        path = self.run_case(ranks=2)
+        with (xarray.open_dataset(path, group="volume", decode_timedelta=False) as volume,
+              xarray.open_dataset(path, group="surface", decode_timedelta=False) as surface):
+            self.assertEqual(set(volume.data_vars), {"u_x", "u_y", "u_z"})
+            for name in volume.data_vars:
+                self.assertEqual(volume[name].dims, ("time", "z", "y", "x"))
+                self.assertEqual(volume[name].attrs["units"], "m")
+                self.assertIn("displacement along", volume[name].attrs["long_name"])
+                self.assertTrue(numpy.isfinite(volume[name]).all())
+            self.assertEqual((volume.sizes["x"], volume.sizes["y"]), (surface.sizes["x"], surface.sizes["y"]))
+            self.assertEqual(float(volume.z[0]), 0.0)
+            self.assertAlmostEqual(float(volume.z[-1]), 0.02)
+            self.assertTrue((volume.z.diff("z") > 0).all())
+            # The same field twice, each in its own order of x and y.
+            top = volume.u_z.isel(z=0).transpose("time", "x", "y").values
+            kept = surface.u_z.isel(depth=0).values
+            scale = numpy.abs(kept).max()
+            self.assertGreater(scale, 0.0)
+            # The surface is interpolated between levels with weights of rounding's exactness.
+            self.assertLess(numpy.abs(top - kept).max(), 1e-12 * scale)
+
+    def test_the_xdmf_names_what_the_file_has(self):
+        path = self.run_case()
+        tree = ElementTree.parse(path.with_suffix(".volume.xdmf"))
+        grids = tree.findall("./Domain/Grid/Grid")
+        self.assertEqual([float(grid.find("Time").get("Value")) for grid in grids], [0.002, 0.004])
+        with h5py.File(path) as file:
+            for step, grid in enumerate(grids):
+                shape = extents(grid.find("Topology"))
+                self.assertEqual(grid.find("Topology").get("TopologyType"), "3DRectMesh")
+                self.assertEqual(grid.find("Geometry").get("GeometryType"), "VXVYVZ")
+                axes = grid.findall("Geometry/DataItem")
+                names = [item.text.strip() for item in axes]
+                self.assertEqual(names, [f"{path.name}:/volume/{axis}" for axis in "xyz"])
+                # XDMF lists the slowest axis first: z, y, x.
+                self.assertEqual(shape, tuple(extents(item)[0] for item in reversed(axes)))
+                for item in grid.iter("DataItem"):
+                    if item.get("Format") != "HDF":
+                        continue
+                    name, place = item.text.strip().split(":")
+                    self.assertEqual(name, path.name)
+                    self.assertEqual(file[place].shape, extents(item))
+                    self.assertEqual(file[place].dtype, numpy.float64)
+                for attribute in grid.findall("Attribute"):
+                    slab = attribute.find("DataItem")
+                    self.assertEqual(slab.get("ItemType"), "HyperSlab")
+                    self.assertEqual(extents(slab), shape)
+                    start, stride, count = numpy.array(
+                        slab.find("DataItem").text.split(), dtype=int).reshape(3, 4)
+                    self.assertEqual(list(start), [step, 0, 0, 0])
+                    self.assertEqual(list(stride), [1, 1, 1, 1])
+                    self.assertEqual(list(count), [1, *shape])
+                self.assertEqual([a.get("Name") for a in grid.findall("Attribute")], ["u_x", "u_y", "u_z"])
+
+    def test_the_exact_engine_says_who_keeps_volumes(self):
+        self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))
+        said = self.shearwake("check", "job.toml", expect=3).said
+        self.says(said, "record.volumes_ms", 'solver.engine = "spectral"')
+
+
+if __name__ == "__main__":
+    unittest.main()
