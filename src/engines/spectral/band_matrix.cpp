@@ -28,8 +28,7 @@ void factorise(std::ptrdiff_t unknowns, std::ptrdiff_t band, Lanes* matrix) {
     }
 }
 
-Lanes solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x,
-            const Lanes* counted) {
+void solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x) {
     for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
         const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, i - band + 1);
         const Lanes* row = factor + i * band + band - 1 - i;
@@ -46,15 +45,9 @@ Lanes solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, L
         x[i * parts + 2] = c;
         x[i * parts + 3] = d;
     }
-    Lanes energy{};
-    for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
-        const Lanes inverse = factor[i * band + band - 1];
-        for (std::ptrdiff_t part = 0; part < parts; ++part) {
-            const Lanes y = x[i * parts + part];
-            x[i * parts + part] = y * inverse;
-            energy += counted[part] * y * y * inverse;
-        }
-    }
+    for (std::ptrdiff_t i = 0; i < unknowns; ++i)
+        for (std::ptrdiff_t part = 0; part < parts; ++part)
+            x[i * parts + part] *= factor[i * band + band - 1];
     for (std::ptrdiff_t i = unknowns; i-- > 0;) {
         const std::ptrdiff_t first = std::max<std::ptrdiff_t>(0, i - band + 1);
         const Lanes* row = factor + i * band + band - 1 - i;
@@ -68,7 +61,6 @@ Lanes solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, L
             x[j * parts + 3] -= l * d;
         }
     }
-    return energy;
 }
 
 } // namespace shearwake

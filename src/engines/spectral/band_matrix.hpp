@@ -10,9 +10,7 @@ namespace shearwake {
 /// L D L^T in place, lanes apart; the diagonal then holds 1 / D.
 void factorise(std::ptrdiff_t unknowns, std::ptrdiff_t band, Lanes* matrix);
 
-/// Solves A x = b for the four parts in place, x[unknown][part]. Returns the sum over the parts
-/// that `counted` weighs of b . A^-1 b, lanes apart.
-Lanes solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x,
-            const Lanes* counted);
+/// Solves A x = b for the four parts in place, x[unknown][part].
+void solve(std::ptrdiff_t unknowns, std::ptrdiff_t band, const Lanes* factor, Lanes* x);
 
 } // namespace shearwake

@@ -15,8 +15,7 @@ void LateralField::each_cell(F f) const {
         f(point.first * components_, point.cells, point.first);
 }
 
-void LateralField::stress(const Values& now, const Values& before, double rate,
-                          Values& out) const {
+void LateralField::stress(const Values& now, const Values& before, double rate, Values& out) const {
     std::fill(out.begin(), out.end(), 0.0);
     each_cell([&](std::size_t at, std::size_t n, std::size_t first) {
         const double *e = now.data() + at, *b = before.data() + at;
@@ -28,8 +27,7 @@ void LateralField::stress(const Values& now, const Values& before, double rate,
             const double dilation = lambda[i] * (e[i] + e[n + i] + e[2 * n + i]);
             for (std::size_t c = 0; c < 6; ++c) {
                 const double strain = e[c * n + i];
-                const double both =
-                    mu[i] * strain + viscosity[i] * rate * (strain - b[c * n + i]);
+                const double both = mu[i] * strain + viscosity[i] * rate * (strain - b[c * n + i]);
                 s[c * n + i] = c < 3 ? dilation + 2.0 * both : both;
             }
         }
@@ -68,7 +66,8 @@ StateRows LateralField::rows(std::ptrdiff_t nx) const {
     return {.total = nx,
             .start = share_.x_start,
             .count = share_.x_count,
-            .row_length = static_cast<std::ptrdiff_t>(variation_.points.size() * components_) * ny_};
+            .row_length =
+                static_cast<std::ptrdiff_t>(variation_.points.size() * components_) * ny_};
 }
 
 std::vector<double> LateralField::to_rows(const Values& values) const {

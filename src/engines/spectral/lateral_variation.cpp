@@ -98,8 +98,8 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
         for (std::size_t i = 0; i < nodes; ++i) {
             const DepthCell cell = depth_cell(mesh, e, i);
             const double z_m = smooth ? mesh.z_m(e * (nodes - 1) + i) : cell.centre_m;
-            const Vec3 size = smooth ? Vec3{}
-                                     : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
+            const Vec3 size =
+                smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
             Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, layer, {}, {}};
             together(team, [&] { g.all = materials_at(c, mesh.layers[e], share, z_m, size); });
             g.extremes = extremes_of(g.all, layer, team);
@@ -156,9 +156,9 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     for (const Gathered& g : gathered) {
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
         const double added =
-            std::max(0.0, vertical.stabilised_mu_Pa(g.where.element, greatest.mu_Pa, k_max,
-                                                    step_s) -
-                              greatest.mu_Pa / 12.0) +
+            std::max(0.0,
+                     vertical.stabilised_mu_Pa(g.where.element, greatest.mu_Pa, k_max, step_s) -
+                         greatest.mu_Pa / 12.0) +
             (greatest.mu_Pa - least.mu_Pa) / 12.0;
         inertia = std::max(inertia, added * std::pow(k_load * step_s, 2) / least.density_kg_m3);
     }
@@ -168,7 +168,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     v.notes.push_back(fmt::format(
         "{} of {} strain points vary laterally; {}: {}", gathered.size(), mesh.elements() * nodes,
         v.iterates ? "conjugate gradients on the true operator" : "one background solve a step",
-        v.density_varies  ? "the density varies"
+        v.density_varies   ? "the density varies"
         : viscosity_varies ? "the viscosity varies"
         : lambda_varies
             ? "the compressional stiffness varies"
@@ -217,8 +217,8 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
                     v.implicit_lambda.push_back(
                         lambda_varies ? weight * 0.26 * (m.lambda_Pa - least.lambda_Pa) : 0.0);
                     if (v.density_varies)
-                        v.implicit_mass.push_back(
-                            weight * (m.density_kg_m3 - least.density_kg_m3) / (step_s * step_s));
+                        v.implicit_mass.push_back(weight * (m.density_kg_m3 - least.density_kg_m3) /
+                                                  (step_s * step_s));
                 }
             }
             point.cells = v.cells - point.first;

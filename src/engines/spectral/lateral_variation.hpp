@@ -28,7 +28,7 @@ struct LateralVariation {
     std::vector<StrainPoint> strain_points;
     std::vector<Point> points;
     std::size_t cells = 0;
-    std::vector<double> lambda, mu, viscosity;                     // of the forces, per cell
+    std::vector<double> lambda, mu, viscosity;                       // of the forces, per cell
     std::vector<double> implicit_lambda, implicit_mu, implicit_mass; // empty without iterations
     Background background;
     bool iterates = false;

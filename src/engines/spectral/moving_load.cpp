@@ -56,8 +56,8 @@ Counted WaveVectors::counted(std::ptrdiff_t row, std::ptrdiff_t block) const {
 }
 
 double WaveVectors::largest_k_rad_m() const {
-    return std::hypot(kx_rad_m(domain_.nx / 2), two_pi / domain_.extent_y_m() *
-                                                    static_cast<double>(domain_.ny / 2));
+    return std::hypot(kx_rad_m(domain_.nx / 2),
+                      two_pi / domain_.extent_y_m() * static_cast<double>(domain_.ny / 2));
 }
 
 MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
@@ -66,9 +66,9 @@ MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
     auto value = shape_.begin();
     for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
         for (std::ptrdiff_t i = 0; i < vectors.blocks() * lane_count; ++i)
-            *value++ = vectors.is_there(i) ? spectrum(c.load.footprint, vectors.kx_rad_m(i),
-                                                      vectors.ky_rad_m(row))
-                                           : 0.0;
+            *value++ = vectors.is_there(i)
+                           ? spectrum(c.load.footprint, vectors.kx_rad_m(i), vectors.ky_rad_m(row))
+                           : 0.0;
 }
 
 void MovingLoad::sample(std::ptrdiff_t n) {

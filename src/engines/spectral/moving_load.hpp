@@ -24,9 +24,7 @@ public:
     std::ptrdiff_t blocks() const { return (domain_.nx / 2 + lane_count - 1) / lane_count; }
     std::ptrdiff_t rows() const { return share_.ky_count; }
     std::ptrdiff_t pencils() const { return rows() * blocks(); }
-    bool is_nyquist(std::ptrdiff_t row) const {
-        return 2 * (share_.ky_start + row) == domain_.ny;
-    }
+    bool is_nyquist(std::ptrdiff_t row) const { return 2 * (share_.ky_start + row) == domain_.ny; }
     bool is_there(std::ptrdiff_t kx) const { return 2 * kx < domain_.nx; }
     double kx_rad_m(std::ptrdiff_t i) const;
     double ky_rad_m(std::ptrdiff_t row) const;

@@ -56,9 +56,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
     const SlabShare& share = slabs.share();
     Stepper stepper(c, choose_mesh(c, options), slabs, step_s, team);
     AlignedVector<double> plane;
-    together(team, [&] {
-        plane.resize(static_cast<std::size_t>(share.reals));
-    });
+    together(team, [&] { plane.resize(static_cast<std::size_t>(share.reals)); });
     observer.begin({share.x_start, share.x_count});
     const std::vector<double> levels_m = levels_of(choose_mesh(c, options));
     if (!c.record.volumes_s.empty()) observer.volume_levels(levels_m);

@@ -7,9 +7,7 @@
 #include "engines/spectral/vertical_operator.hpp"
 #include "fft/slab_transform.hpp"
 
-#include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace shearwake {
@@ -28,8 +26,8 @@ struct StepStatistics {
 /// varies laterally, its stress beyond the layers' is found in (x, y) space from strains that are
 /// advanced with u, and the operator is either a background at least as stiff as the medium (one
 /// solve) or the true one, A = B + E^T S E: with e = E d it is (1 + E B^-1 E^T S) e = E B^-1 rhs,
-/// self-adjoint in the product (a, S b), solved by conjugate gradients from the quadratic
-/// extrapolation of the last three steps; as many as preconditioning A with B would need.
+/// self-adjoint in the product (a, S b), solved by conjugate gradients; as many iterations as
+/// preconditioning A with B would need, on vectors that live where the medium varies.
 class Stepper {
 public:
     /// Collective. Throws CaseFailure on all ranks together.
@@ -58,14 +56,14 @@ private:
     void assemble();
     /// now_ and before_ as rows of ky, which any number of ranks shares out as it likes.
     StateRows state_rows() const;
-    /// Names and values of what is kept at the cells where the medium varies.
-    std::vector<std::pair<std::string, const LateralField::Values*>> cell_states() const;
     /// One pass over the pencils: forces, solve, and what comes of it.
     void first_pass();
-    void strain_of_response(double scale);
-    void iterate(LateralField::Values& strain);
-    void correct(const LateralField::Values& strain, const LateralField::Values& guess);
-    void advance_strains(const LateralField::Values& change);
+    /// Of B^-1 E^T applied to the stress in the planes: its strain back into the planes, or itself
+    /// taken from the displacement to come (with the sign that forces have).
+    enum class Response { strain, displacement };
+    void respond(Response wanted);
+    void iterate();
+    void advance_strains();
 
     const Case& case_;
     DepthMesh mesh_;
@@ -80,13 +78,12 @@ private:
     StrainTransfer transfer_;
     MovingLoad load_;
     StepStatistics statistics_;
-    double reference_ = 0.0; // d . B d of this step, all ranks
-    double work_ = 0.0;
+    double reference_ = 0.0; // twice the kinetic energy, or the step's work, of this rank
     // Lanes by eights: a vector of a vector type would lose the type's alignment.
     AlignedVector<double> factors_, now_, before_, pencil_;
     AlignedVector<double> planes_;
-    LateralField::Values strain_, strain_before_, stress_, scratch_;
-    std::array<LateralField::Values, 3> changes_; // of the last steps, newest first
+    LateralField::Values strain_, strain_before_, stress_, change_;
+    LateralField::Values solution_, direction_, image_; // of the iterations
 };
 
 } // namespace shearwake

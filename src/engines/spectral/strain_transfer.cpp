@@ -111,8 +111,8 @@ void StrainTransfer::strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lane
         Lanes value[all_components][parts], turned[parts];
         for (std::ptrdiff_t p = 0; p < parts; ++p) {
             const Lanes c = at.c[p / 2], kx = at.kx[p / 2], s = at.s;
-            const Lanes x = c * u[p] - s * u[2 * parts + p];  // u_x = i x
-            const Lanes y = s * u[p] + c * u[2 * parts + p];  // u_y = i y
+            const Lanes x = c * u[p] - s * u[2 * parts + p]; // u_x = i x
+            const Lanes y = s * u[p] + c * u[2 * parts + p]; // u_y = i y
             const Lanes dx = c * du[p] - s * du[2 * parts + p];
             const Lanes dy = s * du[p] + c * du[2 * parts + p];
             value[xx][p] = -kx * x;
@@ -158,8 +158,7 @@ void StrainTransfer::add_force(std::ptrdiff_t row, std::ptrdiff_t block, const d
             const Lanes x = -kx * value[xx][p] - at.ky * value[xy][p] + value[ux][p];
             const Lanes y = -at.ky * value[yy][p] - kx * value[xy][p] + value[uy][p];
             force[p] = -scale * (c * x + s * y);
-            force[parts + p] =
-                -scale * (kx * value[xz][p] + at.ky * value[yz][p] + value[uz][p]);
+            force[parts + p] = -scale * (kx * value[xz][p] + at.ky * value[yz][p] + value[uz][p]);
             force[2 * parts + p] = -scale * (c * y - s * x);
             pull[p] = -scale * slope * (c * value[xz][p] + s * value[yz][p]);
             pull[parts + p] = -scale * slope * value[zz][p];

@@ -15,8 +15,19 @@ struct StrainPoint {
 
 /// Components of a strain or stress plane, engineering shear strains (2 eps). With density varying,
 /// the displacement follows.
-enum Component { xx, yy, zz, yz, xz, xy, strain_components, ux = strain_components, uy, uz,
-                 all_components };
+enum Component {
+    xx,
+    yy,
+    zz,
+    yz,
+    xz,
+    xy,
+    strain_components,
+    ux = strain_components,
+    uy,
+    uz,
+    all_components
+};
 
 /// Between pencils over depth and the planes of strain at chosen points, spectra in the slab's
 /// transposed layout, plane [point][component]. With u_x = i (c U - s V), u_y = i (s U + c V),

@@ -26,8 +26,8 @@ double lambda_of(const Layer& layer) {
 /// out[q][column] = sum over j of D[q][j] in[j][column], or with D transposed; rows of `width`.
 enum class Matrix { as_is, transposed };
 template <int width>
-void times_derivative(const double* derivative, std::ptrdiff_t nodes, Matrix which,
-                      const Lanes* in, Lanes* out) {
+void times_derivative(const double* derivative, std::ptrdiff_t nodes, Matrix which, const Lanes* in,
+                      Lanes* out) {
     const std::ptrdiff_t along = which == Matrix::as_is ? 1 : nodes;
     const std::ptrdiff_t across = which == Matrix::as_is ? nodes : 1;
     for (std::ptrdiff_t q = 0; q < nodes; ++q) {
@@ -71,11 +71,16 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, const Medium& medium,
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         const Layer& layer = medium.layers[mesh.layers[e]];
         const double half = 0.5 * mesh.length_m(e);
-        Element el{lambda_of(layer), static_shear_modulus(layer), viscosity_of(layer), 1.0 / half,
-                   half, background_.density_kg_m3[point(e, 0)]};
+        Element el{lambda_of(layer),
+                   static_shear_modulus(layer),
+                   viscosity_of(layer),
+                   1.0 / half,
+                   half,
+                   background_.density_kg_m3[point(e, 0)]};
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             const std::size_t at = point(e, i);
-            const auto level = e * static_cast<std::size_t>(nodes_ - 1) + static_cast<std::size_t>(i);
+            const auto level =
+                e * static_cast<std::size_t>(nodes_ - 1) + static_cast<std::size_t>(i);
             const double mass =
                 background_.density_kg_m3[at] * half * weights_[static_cast<std::size_t>(i)];
             mass_[level] += mass;
@@ -102,8 +107,7 @@ Lanes VerticalOperator::implicit_mu(std::size_t element, std::ptrdiff_t node, La
     for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
         m[lane] = std::max(background_.mu_accurate_Pa[at] / 12.0,
                            background_.mu_stable_Pa[at] / 4.0 -
-                               0.98 * el.density /
-                                   ((k[lane] * k[lane] + vertical) * dt_s * dt_s));
+                               0.98 * el.density / ((k[lane] * k[lane] + vertical) * dt_s * dt_s));
     return m;
 }
 
@@ -186,11 +190,27 @@ void VerticalOperator::factorise_implicit(Lanes k, double dt_s, Lanes* factor) c
     factorise(levels_, nodes_, sh);
 }
 
-Lanes VerticalOperator::solve_implicit(const Lanes* factor, Lanes* pencil,
-                                       const Lanes* counted) const {
-    const Lanes energy = solve(psv(), 2 * nodes_, factor, pencil, counted);
-    return energy + solve(levels_, nodes_, factor + psv() * 2 * nodes_, pencil + psv() * parts,
-                          counted);
+void VerticalOperator::solve_implicit(const Lanes* factor, Lanes* pencil) const {
+    solve(psv(), 2 * nodes_, factor, pencil);
+    solve(levels_, nodes_, factor + psv() * 2 * nodes_, pencil + psv() * parts);
+}
+
+Lanes VerticalOperator::twice_kinetic(double rate, const Lanes* u, const Lanes* before,
+                                      const Lanes* counted) const {
+    Lanes all{};
+    const auto add = [&](std::ptrdiff_t unknown, double mass) {
+        for (std::ptrdiff_t p = 0; p < parts; ++p) {
+            const Lanes v = rate * (u[unknown * parts + p] - before[unknown * parts + p]);
+            all += mass * counted[p] * v * v;
+        }
+    };
+    for (std::ptrdiff_t level = 0; level < levels_; ++level) {
+        const double mass = mass_[static_cast<std::size_t>(level)];
+        add(2 * level, mass);
+        add(2 * level + 1, mass);
+        add(psv() + level, mass);
+    }
+    return all;
 }
 
 void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,

@@ -43,12 +43,16 @@ public:
     /// Assembles and factorises the implicit operator for eight k at once.
     void factorise_implicit(Lanes k, double dt_s, Lanes* factor) const;
 
-    /// Solves with that, in place. Returns b . A^-1 b over the counted parts.
-    Lanes solve_implicit(const Lanes* factor, Lanes* pencil, const Lanes* counted) const;
+    /// Solves with that, in place.
+    void solve_implicit(const Lanes* factor, Lanes* pencil) const;
 
     /// -K u - C (u - before)/dt, added to `force`; `rate` is 1/dt.
     void add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
                             Lanes* force) const;
+
+    /// Twice the kinetic energy per area [J/m^2] of the counted parts, with the background's mass.
+    Lanes twice_kinetic(double rate, const Lanes* u, const Lanes* before,
+                        const Lanes* counted) const;
 
     /// The stabilising shear modulus at a place of stiffness mu in an element, for the largest k.
     double stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m, double dt_s) const;
@@ -72,7 +76,7 @@ private:
 
     std::vector<Element> elements_;
     Background background_;
-    double finest_; // eigenvalue of the reference element's finest mode
+    double finest_;                   // eigenvalue of the reference element's finest mode
     std::vector<double> mass_, drag_; // per level [kg/m^2], [kg/(m^2 s)]
     std::vector<double> derivative_;  // of the reference element
     std::vector<double> weights_;
