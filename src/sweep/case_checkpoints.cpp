@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -13,6 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
+
+/// Ranks that share cores lose milliseconds each time they wait for each other: not at every step.
+constexpr double between_looks_s = 0.1;
 
 double seconds_since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
@@ -76,7 +80,8 @@ std::string damage_of(const fs::path& path, const Comm& team) {
 CaseCheckpoints::CaseCheckpoints(fs::path stem, CheckpointOwner owner, CheckpointSchedule schedule,
                                  const Comm& team, const Journal& journal, CheckpointHooks hooks)
     : stem_(std::move(stem)), owner_(std::move(owner)), schedule_(schedule), team_(team),
-      journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_) {
+      journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_),
+      looked_(began_) {
     find_newest();
     if (newest_) earlier_seconds_ = newest_->facts.seconds;
 }
@@ -108,20 +113,35 @@ void CaseCheckpoints::find_newest() {
     }
 }
 
-CaseCheckpoints::Answer CaseCheckpoints::decide() {
-    ++steps_;
+CaseCheckpoints::Answer CaseCheckpoints::decide() const {
     if (!stop_failed_ && hooks_.stop_asked()) return Answer::save_and_stop;
     const bool enough_steps = schedule_.steps > 0 && steps_ >= schedule_.steps;
     const bool late = schedule_.interval_s > 0.0 && seconds_since(saved_) >= schedule_.interval_s;
     return enough_steps || late ? Answer::save : Answer::go_on;
 }
 
+long CaseCheckpoints::steps_to_next_look() const {
+    const double step_s = seconds_since(looked_) / static_cast<double>(steps_ - last_look_);
+    const long by_clock = static_cast<long>(std::clamp(between_looks_s / step_s, 1.0, 1e6));
+    if (schedule_.steps == 0) return by_clock;
+    return std::clamp(schedule_.steps - steps_, 1L, by_clock);
+}
+
 bool CaseCheckpoints::due() {
-    // Clocks and signals differ from rank to rank: the root decides.
-    const auto answer = static_cast<Answer>(
-        team_.broadcast(static_cast<long>(team_.is_root() ? decide() : Answer::go_on)));
-    stopping_ = answer == Answer::save_and_stop;
-    return answer != Answer::go_on;
+    ++steps_;
+    if (steps_ < next_look_) return false;
+    // Clocks and signals differ from rank to rank: the root decides, also when to look again.
+    long answer = 0, wait = 0;
+    if (team_.is_root()) {
+        answer = static_cast<long>(decide());
+        wait = steps_to_next_look();
+    }
+    answer = team_.broadcast(answer);
+    next_look_ = steps_ + team_.broadcast(wait);
+    last_look_ = steps_;
+    looked_ = Clock::now();
+    stopping_ = static_cast<Answer>(answer) == Answer::save_and_stop;
+    return static_cast<Answer>(answer) != Answer::go_on;
 }
 
 void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
@@ -146,8 +166,10 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
         hooks_.say(fmt::format("case {} goes on without being saved: {}", owner_.case_id, trouble));
     // A stop that cannot be saved waits for the end of the case.
     if (stopping_) (trouble.empty() ? saved_for_stop_ : stop_failed_) = true;
-    steps_ = 0;
-    saved_ = Clock::now();
+    next_look_ = std::max(1L, next_look_ - steps_);
+    if (schedule_.steps > 0) next_look_ = std::min(next_look_, schedule_.steps);
+    steps_ = last_look_ = 0;
+    saved_ = looked_ = Clock::now();
 }
 
 bool CaseCheckpoints::restore(const std::function<void(StateReader&)>& read) {

@@ -56,7 +56,8 @@ private:
     };
 
     void find_newest();
-    Answer decide();
+    Answer decide() const;
+    long steps_to_next_look() const;
 
     std::filesystem::path stem_;
     CheckpointOwner owner_;
@@ -66,8 +67,9 @@ private:
     CheckpointHooks hooks_;
     std::optional<State> newest_;
     double earlier_seconds_ = 0.0;
-    std::chrono::steady_clock::time_point began_, saved_;
-    long steps_ = 0; // since the last save
+    std::chrono::steady_clock::time_point began_, saved_, looked_;
+    // Counted from the last save; the root looks at its clock and at signals at next_look_.
+    long steps_ = 0, last_look_ = 0, next_look_ = 1;
     bool stopping_ = false, saved_for_stop_ = false, stop_failed_ = false;
 };
 
