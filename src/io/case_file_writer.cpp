@@ -122,7 +122,8 @@ void CaseFileWriter::begin_volume(VolumeLayout volume, std::ptrdiff_t x_count) {
     on_root(team_, [&] {
         h5::Id file = h5::open_file(part_, h5::Access::read_write);
         if (!has_volume_group(file.raw(), volume_)) {
-            refuse_if_full(volume_.bytes());
+            // The surface fields have their room, but nothing is written there yet.
+            refuse_if_full(surface_.bytes() + volume_.bytes());
             create_volume_group(file.raw(), volume_);
         }
         file.close("close " + part_.string());
