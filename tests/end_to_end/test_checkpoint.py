@@ -7,6 +7,7 @@ import unittest
 import h5py
 import numpy
 
+import test_failures
 from program import (SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal, plan_ids,
                      table, without_reference)
 from test_resume import alive, descendants
@@ -54,7 +55,7 @@ class Checkpoint(ProgramTest):
         self.assertEqual(case_files(self.out), [], "it was too fast to be killed")
 
     def go_on(self, ranks=1):
-        said = self.shearwake(*SAVING, ranks, ranks=ranks).said
+        said = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).said
         self.says(said, "2 computed now")
         self.assertEqual(self.states(), [], "states of cases that are whole")
         self.assertEqual(list(self.out.rglob("*.part")), [])
@@ -123,6 +124,43 @@ class Checkpoint(ProgramTest):
         self.assertEqual(self.largest_difference(), 0.0)
         last = self.events("resumed")[-1]["step"]
         self.assertEqual(last, self.events("checkpointed")[-1]["step"])
+
+    def test_an_interval_in_seconds_saves_as_well(self):
+        self.shearwake("run", "job.toml", "--checkpoint-interval", 0.001)
+        self.assertEqual({line["id"] for line in self.events("checkpointed")}, set(plan_ids(self.out)))
+        self.assertEqual(self.largest_difference(), 0.0)
+        said = self.shearwake("run", "job.toml", "--checkpoint-interval", -1, expect=2).said
+        self.says(said, "--checkpoint-interval")
+
+    def test_a_signal_to_mpirun_saves_the_cases_of_all_teams(self):
+        # Unlike SIGINT and SIGTERM, SIGUSR1 is passed on and leaves the ranks the time they need.
+        process = self.start(*SAVING, 1, ranks=2)
+        self.wait_for(lambda: len({line["id"] for line in self.events("checkpointed")}) == 2, "saves")
+        process.send_signal(signal.SIGUSR1)
+        said = process.communicate(timeout=30)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+        self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 left")
+        self.go_on(ranks=2)
+        self.assertEqual(len(self.events("resumed")), 2)
+        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+
+    def test_a_disk_too_full_for_a_state_does_not_end_the_case(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root can mount a small disk")
+        disk = test_failures.FullDisk.mount(self, 1)
+        self.shearwake("run", "job.toml", "--shard", "1/2")
+        (self.out / "checkpoints").symlink_to(disk)
+        process = self.start(*SAVING, 1)
+        self.wait_for(lambda: len(self.events("started")) == 2, "the second case")
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate(timeout=30)[0]
+        # A stop that cannot be saved waits for the end of the case, which is the last one.
+        self.assertEqual(process.returncode, 0, said)
+        self.says(said, "goes on without being saved: it needs", "MB left", "1 computed now")
+        self.assertEqual(self.events("checkpointed"), [])
+        self.assertEqual(self.states(), [])
+        self.assertEqual(self.largest_difference(), 0.0)
 
     def test_a_damaged_state_leaves_the_one_before(self):
         self.kill_in_the_middle(ranks=1)

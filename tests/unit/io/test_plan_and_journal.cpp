@@ -57,7 +57,9 @@ TEST_CASE("the journal tells the latest of each case, and passes over a line cut
     journal.finished("a", 0.5);
     journal.started("b", 2);
     journal.failed("b", "a reason with \"quotes\",\na line break and \xff");
+    journal.resumed("b", 20); // says nothing new of a case that has failed
     journal.started("c", 2);
+    journal.checkpointed("c", 40);
     append_line(folder / "journal.jsonl", "{\"event\": \"fini");
     JournalContents contents = read_journal(folder / "journal.jsonl");
     CHECK(contents.running);
