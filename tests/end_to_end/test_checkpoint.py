@@ -16,7 +16,8 @@ from test_resume import alive, descendants
 STEPPED = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'),
     ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 5.0 }'),
-    ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"), ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
+    ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"),
+    ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
 SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
 
 
