@@ -71,8 +71,8 @@ struct SpectralOptions {
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
     SpectralMethod method = SpectralMethod::automatic;
-    double residual = 1e-3;       // of the iterations, its energy norm over that of what moves
-    double contrast_cap = 1000.0; // stiffer bodies are held to this many times the layer's mu
+    double residual = 1e-3;      // of the iterations, its energy norm over that of what moves
+    double contrast_cap = 400.0; // stiffer bodies are held to this many times the layer's mu
     bool operator==(const SpectralOptions&) const = default;
 };
 using SolverOptions = std::variant<LayeredOptions, SpectralOptions>;

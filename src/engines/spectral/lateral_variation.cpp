@@ -14,7 +14,7 @@ namespace {
 constexpr double one_lambda = 1.5;
 /// The added inertia, relative to the soft tissue's, that one background solve a step may cost at
 /// the wavenumber where the footprint's spectrum has fallen to a half.
-constexpr double tolerated_inertia = 0.01;
+constexpr double tolerated_inertia = 0.02;
 
 /// Materials of one strain point over this rank's rows, row by row.
 std::vector<Material> materials_at(const Case& c, std::size_t layer, const SlabShare& share,
