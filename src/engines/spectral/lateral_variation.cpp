@@ -75,16 +75,16 @@ DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t nod
 /// One strain point while the whole is gathered.
 struct Gathered {
     StrainPoint where;
-    Material layer;
     Extremes extremes;
     std::vector<Material> all;
+    bool varies;
 };
 
 bool differs(const Material& a, const Material& b) {
     return std::abs(a.mu_Pa - b.mu_Pa) > 1e-12 * b.mu_Pa ||
            std::abs(a.lambda_Pa - b.lambda_Pa) > 1e-12 * b.lambda_Pa ||
            std::abs(a.density_kg_m3 - b.density_kg_m3) > 1e-12 * b.density_kg_m3 ||
-           a.viscosity_Pa_s != b.viscosity_Pa_s;
+           std::abs(a.viscosity_Pa_s - b.viscosity_Pa_s) > 1e-12 * b.viscosity_Pa_s;
 }
 
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabShare& share,
@@ -95,21 +95,28 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         if (!varies_between(c.medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
         const Material layer = material_of(c.medium.layers[mesh.layers[e]]);
+        std::vector<Gathered> here;
+        bool some_vary = false, less_viscous = false;
         for (std::size_t i = 0; i < nodes; ++i) {
             const DepthCell cell = depth_cell(mesh, e, i);
             const double z_m = smooth ? mesh.z_m(e * (nodes - 1) + i) : cell.centre_m;
             const Vec3 size =
                 smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
-            Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, layer, {}, {}};
+            Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, {}, {}, false};
             together(team, [&] { g.all = materials_at(c, mesh.layers[e], share, z_m, size); });
             g.extremes = extremes_of(g.all, layer, team);
             stiffest = std::max(stiffest, g.extremes.greatest.mu_Pa / layer.mu_Pa);
             for (Material& m : g.all)
                 m.mu_Pa = std::min(m.mu_Pa, cap * layer.mu_Pa);
             g.extremes.greatest.mu_Pa = std::min(g.extremes.greatest.mu_Pa, cap * layer.mu_Pa);
-            if (differs(g.extremes.least, layer) || differs(g.extremes.greatest, layer))
-                result.push_back(std::move(g));
+            g.varies = differs(g.extremes.least, layer) || differs(g.extremes.greatest, layer);
+            some_vary |= g.varies;
+            less_viscous |= g.extremes.least.viscosity_Pa_s < layer.viscosity_Pa_s;
+            here.push_back(std::move(g));
         }
+        // One theta an element: where it falls below the layer's, all the nodes make up for it.
+        for (Gathered& g : here)
+            if (g.varies || (some_vary && less_viscous)) result.push_back(std::move(g));
     }
     return result;
 }
@@ -151,7 +158,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
         v.background.mu_accurate_Pa[at] = v.background.mu_stable_Pa[at] = least.mu_Pa;
         v.background.viscosity_Pa_s[at] = least.viscosity_Pa_s;
     }
-    const VerticalOperator vertical(mesh, c.medium, v.background);
+    const VerticalOperator vertical(mesh, v.background);
     const double k_max = vectors.largest_k_rad_m();
     for (const Gathered& g : gathered) {
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
@@ -178,6 +185,10 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
         const std::size_t at = index(g.where);
         v.background.lambda_Pa[at] = lambda_varies ? least.lambda_Pa : greatest.lambda_Pa;
+        v.background.force_lambda_Pa[at] =
+            std::min(v.background.force_lambda_Pa[at], v.background.lambda_Pa[at]);
+        v.background.theta_s[g.where.element] =
+            std::min(v.background.theta_s[g.where.element], least.viscosity_Pa_s / least.mu_Pa);
         if (!v.iterates) v.background.mu_stable_Pa[at] = greatest.mu_Pa;
     }
     const auto stable = [&](const Gathered& g, double mu_Pa) {
@@ -186,6 +197,10 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     together(team, [&] {
         for (const Gathered& g : gathered) {
             const Material& least = g.extremes.least;
+            const std::size_t at = index(g.where);
+            Material base = least; // of the forces
+            base.lambda_Pa = v.background.force_lambda_Pa[at];
+            base.viscosity_Pa_s = v.background.theta_s[g.where.element] * least.mu_Pa;
             const double weight = 0.5 * mesh.length_m(g.where.element) *
                                   mesh.rule.weights[static_cast<std::size_t>(g.where.node)];
             LateralVariation::Point point;
@@ -195,7 +210,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
             for (std::ptrdiff_t i = 0; i < vectors.share().x_count; ++i) {
                 const auto* row = g.all.data() + i * c.domain.ny;
                 const auto matters = [&](const Material& m) {
-                    return differs(m, g.layer) || (v.iterates && differs(m, least));
+                    return differs(m, base) || (v.iterates && differs(m, least));
                 };
                 std::ptrdiff_t begin = 0, end = c.domain.ny;
                 while (begin < end && !matters(row[begin]))
@@ -207,9 +222,9 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
                 v.cells += static_cast<std::size_t>(end - begin);
                 for (std::ptrdiff_t j = begin; j < end; ++j) {
                     const Material& m = row[j];
-                    v.lambda.push_back(weight * (m.lambda_Pa - g.layer.lambda_Pa));
-                    v.mu.push_back(weight * (m.mu_Pa - g.layer.mu_Pa));
-                    v.viscosity.push_back(weight * (m.viscosity_Pa_s - g.layer.viscosity_Pa_s));
+                    v.lambda.push_back(weight * (m.lambda_Pa - base.lambda_Pa));
+                    v.mu.push_back(weight * (m.mu_Pa - base.mu_Pa));
+                    v.viscosity.push_back(weight * (m.viscosity_Pa_s - base.viscosity_Pa_s));
                     if (!v.iterates) continue;
                     v.implicit_mu.push_back(
                         weight * (stable(g, m.mu_Pa) - floor +

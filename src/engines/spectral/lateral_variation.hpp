@@ -17,7 +17,8 @@ struct CellRun {
 };
 
 /// What varies laterally, on this rank's rows: at each strain point the cells concerned, and their
-/// moduli beyond those of the layer, times the quadrature weight [m]. The implicit operator is
+/// moduli beyond those of the background's forces, times the quadrature weight [m]. The implicit
+/// operator is
 ///     background + E^T (implicit) E,   E the strain (and displacement, for density),
 /// where the implicit ones are never negative.
 struct LateralVariation {

@@ -28,7 +28,7 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     : case_(c), mesh_(mesh), slabs_(slabs), team_(team), vectors_(c.domain, slabs.share()),
       step_s_(step_s), tolerance_(std::get<SpectralOptions>(c.solver).residual),
       field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
-      operator_(mesh, c.medium, field_.variation().background),
+      operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
       load_(c, vectors_, step_s) {
     together(team, [&] { assemble(); });

@@ -55,13 +55,14 @@ Background background_of(const DepthMesh& mesh, const Medium& medium) {
             b.mu_stable_Pa.push_back(static_shear_modulus(layer));
             b.viscosity_Pa_s.push_back(viscosity_of(layer));
             b.drag_Hz.push_back(0.0);
+            b.force_lambda_Pa.push_back(lambda_of(layer));
         }
+        b.theta_s.push_back(viscosity_of(layer) / static_shear_modulus(layer));
     }
     return b;
 }
 
-VerticalOperator::VerticalOperator(const DepthMesh& mesh, const Medium& medium,
-                                   Background background)
+VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
     : background_(std::move(background)), finest_(finest_mode(mesh.rule)),
       derivative_(mesh.rule.derivative), weights_(mesh.rule.weights), nodes_(mesh.degree + 1),
       levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
@@ -69,14 +70,8 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, const Medium& medium,
     mass_.assign(mesh.levels(), 0.0);
     drag_.assign(mesh.levels(), 0.0);
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
-        const Layer& layer = medium.layers[mesh.layers[e]];
         const double half = 0.5 * mesh.length_m(e);
-        Element el{lambda_of(layer),
-                   static_shear_modulus(layer),
-                   viscosity_of(layer),
-                   1.0 / half,
-                   half,
-                   background_.density_kg_m3[point(e, 0)]};
+        Element el{1.0 / half, half, background_.density_kg_m3[point(e, 0)]};
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             const std::size_t at = point(e, i);
             const auto level =
@@ -222,7 +217,7 @@ void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, 
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const Element& el = elements_[e];
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
-        const double theta = el.eta * rate / el.mu; // mu (u + theta (u - before))
+        const double theta = background_.theta_s[e] * rate; // mu (u + theta (u - before))
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             Lanes* x = at_nodes + i * wide;
             if (first + i >= levels_) { // the base
@@ -241,7 +236,8 @@ void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, 
         times_derivative<wide>(derivative_.data(), nodes_, Matrix::as_is, at_nodes, slopes);
         for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
             const double w = weights_[static_cast<std::size_t>(q)] * el.half;
-            const double wl = w * el.lambda, wm = w * el.mu;
+            const double wl = w * background_.force_lambda_Pa[point(e, q)];
+            const double wm = w * background_.mu_accurate_Pa[point(e, q)];
             const Lanes* x = at_nodes + q * wide;
             const Lanes* s = slopes + q * wide;
             Lanes* pull = pulls + q * narrow;

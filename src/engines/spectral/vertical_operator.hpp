@@ -16,9 +16,14 @@ namespace shearwake {
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
     std::vector<double> drag_Hz; // force on rho du/dt: absorbs
+    /// Of the forces: with mu_accurate_Pa, and the viscosity theta mu_accurate_Pa. No stiffer than
+    /// the implicit operator bears alone, or rounding, which strains kept apart do not see, grows.
+    std::vector<double> force_lambda_Pa;
+    std::vector<double> theta_s; // of each element
 };
 
-/// The background of a medium without bodies.
+/// The background of a medium without bodies. Throws CaseFailure for a loss law that it does not
+/// know.
 Background background_of(const DepthMesh& mesh, const Medium& medium);
 
 /// The motion of one |k| over depth, u_r = i U(z), u_t = i V(z), u_z = W(z), on spectral elements:
@@ -29,9 +34,7 @@ Background background_of(const DepthMesh& mesh, const Medium& medium);
 /// move, then [level][part] of V.
 class VerticalOperator {
 public:
-    /// The forces are those of the medium's layers, the implicit operator is the background's.
-    /// Throws CaseFailure for a loss law that it does not know.
-    VerticalOperator(const DepthMesh& mesh, const Medium& medium, Background background);
+    VerticalOperator(const DepthMesh& mesh, Background background);
 
     std::ptrdiff_t levels() const { return levels_; } // that move
     std::ptrdiff_t psv() const { return 2 * levels_; }
@@ -59,10 +62,9 @@ public:
 
 private:
     struct Element {
-        double lambda, mu, eta; // of the layer
-        double slope;           // 2 / h
-        double half;            // h / 2
-        double density;         // the least of the background's here
+        double slope;   // 2 / h
+        double half;    // h / 2
+        double density; // the least of the background's here
     };
     Lanes implicit_mu(std::size_t element, std::ptrdiff_t node, Lanes k, double dt_s) const;
     void assemble_psv(Lanes k, double dt_s, Lanes* matrix) const;
