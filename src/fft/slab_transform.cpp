@@ -137,7 +137,7 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
 
 SlabTransform::~SlabTransform() = default;
 
-void SlabTransform::to_physical(double* plane) const {
+void SlabTransform::to_physical(double* plane, SlabRows wanted) const {
     Work& w = *work_;
     auto* modes = reinterpret_cast<Complex*>(plane);
     const std::ptrdiff_t line_of_x = w.slabs_to_physical ? w.nx : w.stride;
@@ -145,8 +145,8 @@ void SlabTransform::to_physical(double* plane) const {
         fftw_execute_dft(w.x_to_physical.get(), raw(modes + k * w.nx),
                          raw(w.rows() + k * line_of_x));
     if (w.slabs_to_physical) fftw_execute(w.slabs_to_physical.get());
-    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
-        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
+    for (std::ptrdiff_t i = wanted.begin; i < wanted.end; i += width) {
+        const std::ptrdiff_t count = std::min(width, wanted.end - i);
         columns_to_rows(w.columns() + i, w.stride, count, w.modes, w.line(0), w.pitch);
         for (std::ptrdiff_t r = 0; r < count; ++r)
             fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)),
@@ -154,12 +154,19 @@ void SlabTransform::to_physical(double* plane) const {
     }
 }
 
-void SlabTransform::to_spectral(double* plane) const {
+void SlabTransform::to_spectral(double* plane, SlabRows given) const {
     Work& w = *work_;
     auto* modes = reinterpret_cast<Complex*>(plane);
     const std::ptrdiff_t line_of_x = w.slabs_to_spectral ? w.nx : w.stride;
-    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
-        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
+    if (given.begin > 0 || given.end < share_.x_count) {
+        for (std::ptrdiff_t k = 0; k < w.modes; ++k) {
+            Complex* line = w.columns() + k * w.stride;
+            std::fill(line, line + given.begin, 0.0);
+            std::fill(line + given.end, line + share_.x_count, 0.0);
+        }
+    }
+    for (std::ptrdiff_t i = given.begin; i < given.end; i += width) {
+        const std::ptrdiff_t count = std::min(width, given.end - i);
         for (std::ptrdiff_t r = 0; r < count; ++r)
             fftw_execute_dft_r2c(w.y_to_spectral.get(), plane + (i + r) * share_.padded_ny,
                                  raw(w.line(r)));
@@ -169,16 +176,6 @@ void SlabTransform::to_spectral(double* plane) const {
     for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
         fftw_execute_dft(w.x_to_spectral.get(), raw(w.rows() + k * line_of_x),
                          raw(modes + k * w.nx));
-}
-
-void SlabTransform::to_physical(double* planes, std::ptrdiff_t count) const {
-    for (std::ptrdiff_t n = 0; n < count; ++n)
-        to_physical(planes + n * share_.reals);
-}
-
-void SlabTransform::to_spectral(double* planes, std::ptrdiff_t count) const {
-    for (std::ptrdiff_t n = 0; n < count; ++n)
-        to_spectral(planes + n * share_.reals);
 }
 
 } // namespace shearwake

@@ -17,6 +17,11 @@ struct SlabShare {
     std::ptrdiff_t reals = 0;                  // doubles that one plane's buffer needs
 };
 
+/// Rows [begin, end) of the x_count physical rows that a rank has.
+struct SlabRows {
+    std::ptrdiff_t begin = 0, end = 0;
+};
+
 /// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
 enum class Planning { estimated, measured };
 
@@ -40,12 +45,14 @@ public:
     SlabTransform& operator=(const SlabTransform&) = delete;
 
     const SlabShare& share() const { return share_; }
-    /// `plane` holds share().reals doubles, aligned as AlignedVector is.
-    void to_physical(double* plane) const;
-    void to_spectral(double* plane) const;
-    /// The same for `count` planes that follow each other at a distance of share().reals.
-    void to_physical(double* planes, std::ptrdiff_t count) const;
-    void to_spectral(double* planes, std::ptrdiff_t count) const;
+    /// `plane` holds share().reals doubles, aligned as AlignedVector is. Where only some rows
+    /// matter, up to half of the work is saved by naming them: to_physical leaves the others
+    /// undefined, to_spectral takes them for zero and does not read them.
+    void to_physical(double* plane, SlabRows wanted) const;
+    void to_spectral(double* plane, SlabRows given) const;
+    void to_physical(double* plane) const { to_physical(plane, all_rows()); }
+    void to_spectral(double* plane) const { to_spectral(plane, all_rows()); }
+    SlabRows all_rows() const { return {0, share_.x_count}; }
 
 private:
     struct Work;

@@ -94,22 +94,25 @@ void LateralField::from_rows(const std::vector<double>& in, Values& values) cons
                                 run.offset);
 }
 
-void LateralField::to_planes(const Values& values, double* planes) const {
-    const std::ptrdiff_t used = share_.x_count * share_.padded_ny;
+void LateralField::to_spectra(const Values& values, const SlabTransform& slabs,
+                              double* planes) const {
     for (const LateralVariation::Point& point : variation_.points) {
         for (std::size_t c = 0; c < components_; ++c, planes += share_.reals) {
-            std::fill_n(planes, used, 0.0);
+            std::fill(planes + point.rows.begin * share_.padded_ny,
+                      planes + point.rows.end * share_.padded_ny, 0.0);
             const double* from = values.data() + point.first * components_ + c * point.cells;
             for (const CellRun& run : point.runs)
                 std::copy_n(from + run.offset, run.end - run.begin,
                             planes + run.row * share_.padded_ny + run.begin);
+            slabs.to_spectral(planes, point.rows);
         }
     }
 }
 
-void LateralField::from_planes(const double* planes, Values& values) const {
+void LateralField::from_spectra(double* planes, const SlabTransform& slabs, Values& values) const {
     for (const LateralVariation::Point& point : variation_.points) {
         for (std::size_t c = 0; c < components_; ++c, planes += share_.reals) {
+            slabs.to_physical(planes, point.rows);
             double* to = values.data() + point.first * components_ + c * point.cells;
             for (const CellRun& run : point.runs)
                 std::copy_n(planes + run.row * share_.padded_ny + run.begin, run.end - run.begin,

@@ -23,9 +23,10 @@ public:
     void implicit(const Values& strain, Values& out) const;
     static double inner(const Values& a, const Values& b);
 
-    /// Physical planes [point][component]: zero but for the cells.
-    void to_planes(const Values& values, double* planes) const;
-    void from_planes(const double* planes, Values& values) const;
+    /// The spectra of planes [point][component] that are zero but for the cells, and back. Only
+    /// rows with cells pay for their transforms. Collective.
+    void to_spectra(const Values& values, const SlabTransform& slabs, double* planes) const;
+    void from_spectra(double* planes, const SlabTransform& slabs, Values& values) const;
 
     /// Values as rows of whole planes, zero but for the cells, for a file: any number of ranks.
     StateRows rows(std::ptrdiff_t nx) const;

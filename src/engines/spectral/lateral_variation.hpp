@@ -25,6 +25,7 @@ struct LateralVariation {
     struct Point {
         std::vector<CellRun> runs;
         std::size_t first = 0, cells = 0;
+        SlabRows rows; // that the runs lie in
     };
     std::vector<StrainPoint> strain_points;
     std::vector<Point> points;

@@ -61,11 +61,9 @@ void Stepper::advance() {
         first_pass();
     } else {
         field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
-        field_.to_planes(stress_, planes_.data());
-        slabs_.to_spectral(planes_.data(), transfer_.planes());
+        field_.to_spectra(stress_, slabs_, planes_.data());
         first_pass();
-        slabs_.to_physical(planes_.data(), transfer_.planes());
-        field_.from_planes(planes_.data(), change_);
+        field_.from_spectra(planes_.data(), slabs_, change_);
         if (variation.iterates) iterate();
         advance_strains();
     }
@@ -113,7 +111,7 @@ void Stepper::respond(Response wanted) {
     const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     Lanes* force = lanes(pencil_.data());
-    slabs_.to_spectral(planes_.data(), transfer_.planes());
+    field_.to_spectra(stress_, slabs_, planes_.data());
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         if (vectors_.is_nyquist(row)) continue;
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
@@ -133,7 +131,7 @@ void Stepper::respond(Response wanted) {
     if (wanted == Response::displacement) return;
     for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
         StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
-    slabs_.to_physical(planes_.data(), transfer_.planes());
+    field_.from_spectra(planes_.data(), slabs_, image_);
 }
 
 /// `change_` is E B^-1 rhs and becomes e = E d. From zero: an extrapolated guess was tried, and
@@ -153,9 +151,7 @@ void Stepper::iterate() {
     int count = 0;
     for (; norm > goal && count < most_iterations; ++count) {
         field_.implicit(direction_, stress_);
-        field_.to_planes(stress_, planes_.data());
         respond(Response::strain);
-        field_.from_planes(planes_.data(), image_);
         for (std::size_t i = 0; i < image_.size(); ++i)
             image_[i] = direction_[i] - image_[i];
         const double curvature = team_.sum(per_point * LateralField::inner(image_, stress_));
@@ -181,7 +177,6 @@ void Stepper::iterate() {
     // d = B^-1 (rhs - E^T S e), whose strain is e and what is left of the residual.
     if (count > 0) {
         field_.implicit(strain, stress_);
-        field_.to_planes(stress_, planes_.data());
         respond(Response::displacement);
     }
     for (std::size_t i = 0; i < strain.size(); ++i)

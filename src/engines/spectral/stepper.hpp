@@ -58,8 +58,8 @@ private:
     StateRows state_rows() const;
     /// One pass over the pencils: forces, solve, and what comes of it.
     void first_pass();
-    /// Of B^-1 E^T applied to the stress in the planes: its strain back into the planes, or itself
-    /// taken from the displacement to come (with the sign that forces have).
+    /// Of B^-1 E^T applied to `stress_`: its strain, into `image_`, or itself, taken from the
+    /// displacement to come (with the sign that forces have).
     enum class Response { strain, displacement };
     void respond(Response wanted);
     void iterate();
