@@ -8,20 +8,13 @@ LateralField::LateralField(LateralVariation variation, std::ptrdiff_t ny, const 
     : variation_(std::move(variation)),
       components_(static_cast<std::size_t>(variation_.components())), ny_(ny), share_(share) {}
 
-/// f(first value of the point's component 0, cells of the point, first cell).
-template <class F>
-void LateralField::each_cell(F f) const {
-    for (const LateralVariation::Point& point : variation_.points)
-        f(point.first * components_, point.cells, point.first);
-}
-
 void LateralField::stress(const Values& now, const Values& before, double rate, Values& out) const {
-    std::fill(out.begin(), out.end(), 0.0);
-    each_cell([&](std::size_t at, std::size_t n, std::size_t first) {
+    for (const LateralVariation::Point& point : variation_.points) {
+        const std::size_t n = point.cells, at = point.first * components_;
         const double *e = now.data() + at, *b = before.data() + at;
-        const double* lambda = variation_.lambda.data() + first;
-        const double* mu = variation_.mu.data() + first;
-        const double* viscosity = variation_.viscosity.data() + first;
+        const double* lambda = variation_.lambda.data() + point.first;
+        const double* mu = variation_.mu.data() + point.first;
+        const double* viscosity = variation_.viscosity.data() + point.first;
         double* s = out.data() + at;
         for (std::size_t i = 0; i < n; ++i) {
             const double dilation = lambda[i] * (e[i] + e[n + i] + e[2 * n + i]);
@@ -31,35 +24,34 @@ void LateralField::stress(const Values& now, const Values& before, double rate, 
                 s[c * n + i] = c < 3 ? dilation + 2.0 * both : both;
             }
         }
-    });
+        std::fill(s + 6 * n, s + components_ * n, 0.0);
+    }
 }
 
-void LateralField::implicit(const Values& strain, Values& out) const {
-    each_cell([&](std::size_t at, std::size_t n, std::size_t first) {
-        const double* e = strain.data() + at;
-        const double* lambda = variation_.implicit_lambda.data() + first;
-        const double* mu = variation_.implicit_mu.data() + first;
-        double* s = out.data() + at;
-        for (std::size_t i = 0; i < n; ++i) {
-            const double dilation = lambda[i] * (e[i] + e[n + i] + e[2 * n + i]);
-            for (std::size_t c = 0; c < 3; ++c)
-                s[c * n + i] = dilation + 2.0 * mu[i] * e[c * n + i];
-            for (std::size_t c = 3; c < 6; ++c)
-                s[c * n + i] = mu[i] * e[c * n + i];
+double LateralField::implicit(std::size_t point, const Values& strain, Values& out) const {
+    const std::size_t n = variation_.points[point].cells, first = variation_.points[point].first;
+    const double* e = strain.data() + first * components_;
+    const double* lambda = variation_.implicit_lambda.data() + first;
+    const double* mu = variation_.implicit_mu.data() + first;
+    double* s = out.data() + first * components_;
+    double product = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double dilation = lambda[i] * (e[i] + e[n + i] + e[2 * n + i]);
+        for (std::size_t c = 0; c < 6; ++c) {
+            const double own = mu[i] * e[c * n + i];
+            s[c * n + i] = c < 3 ? dilation + 2.0 * own : own;
+            product += e[c * n + i] * s[c * n + i];
         }
-        if (!variation_.density_varies) return;
-        const double* mass = variation_.implicit_mass.data() + first;
-        for (std::size_t c = 6; c < 9; ++c)
-            for (std::size_t i = 0; i < n; ++i)
-                s[c * n + i] = mass[i] * e[c * n + i];
-    });
-}
-
-double LateralField::inner(const Values& a, const Values& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        sum += a[i] * b[i];
-    return sum;
+    }
+    if (!variation_.density_varies) return product;
+    const double* mass = variation_.implicit_mass.data() + first;
+    for (std::size_t c = 6; c < 9; ++c) {
+        for (std::size_t i = 0; i < n; ++i) {
+            s[c * n + i] = mass[i] * e[c * n + i];
+            product += e[c * n + i] * s[c * n + i];
+        }
+    }
+    return product;
 }
 
 StateRows LateralField::rows(std::ptrdiff_t nx) const {

@@ -3,6 +3,7 @@
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/lateral_variation.hpp"
 
+#include <utility>
 #include <vector>
 
 namespace shearwake {
@@ -19,9 +20,14 @@ public:
 
     /// Stress beyond that of the layers: for strain `now`, and its rate (now - before) * rate.
     void stress(const Values& now, const Values& before, double rate, Values& out) const;
-    /// The implicit operator's part that is not the background's; `inner` is its bilinear form.
-    void implicit(const Values& strain, Values& out) const;
-    static double inner(const Values& a, const Values& b);
+    /// The implicit operator's part that is not the background's, at one point; (strain, out).
+    double implicit(std::size_t point, const Values& strain, Values& out) const;
+    std::size_t points() const { return variation_.points.size(); }
+    /// Where a point's values lie.
+    std::pair<std::size_t, std::size_t> range(std::size_t point) const {
+        const LateralVariation::Point& at = variation_.points[point];
+        return {at.first * components_, (at.first + at.cells) * components_};
+    }
 
     /// The spectra of planes [point][component] that are zero but for the cells, and back. Only
     /// rows with cells pay for their transforms. Collective.
@@ -34,9 +40,6 @@ public:
     void from_rows(const std::vector<double>& rows, Values& values) const;
 
 private:
-    template <class F>
-    void each_cell(F f) const;
-
     LateralVariation variation_;
     std::size_t components_;
     std::ptrdiff_t ny_;

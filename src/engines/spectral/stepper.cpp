@@ -10,8 +10,6 @@
 namespace shearwake {
 namespace {
 
-constexpr int most_iterations = 500;
-
 /// Weights of an element's nodes at reference position x in [-1, 1] (Lagrange).
 std::vector<double> weights_at(const GaussLobatto& rule, double x) {
     std::vector<double> weights(rule.nodes.size(), 1.0);
@@ -44,9 +42,7 @@ void Stepper::assemble() {
     planes_.assign(static_cast<std::size_t>(transfer_.planes() * slabs_.share().reals), 0.0);
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
-    if (field_.variation().iterates)
-        for (auto* values : {&solution_, &direction_, &image_})
-            values->assign(field_.size(), 0.0);
+    if (field_.variation().iterates) solver_.emplace(field_, team_);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
             operator_.factorise_implicit(vectors_.k(row, block), step_s_,
@@ -106,12 +102,11 @@ void Stepper::first_pass() {
     reference_ = std::max(sum_of(kinetic), std::abs(sum_of(work)));
 }
 
-void Stepper::respond(Response wanted) {
-    const double scale = step_ == 0 ? 0.5 : 1.0;
+template <class Use>
+void Stepper::respond(const LateralField::Values& stress, Use use) {
     const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
-    const std::ptrdiff_t size = operator_.unknowns() * parts;
     Lanes* force = lanes(pencil_.data());
-    field_.to_spectra(stress_, slabs_, planes_.data());
+    field_.to_spectra(stress, slabs_, planes_.data());
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         if (vectors_.is_nyquist(row)) continue;
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
@@ -119,68 +114,49 @@ void Stepper::respond(Response wanted) {
             std::fill(pencil_.begin(), pencil_.end(), 0.0);
             transfer_.add_force(row, block, planes_.data(), per_point, force);
             operator_.solve_implicit(lanes(factors_.data()) + at * operator_.factor_size(), force);
-            if (wanted == Response::strain) {
-                transfer_.strain(row, block, force, planes_.data());
-            } else {
-                Lanes* next = lanes(before_.data()) + at * size;
-                for (std::ptrdiff_t i = 0; i < size; ++i)
-                    next[i] += scale * force[i];
-            }
+            use(row, block, force);
         }
     }
-    if (wanted == Response::displacement) return;
-    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
-        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
-    field_.from_spectra(planes_.data(), slabs_, image_);
 }
 
-/// `change_` is E B^-1 rhs and becomes e = E d. From zero: an extrapolated guess was tried, and
-/// what it carries of the last steps' residuals cost more iterations than it saved.
+void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values& strain) {
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
+        transfer_.strain(row, block, displacement, planes_.data());
+    });
+    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
+        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
+    field_.from_spectra(planes_.data(), slabs_, strain);
+}
+
+void Stepper::displace(const LateralField::Values& stress) {
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
+        Lanes* next = lanes(before_.data()) + (row * vectors_.blocks() + block) * size;
+        for (std::ptrdiff_t i = 0; i < size; ++i)
+            next[i] += scale * displacement[i];
+    });
+}
+
+/// `change_` is E B^-1 rhs and becomes e = E d.
 void Stepper::iterate() {
-    LateralField::Values &residual = change_, &strain = solution_;
-    std::fill(strain.begin(), strain.end(), 0.0);
-    direction_ = residual;
-    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
-    field_.implicit(residual, stress_);
-    double sums[2] = {reference_, per_point * LateralField::inner(residual, stress_)};
-    team_.sum(std::span<double>(sums));
-    // The error of d in the energy norm of A is at most the residual's in that of S. Tied to what
-    // moves and not to d, which would be lax while a load begins and strict where it is gone.
-    const double goal = tolerance_ * tolerance_ * sums[0];
-    double norm = sums[1];
-    int count = 0;
-    for (; norm > goal && count < most_iterations; ++count) {
-        field_.implicit(direction_, stress_);
-        respond(Response::strain);
-        for (std::size_t i = 0; i < image_.size(); ++i)
-            image_[i] = direction_[i] - image_[i];
-        const double curvature = team_.sum(per_point * LateralField::inner(image_, stress_));
-        const double alpha = norm / curvature;
-        for (std::size_t i = 0; i < image_.size(); ++i) {
-            strain[i] += alpha * direction_[i];
-            residual[i] -= alpha * image_[i];
-        }
-        field_.implicit(residual, stress_);
-        const double next = team_.sum(per_point * LateralField::inner(residual, stress_));
-        const double beta = next / norm;
-        for (std::size_t i = 0; i < image_.size(); ++i)
-            direction_[i] = residual[i] + beta * direction_[i];
-        norm = next;
-    }
-    if (!(norm <= goal)) // not a number, too
+    const double points = static_cast<double>(case_.domain.nx * case_.domain.ny);
+    // The products are sums over cells, the reference is per area. Tied to what moves and not to d,
+    // which would be lax while a load begins and strict where it is gone.
+    const StrainSolver::Outcome outcome =
+        solver_->solve(change_, points * reference_, tolerance_,
+                       [&](const auto& stress, auto& strain) { strain_of(stress, strain); });
+    if (!outcome.converged)
         throw CaseFailure(fmt::format(
             "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "
             "shorter solver.spectral.time_step_us or a smaller contrast_cap would help",
-            step_, 1e3 * static_cast<double>(step_) * step_s_, count));
-    statistics_.iterations += count;
-    statistics_.most_iterations = std::max(statistics_.most_iterations, count);
+            step_, 1e3 * static_cast<double>(step_) * step_s_, outcome.iterations));
+    statistics_.iterations += outcome.iterations;
+    statistics_.most_iterations = std::max(statistics_.most_iterations, outcome.iterations);
     // d = B^-1 (rhs - E^T S e), whose strain is e and what is left of the residual.
-    if (count > 0) {
-        field_.implicit(strain, stress_);
-        respond(Response::displacement);
-    }
-    for (std::size_t i = 0; i < strain.size(); ++i)
-        change_[i] += strain[i];
+    if (outcome.iterations > 0) displace(solver_->stress());
+    for (std::size_t i = 0; i < change_.size(); ++i)
+        change_[i] += solver_->strain()[i];
 }
 
 void Stepper::advance_strains() {

@@ -3,10 +3,12 @@
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/lateral_field.hpp"
 #include "engines/spectral/moving_load.hpp"
+#include "engines/spectral/strain_solver.hpp"
 #include "engines/spectral/strain_transfer.hpp"
 #include "engines/spectral/vertical_operator.hpp"
 #include "fft/slab_transform.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,8 +28,8 @@ struct StepStatistics {
 /// varies laterally, its stress beyond the layers' is found in (x, y) space from strains that are
 /// advanced with u, and the operator is either a background at least as stiff as the medium (one
 /// solve) or the true one, A = B + E^T S E: with e = E d it is (1 + E B^-1 E^T S) e = E B^-1 rhs,
-/// self-adjoint in the product (a, S b), solved by conjugate gradients; as many iterations as
-/// preconditioning A with B would need, on vectors that live where the medium varies.
+/// solved by conjugate gradients; as many iterations as preconditioning A with B would need, on
+/// vectors that live where the medium varies.
 class Stepper {
 public:
     /// Collective. Throws CaseFailure on all ranks together.
@@ -58,10 +60,13 @@ private:
     StateRows state_rows() const;
     /// One pass over the pencils: forces, solve, and what comes of it.
     void first_pass();
-    /// Of B^-1 E^T applied to `stress_`: its strain, into `image_`, or itself, taken from the
-    /// displacement to come (with the sign that forces have).
-    enum class Response { strain, displacement };
-    void respond(Response wanted);
+    /// Of B^-1 E^T applied to a stress, with the sign that forces have: its strain; and itself,
+    /// added to the displacement to come.
+    void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
+    void displace(const LateralField::Values& stress);
+    /// Solves B for the force of the planes at every pencil and hands the result to `use`.
+    template <class Use>
+    void respond(const LateralField::Values& stress, Use use);
     void iterate();
     void advance_strains();
 
@@ -83,7 +88,7 @@ private:
     AlignedVector<double> factors_, now_, before_, pencil_;
     AlignedVector<double> planes_;
     LateralField::Values strain_, strain_before_, stress_, change_;
-    LateralField::Values solution_, direction_, image_; // of the iterations
+    std::optional<StrainSolver> solver_; // where it iterates
 };
 
 } // namespace shearwake

@@ -1,7 +1,7 @@
 #include "engines/spectral/vertical_operator.hpp"
 
 #include "base/error.hpp"
-#include "engines/spectral/band_matrix.hpp"
+#include "engines/spectral/skyline_matrix.hpp"
 
 #include <algorithm>
 
@@ -65,7 +65,8 @@ Background background_of(const DepthMesh& mesh, const Medium& medium) {
 VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
     : background_(std::move(background)), finest_(finest_mode(mesh.rule)),
       derivative_(mesh.rule.derivative), weights_(mesh.rule.weights), nodes_(mesh.degree + 1),
-      levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+      levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)), psv_matrix_(levels_, mesh.degree, 2),
+      sh_matrix_(levels_, mesh.degree, 1) {
     if (nodes_ > most_nodes) throw CaseFailure("solver.spectral.degree is too high");
     mass_.assign(mesh.levels(), 0.0);
     drag_.assign(mesh.levels(), 0.0);
@@ -107,12 +108,11 @@ Lanes VerticalOperator::implicit_mu(std::size_t element, std::ptrdiff_t node, La
 }
 
 void VerticalOperator::assemble_psv(Lanes k, double dt_s, Lanes* matrix) const {
-    const std::ptrdiff_t band = 2 * nodes_, unknowns = psv();
-    std::fill_n(matrix, unknowns * band, Lanes{});
+    std::fill_n(matrix, psv_matrix_.entries(), Lanes{});
     const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t column, Lanes value) {
-        if (column <= row && row < unknowns) matrix[row * band + column - row + band - 1] += value;
+        if (column <= row && row < psv()) psv_matrix_.at(matrix, row, column) += value;
     };
-    for (std::ptrdiff_t i = 0; i < unknowns; ++i) {
+    for (std::ptrdiff_t i = 0; i < psv(); ++i) {
         const auto level = static_cast<std::size_t>(i / 2);
         add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s) + 0.5 * drag_[level] / dt_s);
     }
@@ -153,10 +153,9 @@ void VerticalOperator::assemble_psv(Lanes k, double dt_s, Lanes* matrix) const {
 }
 
 void VerticalOperator::assemble_sh(Lanes k, double dt_s, Lanes* matrix) const {
-    const std::ptrdiff_t band = nodes_;
-    std::fill_n(matrix, levels_ * band, Lanes{});
+    std::fill_n(matrix, sh_matrix_.entries(), Lanes{});
     const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t column, Lanes value) {
-        if (column <= row && row < levels_) matrix[row * band + column - row + band - 1] += value;
+        if (column <= row && row < levels_) sh_matrix_.at(matrix, row, column) += value;
     };
     for (std::ptrdiff_t i = 0; i < levels_; ++i) {
         const auto level = static_cast<std::size_t>(i);
@@ -179,15 +178,15 @@ void VerticalOperator::assemble_sh(Lanes k, double dt_s, Lanes* matrix) const {
 
 void VerticalOperator::factorise_implicit(Lanes k, double dt_s, Lanes* factor) const {
     assemble_psv(k, dt_s, factor);
-    factorise(psv(), 2 * nodes_, factor);
-    Lanes* sh = factor + psv() * 2 * nodes_;
+    psv_matrix_.factorise(factor);
+    Lanes* sh = factor + psv_matrix_.entries();
     assemble_sh(k, dt_s, sh);
-    factorise(levels_, nodes_, sh);
+    sh_matrix_.factorise(sh);
 }
 
 void VerticalOperator::solve_implicit(const Lanes* factor, Lanes* pencil) const {
-    solve(psv(), 2 * nodes_, factor, pencil);
-    solve(levels_, nodes_, factor + psv() * 2 * nodes_, pencil + psv() * parts);
+    psv_matrix_.solve(factor, pencil);
+    sh_matrix_.solve(factor + psv_matrix_.entries(), pencil + psv() * parts);
 }
 
 Lanes VerticalOperator::twice_kinetic(double rate, const Lanes* u, const Lanes* before,

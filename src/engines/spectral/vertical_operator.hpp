@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engines/spectral/depth_mesh.hpp"
-#include "engines/spectral/lanes.hpp"
+#include "engines/spectral/skyline_matrix.hpp"
 
 #include <vector>
 
@@ -41,7 +41,7 @@ public:
     std::ptrdiff_t unknowns() const { return 3 * levels_; }
     std::ptrdiff_t nodes() const { return nodes_; } // of an element
     /// Lanes of the two factors of one pencil.
-    std::ptrdiff_t factor_size() const { return psv() * 2 * nodes_ + levels_ * nodes_; }
+    std::ptrdiff_t factor_size() const { return psv_matrix_.entries() + sh_matrix_.entries(); }
 
     /// Assembles and factorises the implicit operator for eight k at once.
     void factorise_implicit(Lanes k, double dt_s, Lanes* factor) const;
@@ -83,6 +83,7 @@ private:
     std::vector<double> derivative_;  // of the reference element
     std::vector<double> weights_;
     std::ptrdiff_t nodes_, levels_;
+    SkylineMatrix psv_matrix_, sh_matrix_;
 };
 
 } // namespace shearwake

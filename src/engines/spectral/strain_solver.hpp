@@ -1,0 +1,49 @@
+#pragma once
+
+#include "engines/spectral/lateral_field.hpp"
+#include "parallel/comm.hpp"
+
+#include <functional>
+
+namespace shearwake {
+
+/// Conjugate gradients for the strain e of a step where the medium varies laterally:
+///     (1 + G S) e = b,   G = E B^-1 E^T,
+/// self-adjoint in the product (a, S b); S is the stiffness beyond the background's, B. From zero:
+/// an extrapolated guess was tried, and what it carries of the last steps' residuals cost more
+/// iterations than it saved.
+class StrainSolver {
+public:
+    using Values = LateralField::Values;
+
+    /// G applied to a stress, written to `strain` with the sign that forces have: minus.
+    /// Collective.
+    using Response = std::function<void(const Values& stress, Values& strain)>;
+
+    StrainSolver(const LateralField& field, const Comm& team);
+
+    struct Outcome {
+        int iterations = 0;
+        bool converged = false; // not where a value is not a number
+    };
+    /// `residual` is b and becomes b - G S e, what is left; `reference` this rank's part of the
+    /// square of what moves, of which sqrt((r, S r)) shall be less than `tolerance`. The error of
+    /// the displacement in the energy norm of the operator is at most the residual's in that of S.
+    /// Collective.
+    Outcome solve(Values& residual, double reference, double tolerance, const Response& respond);
+
+    const Values& strain() const { return strain_; } // e
+    /// S e.
+    const Values& stress();
+
+private:
+    double curvature() const;
+    double step_along(double alpha, Values& residual);
+    void turn(double beta, const Values& residual);
+
+    const LateralField& field_;
+    Comm team_;
+    Values strain_, direction_, stress_, image_; // stress: S direction
+};
+
+} // namespace shearwake
