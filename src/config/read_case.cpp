@@ -138,7 +138,7 @@ std::optional<double> read_time_step_s(Reader& options, const TimeAxis& time) {
 
 SpectralOptions read_spectral(Reader options, const TimeAxis& time) {
     SpectralOptions spectral;
-    spectral.time_step_s = read_time_step_s(options, time).value_or(spectral.time_step_s);
+    spectral.time_step_s = read_time_step_s(options, time);
     const double degree = options.number_or("degree", spectral.degree, Range::between(2, 16));
     if (degree != std::floor(degree)) options.error("degree", "must be a whole number");
     spectral.degree = static_cast<int>(degree);

@@ -6,6 +6,7 @@
 #include "parallel/comm.hpp"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace shearwake {
@@ -32,6 +33,14 @@ struct VolumePlane {
     View2<const double> values; // x_count rows of ny values, in the field's SI unit
 };
 
+/// What a case took, and what the engine chose for it and why. The same on all ranks.
+struct SolverReport {
+    std::vector<std::string> notes;     // one line each
+    std::ptrdiff_t steps = 0;           // none: the engine does not step
+    std::ptrdiff_t iterations = 0;      // of its linear solver, in all
+    std::ptrdiff_t most_iterations = 0; // in one step
+};
+
 /// Receives the field of a case as the engine produces it. Called on every rank of the team, in
 /// the same order, also where the slab is empty; an observer must not throw on one rank only.
 class Observer {
@@ -44,6 +53,8 @@ public:
     virtual void volume_levels(const std::vector<double>& /*z_m*/) {}
     /// In any order, within the snapshot's frame. Collective.
     virtual void volume(const VolumePlane& /*plane*/) {}
+    /// Once, after the last frame, by engines that have something to tell. Collective.
+    virtual void solved(const SolverReport& /*report*/) {}
     /// What the frames so far have left, for a run that goes on later with the next one; restored
     /// after `begin`. Collective; called by engines within their own save and restore.
     virtual void save(StateWriter& /*state*/) {}
@@ -64,6 +75,9 @@ public:
     virtual ~Engine() = default;
     /// Not collective. `ranks`: of the team that would run it.
     virtual Estimate estimate(const Case& c, int ranks) const = 0;
+    /// What it will choose for the case and why, one line each, as far as the case alone tells.
+    /// Not collective.
+    virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }
     /// Collective over the team; always the same team for one engine.
     /// Throws CaseFailure on all ranks together. With `checkpoints` it goes on from the newest
     /// state, and returns early after a save when they say stop; engines whose cases take seconds

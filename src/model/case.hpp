@@ -67,7 +67,7 @@ struct LayeredOptions {
 enum class SpectralMethod { automatic, one_solve, iterative };
 /// Engine `spectral`: Fourier in x and y, spectral elements in z, implicit in time.
 struct SpectralOptions {
-    double time_step_s = 25e-6;
+    std::optional<double> time_step_s; // none: 25 us
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
     SpectralMethod method = SpectralMethod::automatic;

@@ -152,6 +152,14 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
     attributes.push_back({"wall_s", facts.wall_s});
     attributes.push_back({"started", facts.started});
     attributes.push_back({"ended", facts.ended});
+    const SolverReport& solver = facts.solver;
+    if (!solver.notes.empty())
+        attributes.push_back({"solver_notes", fmt::format("{}", fmt::join(solver.notes, "\n"))});
+    if (solver.steps > 0) {
+        attributes.push_back({"solver_steps", static_cast<long>(solver.steps)});
+        attributes.push_back({"solver_iterations", static_cast<long>(solver.iterations)});
+        attributes.push_back({"solver_most_iterations", static_cast<long>(solver.most_iterations)});
+    }
     attributes.push_back({"status", std::string("complete")});
     return attributes;
 }

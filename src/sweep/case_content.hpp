@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engines/engine.hpp"
 #include "measures/summary.hpp"
 #include "model/plan.hpp"
 #include "model/record.hpp"
@@ -23,6 +24,7 @@ struct RunFacts {
     int ranks = 1;
     double wall_s = 0.0;
     std::string started, ended; // UTC
+    SolverReport solver;
 };
 
 /// Root attributes: what the case is and where it comes from.

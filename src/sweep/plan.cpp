@@ -40,6 +40,27 @@ std::string resolution_of(const Case& c) {
     return fmt::format("{:.1f} / {:.1f}", focus, wave);
 }
 
+/// What the engines choose: each distinct line once, with the number of cases it is true of.
+void print_choices(const std::vector<const PlannedCase*>& cases) {
+    std::vector<std::pair<std::string, std::size_t>> notes; // in the order of the cases
+    for (const PlannedCase* planned : cases) {
+        const Case& c = planned->physics;
+        for (const std::string& note : make_engine(c.solver)->choices(c)) {
+            const auto told = std::find_if(notes.begin(), notes.end(),
+                                           [&](const auto& n) { return n.first == note; });
+            if (told == notes.end())
+                notes.emplace_back(note, 1);
+            else
+                ++told->second;
+        }
+    }
+    if (!notes.empty()) fmt::print("\n");
+    for (const auto& [note, count] : notes)
+        fmt::print("{}{}\n", note,
+                   count == cases.size() ? ""
+                                         : fmt::format(" ({} of {} cases)", count, cases.size()));
+}
+
 } // namespace
 
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
@@ -70,6 +91,7 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
                    fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
                    resolution_of(c), needed_B / 1e6, e.seconds, settings_of(planned));
     }
+    print_choices(cases);
     const Domain& d = job.plan.cases.front().physics.domain;
     fmt::print("\n{} cases; the grid of the first covers {:g} x {:g} mm\n", cases.size(),
                1e3 * d.extent_x_m(), 1e3 * d.extent_y_m());

@@ -20,6 +20,7 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <optional>
+#include <set>
 #include <thread>
 
 namespace shearwake {
@@ -80,17 +81,30 @@ private:
                                         team_, journal_,
                                         {[this] { return stop_asked(); },
                                          [this](const auto& text) { progress_.say(text); }});
-            const auto seconds =
+            const auto outcome =
                 run_case(planned, facts_, *engine_, team_, folder_.case_file(planned.id),
                          checkpoints, [this] { tick(); });
-            if (seconds) on_root(team_, [&] { journal_.finished(planned.id, *seconds); });
-            if (team_.is_root()) counters_.fetch_add(seconds ? done : begun, seconds ? 1 : -1);
+            if (outcome) on_root(team_, [&] { journal_.finished(planned.id, outcome->seconds); });
+            if (outcome) tell(planned, outcome->solver);
+            if (team_.is_root()) counters_.fetch_add(outcome ? done : begun, outcome ? 1 : -1);
         } catch (const CaseFailure& failure) {
             record(planned, failure.what());
         } catch (const UsageError& failure) { // the file system refuses: this case's trouble alone
             record(planned, failure.what());
         }
         tick();
+    }
+
+    /// One line of what iterated or chose what no case before it did; else nothing.
+    void tell(const PlannedCase& planned, const SolverReport& solver) {
+        std::vector<std::string> news;
+        if (solver.iterations > 0)
+            news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step",
+                                       solver.steps, solver.iterations, solver.most_iterations));
+        for (const std::string& note : solver.notes)
+            if (told_.insert(note).second) news.push_back(note);
+        if (team_.is_root() && !news.empty())
+            progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
     }
 
     /// All ranks of the team are here. What a failed case leaves in the engine is not trusted.
@@ -144,6 +158,7 @@ private:
     std::unique_ptr<Engine> engine_;
     const RunArguments& arguments_;
     Progress& progress_;
+    std::set<std::string> told_; // notes of engines
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{};
     bool signal_told_ = false, signal_seen_ = false;
 };

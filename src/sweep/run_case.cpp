@@ -97,9 +97,10 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
 
 } // namespace
 
-std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
-                               const Comm& team, const std::filesystem::path& path,
-                               CaseCheckpoints& checkpoints, const std::function<void()>& tick) {
+std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
+                                    const Comm& team, const std::filesystem::path& path,
+                                    CaseCheckpoints& checkpoints,
+                                    const std::function<void()>& tick) {
     const auto began = std::chrono::steady_clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
@@ -123,13 +124,14 @@ std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, 
     facts.wall_s = checkpoints.earlier_seconds() +
                    std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     facts.ended = timestamp();
+    facts.solver = recorder.solver();
     writer.commit(groups, case_attributes(planned, facts));
     checkpoints.discard();
     on_root(team, [&] {
         if (c.record.frames) write_xdmf(path, layout);
         if (!c.record.volumes_s.empty()) write_volume_xdmf(path, writer.volume());
     });
-    return facts.wall_s;
+    return CaseOutcome{facts.wall_s, facts.solver};
 }
 
 } // namespace shearwake

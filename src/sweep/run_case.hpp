@@ -19,12 +19,18 @@ struct JobFacts {
     double memory_per_rank_B = 0.0;
 };
 
+/// How it went.
+struct CaseOutcome {
+    double seconds = 0.0; // over all runs
+    SolverReport solver;
+};
+
 /// Computes one case on a team, from its newest state on if it has one, and writes its file.
-/// Returns the seconds it took over all runs; nothing when it was saved to go on later. Collective
-/// over the team. Throws CaseFailure on all its ranks together; nothing half-written is left then
-/// but what a state goes with.
-std::optional<double> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
-                               const Comm& team, const std::filesystem::path& path,
-                               CaseCheckpoints& checkpoints, const std::function<void()>& tick);
+/// Returns nothing when it was saved to go on later. Collective over the team. Throws CaseFailure
+/// on all its ranks together; nothing half-written is left then but what a state goes with.
+std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
+                                    const Comm& team, const std::filesystem::path& path,
+                                    CaseCheckpoints& checkpoints,
+                                    const std::function<void()>& tick);
 
 } // namespace shearwake

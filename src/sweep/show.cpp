@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <sstream>
 
 namespace shearwake {
 namespace {
@@ -12,6 +13,26 @@ namespace {
 std::string text_of(const CaseSummary& summary, const std::string& name) {
     const auto found = summary.texts.find(name);
     return found == summary.texts.end() ? "unknown" : found->second;
+}
+
+void print_solver(const CaseSummary& s) {
+    const auto count = [&](const std::string& name) {
+        const auto found = s.numbers.find(name);
+        return found == s.numbers.end() ? 0.0 : found->second;
+    };
+    std::string indent = "solver:   ";
+    const auto line = [&](std::string_view text) {
+        fmt::print("{}{}\n", indent, text);
+        indent = "          ";
+    };
+    if (count("solver_steps") > 0.0)
+        line(fmt::format("{:.0f} steps, {:.0f} iterations, {:.0f} at most in a step",
+                         count("solver_steps"), count("solver_iterations"),
+                         count("solver_most_iterations")));
+    if (!s.texts.contains("solver_notes")) return;
+    std::istringstream notes(s.texts.at("solver_notes"));
+    for (std::string note; std::getline(notes, note);)
+        line(note);
 }
 
 void print_case(const std::filesystem::path& path) {
@@ -34,6 +55,7 @@ void print_case(const std::filesystem::path& path) {
     fmt::print("program:  {}, git {}, {} ({}), {}, {}, HDF5 {}\n", text_of(s, "program"),
                text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
                text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));
+    print_solver(s);
     fmt::print("\nmeasures:\n");
     for (const Variable& v : s.scalars) {
         const double value = v.values.at(0);

@@ -25,6 +25,7 @@ public:
     void frame(const Frame& frame) override;
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const VolumePlane& plane) override;
+    void solved(const SolverReport& report) override { solver_ = report; }
     /// Every rank's own part of the sums: the same ranks go on bit for bit, others share the parts
     /// out. The frames kept so far reach the disk.
     void save(StateWriter& state) override;
@@ -38,6 +39,8 @@ public:
     const std::vector<TraceSeries>& traces() const { return traces_; }
     /// On rank 0 only; empty elsewhere.
     const std::optional<MachFit>& mach() const { return mach_; }
+    /// What the engine has told; empty if it had nothing to tell.
+    const SolverReport& solver() const { return solver_; }
 
     /// The frames that a case keeps: all, or those nearest to the wanted snapshots.
     static std::vector<std::ptrdiff_t> kept_frames(const Case& c);
@@ -65,6 +68,7 @@ private:
         false; // the frame of the instant has come; this rank may have no row of it
     double volume_planes_ = 0.0; // so far
     std::optional<MachFit> mach_;
+    SolverReport solver_;
 };
 
 } // namespace shearwake

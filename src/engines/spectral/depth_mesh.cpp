@@ -1,5 +1,7 @@
 #include "engines/spectral/depth_mesh.hpp"
 
+#include "engines/spectral/time_step.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -23,7 +25,8 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options) {
         2.0 * std::numbers::pi * greatest_envelope_frequency_Hz(c.load.modulation.envelope);
     // omega dt < 2.42 keeps a_mu = 1/12 stable: c_s sqrt(finest) (2/h) dt.
     const double calm_m = 2.0 * c.medium.layers.front().c_s_m_s *
-                          std::sqrt(finest_mode(mesh.rule)) * options.time_step_s / 2.42;
+                          std::sqrt(finest_mode(mesh.rule)) * choose_time_step(c, options).step_s /
+                          2.42;
     const double short_m = 9.0 * per_degree / steepest;
     double next_m = std::clamp(calm_m, short_m, 2.0 * short_m);
     for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {

@@ -1,6 +1,7 @@
 #include "engines/spectral/spectral_engine.hpp"
 
 #include "base/error.hpp"
+#include "engines/spectral/choices.hpp"
 #include "engines/spectral/stepper.hpp"
 #include "parallel/agree.hpp"
 
@@ -11,17 +12,17 @@
 namespace shearwake {
 namespace {
 
-/// Steps per output interval.
-std::ptrdiff_t steps_per_frame(const Case& c, const SpectralOptions& options) {
-    const double ratio = c.time.interval_s / options.time_step_s;
-    return std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
-}
-
 std::vector<double> levels_of(const DepthMesh& mesh) {
     std::vector<double> z_m;
     for (std::size_t level = 0; level < mesh.levels(); ++level)
         z_m.push_back(mesh.z_m(level));
     return z_m;
+}
+
+SolverReport report_of(const Stepper& stepper, std::vector<std::string> notes) {
+    notes.insert(notes.end(), stepper.notes().begin(), stepper.notes().end());
+    const StepStatistics& s = stepper.statistics();
+    return {std::move(notes), s.steps, s.iterations, s.most_iterations};
 }
 
 } // namespace
@@ -34,8 +35,8 @@ Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
     const double modes =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny / 2 + 1);
     const double points = static_cast<double>(c.domain.nx * c.domain.ny);
-    const double steps =
-        static_cast<double>(c.time.frames) * static_cast<double>(steps_per_frame(c, options));
+    const double steps = static_cast<double>(c.time.frames) *
+                         static_cast<double>(choose_time_step(c, options).per_frame);
     Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
     // A factor serves +kx and -kx; two displacements of real and imaginary parts.
@@ -47,18 +48,27 @@ Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
     return e;
 }
 
+std::vector<std::string> SpectralEngine::choices(const Case& c) const {
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    auto notes = discretisation_notes(choose_time_step(c, options), choose_mesh(c, options));
+    for (std::string& note : variation_notes(c, options))
+        notes.push_back(std::move(note));
+    return notes;
+}
+
 void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
                          Checkpoints* checkpoints) {
     const auto& options = std::get<SpectralOptions>(c.solver);
-    const std::ptrdiff_t per_frame = steps_per_frame(c, options);
-    const double step_s = c.time.interval_s / static_cast<double>(per_frame);
+    const TimeStep time = choose_time_step(c, options);
+    const std::ptrdiff_t per_frame = time.per_frame;
+    const DepthMesh mesh = choose_mesh(c, options);
     const SlabTransform slabs(c.domain.nx, c.domain.ny, team, Planning::measured);
     const SlabShare& share = slabs.share();
-    Stepper stepper(c, choose_mesh(c, options), slabs, step_s, team);
+    Stepper stepper(c, mesh, slabs, time.step_s, team);
     AlignedVector<double> plane;
     together(team, [&] { plane.resize(static_cast<std::size_t>(share.reals)); });
     observer.begin({share.x_start, share.x_count});
-    const std::vector<double> levels_m = levels_of(choose_mesh(c, options));
+    const std::vector<double> levels_m = levels_of(mesh);
     if (!c.record.volumes_s.empty()) observer.volume_levels(levels_m);
     if (checkpoints)
         checkpoints->restore([&](StateReader& state) {
@@ -106,6 +116,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
         });
         if (checkpoints->stop()) return;
     }
+    observer.solved(report_of(stepper, discretisation_notes(time, mesh)));
 }
 
 } // namespace shearwake

@@ -10,6 +10,7 @@ namespace shearwake {
 class SpectralEngine : public Engine {
 public:
     Estimate estimate(const Case& c, int ranks) const override;
+    std::vector<std::string> choices(const Case& c) const override;
     void run(const Case& c, const Comm& team, Observer& observer,
              Checkpoints* checkpoints) override;
 };

@@ -1,0 +1,98 @@
+#include "engines/spectral/choices.hpp"
+
+#include "model/material_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+/// How far something in the layers differs from them.
+struct Difference {
+    double contrast = 1.0; // of shear stiffness, at most
+    bool density = false, viscosity = false;
+};
+
+/// `given` is a Body or a MapSample.
+void add(const Layer& layer, const auto& given, Difference& all) {
+    Layer other = layer;
+    other.density_kg_m3 = given.density_kg_m3.value_or(layer.density_kg_m3);
+    other.c_s_m_s = given.c_s_m_s.value_or(layer.c_s_m_s);
+    const Material around = material_of(layer), here = material_of(other);
+    all.contrast = std::max(all.contrast, here.mu_Pa / around.mu_Pa);
+    all.density |= here.density_kg_m3 != around.density_kg_m3;
+    all.viscosity |= given.viscosity_Pa_s.value_or(around.viscosity_Pa_s) != around.viscosity_Pa_s;
+}
+
+std::optional<double> value_at(const std::vector<double>& values, std::size_t i) {
+    return values.empty() ? std::nullopt : std::optional(values[i]);
+}
+
+/// To all layers that it reaches.
+template <class Add>
+Difference difference(const Medium& medium, double top_m, double bottom_m, const Add& add_layer) {
+    Difference all;
+    double layer_top_m = 0.0;
+    for (const Layer& layer : medium.layers) {
+        const double layer_bottom_m = layer_top_m + layer.thickness_m;
+        if (top_m < layer_bottom_m && bottom_m > layer_top_m) add_layer(layer, all);
+        layer_top_m = layer_bottom_m;
+    }
+    return all;
+}
+
+void tell(const std::string& what, const Difference& d, double cap,
+          std::vector<std::string>& notes) {
+    if (d.contrast > cap * (1.0 + 1e-12))
+        notes.push_back(fmt::format("{} is {:.3g} times as stiff in shear as the layer around it "
+                                    "and will be held to {:.3g} times (contrast_cap)",
+                                    what, d.contrast, cap));
+    if (d.density || d.viscosity)
+        notes.push_back(fmt::format("{} differs from the layers in {}: every step iterates", what,
+                                    d.density ? "density" : "viscosity"));
+}
+
+} // namespace
+
+std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh) {
+    double longest_m = 0.0;
+    for (std::size_t e = 0; e < mesh.elements(); ++e)
+        longest_m = std::max(longest_m, mesh.length_m(e));
+    return {time.why, fmt::format("{} element{} of degree {} over depth, {:.3g} mm long at the "
+                                  "surface and {:.3g} mm at most",
+                                  mesh.elements(), mesh.elements() == 1 ? "" : "s", mesh.degree,
+                                  1e3 * mesh.length_m(0), 1e3 * longest_m)};
+}
+
+std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options) {
+    std::vector<std::string> notes;
+    for (std::size_t i = 0; i < c.medium.bodies.size(); ++i) {
+        const Body& body = c.medium.bodies[i];
+        const Bounds box = bounds(body);
+        tell(fmt::format("medium.body[{}]", i + 1),
+             difference(c.medium, box.low_m.z, box.high_m.z,
+                        [&](const Layer& layer, Difference& all) { add(layer, body, all); }),
+             options.contrast_cap, notes);
+    }
+    if (!c.medium.map) return notes;
+    const MaterialMap& map = *c.medium.map;
+    const DepthRange range = depths(map);
+    const auto points = static_cast<std::size_t>(map.counts[0] * map.counts[1] * map.counts[2]);
+    tell("medium.map",
+         difference(c.medium, range.top_m, range.bottom_m,
+                    [&](const Layer& layer, Difference& all) {
+                        for (std::size_t i = 0; i < points; ++i)
+                            add(layer,
+                                MapSample{.c_s_m_s = value_at(map.c_s_m_s, i),
+                                          .c_p_m_s = {},
+                                          .density_kg_m3 = value_at(map.density_kg_m3, i),
+                                          .viscosity_Pa_s = value_at(map.viscosity_Pa_s, i)},
+                                all);
+                    }),
+         options.contrast_cap, notes);
+    return notes;
+}
+
+} // namespace shearwake

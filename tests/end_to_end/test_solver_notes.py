@@ -1,0 +1,70 @@
+"""What an engine chose and why, before and after the run."""
+import unittest
+
+import xarray
+
+from program import SWEEP, ProgramTest, case_files, changed, without_reference
+
+SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
+SHORT = (("duration_ms = 4.0", "duration_ms = 1.2"), ("at_ms = 4.0", "at_ms = 1.2"),
+         (SWEEP, SWEEP.replace("400, ", "")))
+BONE = ("[load]", """[[medium.body]]
+preset = "cortical-bone"
+shape = "cylinder"
+axis = "x"
+radius_mm = 2.0
+depth_mm = 9.0
+center_mm = [0.0, 0.0]
+
+[load]""")
+
+
+class SolverNotes(ProgramTest):
+    def attributes(self, path):
+        with xarray.open_dataset(path, decode_timedelta=False) as case:
+            return dict(case.attrs)
+
+    def test_a_bone_tells_of_its_cap_and_its_iterations(self):
+        self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
+        said = self.shearwake("plan", "job.toml").said
+        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 400"
+        for line in ("time step", held, "differs from the layers in density"):
+            self.assertEqual(said.count(line), 1, said)  # of two cases
+
+        said = self.shearwake("run", "job.toml").said
+        self.assertEqual(said.count("is held to 400 times: it reflects 0.9"), 1, said)
+        self.assertEqual(said.count("iterations"), 2, said)  # each case has its own
+        for path in case_files(self.out):
+            found = self.attributes(path)
+            notes = found["solver_notes"].split("\n")
+            self.assertTrue(any("is held to 400 times" in note for note in notes), notes)
+            self.assertTrue(any("the density varies" in note for note in notes), notes)
+            self.assertEqual(found["solver_steps"] % 12, 0)  # frames
+            self.assertGreaterEqual(found["solver_steps"], 12)
+            self.assertGreaterEqual(found["solver_iterations"], found["solver_most_iterations"])
+            self.assertGreater(found["solver_most_iterations"], 1)
+        shown = self.shearwake("show", path).said
+        self.says(shown, f"solver:   {found['solver_steps']} steps, {found['solver_iterations']} iterations, "
+                         f"{found['solver_most_iterations']} at most in a step", *notes)
+
+    def test_layers_tell_of_steps_alone(self):
+        self.write_job(without_reference(SPECTRAL, *SHORT))
+        said = self.shearwake("run", "job.toml").said
+        self.assertEqual(said.count("time step"), 1, said)  # news once
+        self.assertNotIn("iterations", said)
+        for path in case_files(self.out):
+            found = self.attributes(path)
+            self.assertEqual(found["solver_iterations"], 0)
+            self.assertIn("time step", found["solver_notes"])
+
+    def test_an_engine_that_does_not_step_has_none(self):
+        self.write_job(changed(*SHORT))
+        self.assertNotIn("over depth", self.shearwake("plan", "job.toml").said)
+        self.shearwake("run", "job.toml")
+        for path in case_files(self.out):
+            self.assertFalse([name for name in self.attributes(path) if name.startswith("solver")])
+        self.assertNotIn("solver: ", self.shearwake("show", path).said)
+
+
+if __name__ == "__main__":
+    unittest.main()
