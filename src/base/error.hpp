@@ -41,4 +41,10 @@ public:
     using Error::Error;
 };
 
+/// A field that has grown beyond all bounds: what has been saved of the case is worth nothing.
+class FieldDiverges : public CaseFailure {
+public:
+    using CaseFailure::CaseFailure;
+};
+
 } // namespace shearwake

@@ -79,6 +79,9 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
              CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
     try {
         or_abort([&] { engine.run(c, team, recorder, &checkpoints); });
+    } catch (const FieldDiverges&) {
+        checkpoints.discard();
+        throw;
     } catch (const Error&) {
         if (checkpoints.has_state()) writer.leave_for_later();
         throw;

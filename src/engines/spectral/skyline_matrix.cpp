@@ -107,4 +107,18 @@ void SkylineMatrix::solve(const Lanes* factor, Lanes* x) const {
     }
 }
 
+Lanes SkylineMatrix::quadratic_form(const Lanes* factor, Lanes* x, const Lanes* counted) const {
+    Lanes sum{};
+    for (std::ptrdiff_t i = 0; i < rows(); ++i) { // x becomes L^T x: columns above are still due
+        const Lanes* l = factor + row(i).start;
+        for (std::ptrdiff_t p = 0; p < parts; ++p)
+            for (std::ptrdiff_t j = row(i).first; j < i; ++j)
+                x[j * parts + p] += l[j] * x[i * parts + p];
+    }
+    for (std::ptrdiff_t i = 0; i < rows(); ++i)
+        for (std::ptrdiff_t p = 0; p < parts; ++p)
+            sum += counted[p] * x[i * parts + p] * x[i * parts + p] / factor[row(i).start + i];
+    return sum;
+}
+
 } // namespace shearwake

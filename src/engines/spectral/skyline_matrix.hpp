@@ -27,6 +27,8 @@ public:
     void factorise(Lanes* matrix) const;
     /// Solves A x = b for the four parts in place, x[unknown][part].
     void solve(const Lanes* factor, Lanes* x) const;
+    /// x.A x of each lane, from the factor, the four parts weighted with `counted`. Overwrites x.
+    Lanes quadratic_form(const Lanes* factor, Lanes* x, const Lanes* counted) const;
 
 private:
     struct Row {

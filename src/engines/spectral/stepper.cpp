@@ -28,7 +28,9 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
       field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
-      load_(c, vectors_, step_s) {
+      load_(c, vectors_, step_s),
+      // Where steps iterate, more often: that says less well what is wrong with the field.
+      watch_(team, step_s, field_.variation().iterates ? 1 : 16) {
     together(team, [&] { assemble(); });
 }
 
@@ -99,6 +101,8 @@ void Stepper::first_pass() {
     }
     for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
         StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
+    watch_.look(step_, 0.5 * sum_of(kinetic));
+    watch_.add_work(scale * sum_of(work));
     reference_ = std::max(sum_of(kinetic), std::abs(sum_of(work)));
 }
 
@@ -131,11 +135,18 @@ void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values
 void Stepper::displace(const LateralField::Values& stress) {
     const double scale = step_ == 0 ? 0.5 : 1.0;
     const std::ptrdiff_t size = operator_.unknowns() * parts;
+    Lanes work{};
     respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
         Lanes* next = lanes(before_.data()) + (row * vectors_.blocks() + block) * size;
         for (std::ptrdiff_t i = 0; i < size; ++i)
             next[i] += scale * displacement[i];
+        Lanes pressure[parts];
+        load_.put(row, block, pressure);
+        const Counted counted = vectors_.counted(row, block);
+        for (std::ptrdiff_t p = 0; p < parts; ++p)
+            work += counted.part[p] * pressure[p] * 0.5 * scale * displacement[parts + p];
     });
+    watch_.add_work(scale * sum_of(work));
 }
 
 /// `change_` is E B^-1 rhs and becomes e = E d.
@@ -178,6 +189,7 @@ void Stepper::save(StateWriter& state) const {
     state.put("step", static_cast<double>(step_));
     state.put("iterations", static_cast<double>(statistics_.iterations));
     state.put("most_iterations", statistics_.most_iterations);
+    state.put("work_J_m2", watch_.work_J_m2());
     state.put("now", state_rows(), now_.data());
     state.put("before", state_rows(), before_.data());
     if (field_.variation().empty()) return;
@@ -191,6 +203,7 @@ void Stepper::restore(StateReader& state) {
     statistics_.steps = step_;
     statistics_.iterations = std::lround(state.get("iterations"));
     statistics_.most_iterations = static_cast<int>(std::lround(state.get("most_iterations")));
+    watch_.restore(state.get("work_J_m2"));
     state.get("now", state_rows(), now_.data());
     state.get("before", state_rows(), before_.data());
     if (field_.variation().empty()) return;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engines/checkpoint.hpp"
+#include "engines/spectral/energy_watch.hpp"
 #include "engines/spectral/lateral_field.hpp"
 #include "engines/spectral/moving_load.hpp"
 #include "engines/spectral/strain_solver.hpp"
@@ -19,6 +20,11 @@ struct StepStatistics {
     std::ptrdiff_t steps = 0;
     std::ptrdiff_t iterations = 0; // of conjugate gradients, in all
     int most_iterations = 0;       // in one step
+};
+
+/// What the scheme keeps (energy_watch.hpp) half a step before now, and the load's work so far.
+struct EnergyBalance {
+    double energy_J = 0.0, work_J = 0.0;
 };
 
 /// The displacement at this rank's wave vectors over depth, and the step that advances it:
@@ -45,6 +51,10 @@ public:
     void save(StateWriter& state) const;
     void restore(StateReader& state);
 
+    /// Exact to rounding and, with iterations, their residual. Costs about a step. Collective;
+    /// throws FieldDiverges on all ranks together when the field has.
+    EnergyBalance energy();
+
     /// u_z at a depth as rows of the transposed spectrum, ready for SlabTransform. Not collective.
     void plane_of_w(double depth_m, double* plane) const;
 
@@ -58,7 +68,7 @@ private:
     void assemble();
     /// now_ and before_ as rows of ky, which any number of ranks shares out as it likes.
     StateRows state_rows() const;
-    /// One pass over the pencils: forces, solve, and what comes of it.
+    /// One pass over the pencils: forces, solve, and what comes of it. Collective.
     void first_pass();
     /// Of B^-1 E^T applied to a stress, with the sign that forces have: its strain; and itself,
     /// added to the displacement to come.
@@ -83,6 +93,7 @@ private:
     StrainTransfer transfer_;
     MovingLoad load_;
     StepStatistics statistics_;
+    EnergyWatch watch_;
     double reference_ = 0.0; // twice the kinetic energy, or the step's work, of this rank
     // Lanes by eights: a vector of a vector type would lose the type's alignment.
     AlignedVector<double> factors_, now_, before_, pencil_;

@@ -189,6 +189,13 @@ void VerticalOperator::solve_implicit(const Lanes* factor, Lanes* pencil) const 
     sh_matrix_.solve(factor + psv_matrix_.entries(), pencil + psv() * parts);
 }
 
+Lanes VerticalOperator::implicit_form(const Lanes* factor, Lanes* pencil,
+                                      const Lanes* counted) const {
+    return psv_matrix_.quadratic_form(factor, pencil, counted) +
+           sh_matrix_.quadratic_form(factor + psv_matrix_.entries(), pencil + psv() * parts,
+                                     counted);
+}
+
 Lanes VerticalOperator::twice_kinetic(double rate, const Lanes* u, const Lanes* before,
                                       const Lanes* counted) const {
     Lanes all{};

@@ -49,6 +49,9 @@ public:
     /// Solves with that, in place.
     void solve_implicit(const Lanes* factor, Lanes* pencil) const;
 
+    /// x.A x of the implicit operator A of the counted parts. Overwrites the pencil.
+    Lanes implicit_form(const Lanes* factor, Lanes* pencil, const Lanes* counted) const;
+
     /// -K u - C (u - before)/dt, added to `force`; `rate` is 1/dt.
     void add_internal_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
                             Lanes* force) const;

@@ -1,0 +1,72 @@
+#include "engines/spectral/stepper.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace shearwake {
+
+EnergyBalance Stepper::energy() {
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    const double rate = 1.0 / step_s_;
+    AlignedVector<double> memory;
+    LateralField::Values rest;
+    together(team_, [&] {
+        memory.assign(static_cast<std::size_t>(3 * size * lane_count), 0.0);
+        rest.assign(field_.size(), 0.0);
+    });
+    Lanes *change = lanes(memory.data()), *force = change + size, *zero = force + size;
+    Lanes kinetic{}, implicit{}, stored{}, viscous{};
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        if (vectors_.is_nyquist(row)) continue;
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const std::ptrdiff_t at = row * vectors_.blocks() + block;
+            const Lanes* now = lanes(now_.data()) + at * size;
+            const Lanes* before = lanes(before_.data()) + at * size;
+            const Counted counted = vectors_.counted(row, block);
+            const auto inner = [&](const Lanes* a, const Lanes* b) {
+                Lanes sum{};
+                for (std::ptrdiff_t i = 0; i < size; ++i)
+                    sum += counted.part[i % parts] * a[i] * b[i];
+                return sum;
+            };
+            for (std::ptrdiff_t i = 0; i < size; ++i)
+                change[i] = now[i] - before[i];
+            kinetic += 0.5 * operator_.twice_kinetic(rate, now, before, counted.part);
+            std::fill_n(force, size, Lanes{});
+            operator_.add_internal_force(vectors_.k(row, block), 0.0, before, before, force);
+            stored -= inner(force, now); // -K u-
+            std::fill_n(force, size, Lanes{});
+            operator_.add_internal_force(vectors_.k(row, block), rate, zero, change, force);
+            viscous += inner(force, change); // C v/dt
+            implicit += operator_.implicit_form(
+                lanes(factors_.data()) + at * operator_.factor_size(), change, counted.part);
+        }
+    }
+    double lateral = 0.0;
+    if (!field_.variation().empty()) {
+        const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+        // What a step fills anew is free between two of them.
+        LateralField::Values& difference = change_;
+        for (std::size_t i = 0; i < strain_.size(); ++i)
+            difference[i] = strain_[i] - strain_before_[i];
+        if (field_.variation().iterates) {
+            for (std::size_t point = 0; point < field_.points(); ++point)
+                lateral += 0.5 * field_.implicit(point, difference, stress_);
+        }
+        const auto inner = [](const LateralField::Values& a, const LateralField::Values& b) {
+            return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+        };
+        field_.stress(strain_before_, strain_before_, 0.0, stress_); // K u-
+        lateral += 0.5 * inner(strain_, stress_);
+        field_.stress(rest, difference, rate, stress_); // -C v/dt
+        lateral += 0.25 * inner(difference, stress_);
+        lateral *= per_point;
+    }
+    watch_.judge(step_, sum_of(kinetic));
+    const double mine = 0.5 * sum_of(implicit - 0.5 * viscous + stored) + lateral;
+    const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
+    return {area_m2 * team_.sum(mine), area_m2 * watch_.work_J_m2()};
+}
+
+} // namespace shearwake

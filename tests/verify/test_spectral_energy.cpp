@@ -1,0 +1,93 @@
+// The discrete energy of engine `spectral`: kept where nothing takes or gives, and no more than the
+// work of the load.
+#include "engines/spectral/stepper.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace shearwake;
+
+namespace {
+
+/// Lossless, 9 mm in three layers, a 3 mm focus at 7 m/s that goes out after 2 ms of 12 ms.
+Case lossless_case() {
+    Case c = test::moving_focus({}, ConstantSpeed{7.0});
+    Layer layer = test::tissue(1500.0, 0.0);
+    layer.thickness_m = 3e-3;
+    c.medium = {{layer, layer, layer}, Base::rigid};
+    c.medium.layers[1].c_s_m_s = 8.0;
+    c.medium.layers[1].density_kg_m3 = 1100.0;
+    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-7e-3, 0.0}, {7e-3, 0.0}};
+    c.domain = {32, 24, 1.25e-3, 0.0};
+    c.time = {120, 100e-6};
+    return c;
+}
+
+Body ellipsoid(double contrast) {
+    return {.name = "body",
+            .shape = Ellipsoid{{6e-3, 4e-3, 2e-3}},
+            .centre_m = {2e-3, 3e-3, 4e-3},
+            .c_s_m_s = 5.0 * std::sqrt(contrast)};
+}
+
+/// Advances a case on this rank alone; f(stepper) after each step.
+template <class F>
+void step_through(const Case& c, double step_s, const F& f) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    Stepper stepper(c, choose_mesh(c, std::get<SpectralOptions>(c.solver)), slabs, step_s, alone);
+    const auto steps = std::lround(c.time.duration_s() / step_s);
+    while (stepper.step() < steps) {
+        stepper.advance();
+        f(stepper);
+    }
+}
+
+} // namespace
+
+TEST_CASE("the energy stays once the load is gone, where nothing is lost", "[verify]") {
+    Case c = lossless_case();
+    SpectralOptions options{.time_step_s = 50e-6};
+    SECTION("layers") {}
+    SECTION("a body, one solve a step") {
+        options.method = SpectralMethod::one_solve;
+        c.medium.bodies = {ellipsoid(4.0)};
+    }
+    SECTION("a stiff and dense body, iterations") {
+        options.residual = 1e-12; // its error is added in each of 200 steps
+        c.medium.bodies = {ellipsoid(16.0)};
+        c.medium.bodies[0].density_kg_m3 = 1300.0;
+    }
+    c.solver = options;
+    double after = 0.0, worst = 0.0, work = 0.0;
+    step_through(c, 50e-6, [&](Stepper& stepper) {
+        if (stepper.step() < 42) return; // the load's correction reaches one step beyond 2 ms
+        const EnergyBalance balance = stepper.energy();
+        if (stepper.step() == 42) after = balance.energy_J, work = balance.work_J;
+        worst = std::max(worst, std::abs(balance.energy_J / after - 1.0));
+    });
+    CAPTURE(after, work, worst);
+    CHECK(after > 0.0);
+    CHECK(worst < 1e-8);                        // the requirement
+    CHECK(after == Approx(work).epsilon(1e-8)); // and it is what the load has done
+}
+
+TEST_CASE("viscosity takes from the energy at every step", "[verify]") {
+    Case c = lossless_case();
+    c.medium.layers[0].loss = KelvinVoigt{0.5};
+    c.medium.bodies = {ellipsoid(4.0)};
+    c.medium.bodies[0].viscosity_Pa_s = 2.0;
+    c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-10};
+    double last = 0.0, first = 0.0, most_gain = 0.0;
+    step_through(c, 50e-6, [&](Stepper& stepper) {
+        const EnergyBalance balance = stepper.energy();
+        CHECK(balance.energy_J <= balance.work_J * (1.0 + 1e-8)); // the residual's
+        if (stepper.step() == 42) first = balance.energy_J;
+        if (stepper.step() > 42) most_gain = std::max(most_gain, balance.energy_J / last - 1.0);
+        last = balance.energy_J;
+    });
+    CAPTURE(first, last);
+    CHECK(most_gain < 1e-9); // never rises, but for the residual
+    CHECK(last < 0.5 * first);
+}
