@@ -209,8 +209,12 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
             const double floor = stable(g, least.mu_Pa);
             for (std::ptrdiff_t i = 0; i < vectors.share().x_count; ++i) {
                 const auto* row = g.all.data() + i * c.domain.ny;
-                const auto matters = [&](const Material& m) {
-                    return differs(m, base) || (v.iterates && differs(m, least));
+                const auto matters = [&](Material m) {
+                    if (differs(m, base)) return true;
+                    // A body's mu lowers its lambda a little: the layer's is not the least then,
+                    // everywhere, which matters only where lambda is implicit.
+                    if (!lambda_varies) m.lambda_Pa = least.lambda_Pa;
+                    return v.iterates && differs(m, least);
                 };
                 std::ptrdiff_t begin = 0, end = c.domain.ny;
                 while (begin < end && !matters(row[begin]))
