@@ -34,6 +34,14 @@ struct RunArguments : JobArguments {
     bool quiet = false;
 };
 
+struct BenchArguments {
+    std::string engine = "layered";
+    // Of `spectral`:
+    std::string grid = "256x192x25"; // points along x and y, levels
+    int steps = 20;
+    double contrast = 4.0; // of a body's shear stiffness; 1: no body
+};
+
 ExitCode check_command(const JobArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 ExitCode run_command(const RunArguments& arguments, const Comm& world);
@@ -41,7 +49,7 @@ ExitCode status_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
-ExitCode bench_command(const std::string& engine, const Comm& world);
+ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls one of them.
 ExitCode program(int argc, char** argv, const Comm& world);

@@ -71,6 +71,12 @@ double memory_per_rank_B(const Comm& world) {
     return -world.max(-std::min(shared, left_of_own_limit_B()));
 }
 
+double peak_memory_B() {
+    struct rusage usage {};
+    return ::getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * static_cast<double>(usage.ru_maxrss)
+                                                 : 0.0;
+}
+
 double memory_needed_B(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);

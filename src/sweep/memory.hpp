@@ -11,6 +11,9 @@ namespace shearwake {
 /// machine's).
 double memory_per_rank_B(const Comm& world);
 
+/// The most that this rank has had in memory so far. Not collective.
+double peak_memory_B();
+
 /// What a case needs on one rank of a team: the engine's estimate and what the recorder holds.
 double memory_needed_B(const Case& c, int ranks);
 

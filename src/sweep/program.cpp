@@ -88,12 +88,22 @@ void add_path_verb(CLI::App& app, Action& action, const std::string& name, const
 }
 
 void add_bench(CLI::App& app, Action& action) {
-    auto engine = std::make_shared<std::string>("layered");
+    auto arguments = std::make_shared<BenchArguments>();
     CLI::App* verb = app.add_subcommand(
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
-    verb->add_option("ENGINE", *engine, "engine")->check(CLI::IsMember({"layered", "spectral"}));
+    verb->add_option("ENGINE", arguments->engine, "layered (default) or spectral")
+        ->check(CLI::IsMember({"layered", "spectral"}));
+    verb->add_option("--grid", arguments->grid, "spectral: points and levels (256x192x25)")
+        ->type_name("NXxNYxNZ");
+    verb->add_option("--steps", arguments->steps, "spectral: steps that are timed (20)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
+    verb->add_option("--contrast", arguments->contrast,
+                     "spectral: stiffness of the body over the layer's (4; 1: no body)")
+        ->type_name("C")
+        ->check(CLI::Range(1.0, 1e6));
     verb->callback([=, &action] {
-        action = [=](const Comm& world) { return bench_command(*engine, world); };
+        action = [=](const Comm& world) { return bench_command(*arguments, world); };
     });
 }
 

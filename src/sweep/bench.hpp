@@ -1,0 +1,36 @@
+#pragma once
+
+#include "parallel/comm.hpp"
+#include "sweep/commands.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace shearwake {
+
+/// What the benchmarks of the engines share. All collective.
+
+/// The slowest rank's seconds.
+double seconds_of(const Comm& world, const auto& work) {
+    using Clock = std::chrono::steady_clock;
+    world.barrier();
+    const auto began = Clock::now();
+    work();
+    return world.max(std::chrono::duration<double>(Clock::now() - began).count());
+}
+
+/// Best of a few: what the machine can do when nobody else uses it.
+double best_of(int times, const auto& measure) {
+    double best = measure();
+    for (int i = 1; i < times; ++i)
+        best = std::min(best, measure());
+    return best;
+}
+
+/// What all ranks together copy at once, read and written.
+double copy_rate_B_s(const Comm& world);
+
+/// A layer with or without a body, where the time of a step goes, and its floors.
+ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
+
+} // namespace shearwake

@@ -1,0 +1,54 @@
+"""What `bench` prints; never how fast: that is the machine's."""
+import re
+import unittest
+
+from program import ProgramTest
+
+SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
+PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "other"]
+
+
+class Bench(ProgramTest):
+    def row(self, said, name):
+        """The numbers behind a name: share, seconds, MB, GB/s."""
+        found = re.search(rf"^    {re.escape(name)} +([0-9. ]+)$", said, re.MULTILINE)
+        self.assertIsNotNone(found, f"no {name} in\n{said}")
+        return [float(word) for word in found.group(1).split()]
+
+    def number(self, said, name, field):
+        line = next(line for line in said.splitlines() if line.strip().startswith(name))
+        return float(re.findall(r"[0-9]+\.[0-9]+", line)[field])
+
+    def test_where_a_step_goes(self):
+        for ranks, contrast in ((1, 16), (3, 4)):
+            with self.subTest(ranks=ranks, contrast=contrast):
+                said = self.shearwake(*SMALL, "--contrast", contrast, ranks=ranks).stdout
+                self.assertIn(f"engine spectral, {ranks} rank", said)
+                self.assertIn("32 x 24 points x 9 levels, 2 steps", said)
+                shares = [self.row(said, name)[0] for name in PHASES]
+                self.assertAlmostEqual(sum(shares), 1.0, delta=0.003)  # of five, each to 0.0005
+                for name in PHASES[:4]:
+                    self.assertGreater(self.row(said, name)[2], 0.0)  # has moved something
+                self.assertIn("floor: bare FFTs", said)
+                self.assertGreater(self.number(said, "memory of a rank", 0), 0.0)
+
+    def test_contrast_costs_iterations(self):
+        counts = [self.number(self.shearwake(*SMALL, "--contrast", contrast).stdout, "iterations a step", 0)
+                  for contrast in (1, 100)]
+        self.assertEqual(counts[0], 0.0)
+        self.assertGreater(counts[1], 0.0)
+
+    def test_without_a_body_nothing_is_transformed(self):
+        said = self.shearwake(*SMALL, "--contrast", 1).stdout
+        self.assertEqual(self.row(said, "FFTs")[2], 0.0)
+        self.assertIn("none", said)
+
+    def test_grids_it_does_not_take(self):
+        for grid in ("32x24", "33x24x9", "32x24x10", "32x24x9x1", "0x24x9", "many"):
+            with self.subTest(grid):
+                said = self.shearwake("bench", "spectral", "--grid", grid, expect=2).said
+                self.assertIn("256x192x25", said)
+
+
+if __name__ == "__main__":
+    unittest.main()
