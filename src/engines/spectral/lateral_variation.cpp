@@ -1,6 +1,6 @@
 #include "engines/spectral/lateral_variation.hpp"
 
-#include "model/material_field.hpp"
+#include "engines/spectral/cell_materials.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -9,30 +9,6 @@
 
 namespace shearwake {
 namespace {
-
-/// Compressional stiffnesses that differ less than this share one stabilising modulus: the largest.
-constexpr double one_lambda = 1.5;
-/// The added inertia, relative to the soft tissue's, that one background solve a step may cost at
-/// the wavenumber where the footprint's spectrum has fallen to a half.
-constexpr double tolerated_inertia = 0.02;
-
-/// Materials of one strain point over this rank's rows, row by row.
-std::vector<Material> materials_at(const Case& c, std::size_t layer, const SlabShare& share,
-                                   double z_m, Vec3 size_m) {
-    std::vector<Material> all;
-    all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
-    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
-        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
-            all.push_back(material_of_cell(
-                c.medium, layer, {c.domain.x_m(share.x_start + i), c.domain.y_m(j), z_m}, size_m));
-    return all;
-}
-
-/// Sharp bodies are averaged over cells; smooth ones are sampled, which converges spectrally.
-bool is_smooth(const Medium& medium) {
-    return std::all_of(medium.bodies.begin(), medium.bodies.end(),
-                       [](const Body& body) { return body.edge_m > 0.0; });
-}
 
 /// Least and greatest of each property over the whole plane.
 struct Extremes {
@@ -60,18 +36,6 @@ double reflection(double stiffness_ratio) {
     return (z - 1.0) / (z + 1.0);
 }
 
-/// A node's share of its element's depth: the cell that its quadrature weight stands for.
-struct DepthCell {
-    double centre_m, size_m;
-};
-DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t node) {
-    const double half = 0.5 * mesh.length_m(element);
-    double top = mesh.ends_m[element];
-    for (std::size_t i = 0; i < node; ++i)
-        top += half * mesh.rule.weights[i];
-    return {top + 0.5 * half * mesh.rule.weights[node], half * mesh.rule.weights[node]};
-}
-
 /// One strain point while the whole is gathered.
 struct Gathered {
     StrainPoint where;
@@ -90,7 +54,6 @@ bool differs(const Material& a, const Material& b) {
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabShare& share,
                              double cap, const Comm& team, double& stiffest) {
     std::vector<Gathered> result;
-    const bool smooth = is_smooth(c.medium);
     const auto nodes = static_cast<std::size_t>(mesh.degree + 1);
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         if (!varies_between(c.medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
@@ -98,12 +61,8 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
         std::vector<Gathered> here;
         bool some_vary = false, less_viscous = false;
         for (std::size_t i = 0; i < nodes; ++i) {
-            const DepthCell cell = depth_cell(mesh, e, i);
-            const double z_m = smooth ? mesh.z_m(e * (nodes - 1) + i) : cell.centre_m;
-            const Vec3 size =
-                smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
             Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, {}, {}, false};
-            together(team, [&] { g.all = materials_at(c, mesh.layers[e], share, z_m, size); });
+            together(team, [&] { g.all = cell_materials(c, mesh, share, g.where); });
             g.extremes = extremes_of(g.all, layer, team);
             stiffest = std::max(stiffest, g.extremes.greatest.mu_Pa / layer.mu_Pa);
             for (Material& m : g.all)

@@ -9,6 +9,12 @@
 
 namespace shearwake {
 
+/// Compressional stiffnesses that differ less than this share one stabilising modulus: the largest.
+constexpr double one_lambda = 1.5;
+/// The added inertia, relative to the soft tissue's, that one background solve a step may cost at
+/// the wavenumber where the footprint's spectrum has fallen to a half.
+constexpr double tolerated_inertia = 0.02;
+
 /// Columns [begin, end) of one of this rank's rows, and where their values begin in an array that
 /// holds only the cells where the medium varies.
 struct CellRun {

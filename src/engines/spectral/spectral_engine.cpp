@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/choices.hpp"
+#include "engines/spectral/spectral_estimate.hpp"
 #include "engines/spectral/stepper.hpp"
 #include "parallel/agree.hpp"
 
@@ -29,23 +30,8 @@ SolverReport report_of(const Stepper& stepper, std::vector<std::string> notes) {
 
 Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
-    const DepthMesh mesh = choose_mesh(c, options);
-    const double unknowns = 2.0 * static_cast<double>(mesh.levels() - 1);
-    const double band = 2.0 * (mesh.degree + 1.0);
-    const double modes =
-        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny / 2 + 1);
-    const double points = static_cast<double>(c.domain.nx * c.domain.ny);
-    const double steps = static_cast<double>(c.time.frames) *
-                         static_cast<double>(choose_time_step(c, options).per_frame);
-    Estimate e;
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
-    // A factor serves +kx and -kx; two displacements of real and imaginary parts.
-    e.memory_per_rank_B =
-        60e6 + (modes * unknowns * (0.5 * band + 4.0) + 2.0 * points) * sizeof(double) / ranks;
-    // Seconds per unknown and entry of its band and step, and per point and frame, on one core.
-    e.seconds = steps * modes * unknowns * band * 1.0e-9 +
-                7e-9 * points * static_cast<double>(c.time.frames);
-    return e;
+    return estimate_spectral(c, choose_mesh(c, options), choose_time_step(c, options).per_frame,
+                             ranks);
 }
 
 std::vector<std::string> SpectralEngine::choices(const Case& c) const {
