@@ -62,8 +62,11 @@ void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff
 // Every line has the same plan, so the bits do not depend on the number of ranks.
 struct SlabTransform::Work {
     std::ptrdiff_t nx, ny, modes, pitch, stride;
+    std::ptrdiff_t line_pitch;
     AlignedVector<Complex> lines_, columns_, rows_;
+    AlignedVector<double> row_; // one physical row
     FftwPlan y_to_spectral, y_to_physical, x_to_spectral, x_to_physical;
+    FftwPlan line_to_spectral, line_to_physical;   // along x in place
     FftwPlan slabs_to_spectral, slabs_to_physical; // none on one rank
 
     Complex* columns() { return columns_.data(); }
@@ -84,7 +87,12 @@ bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
     y_to_physical.reset(fftw_plan_dft_c2r_1d(y, raw(line(0)), plane, flags));
     x_to_spectral.reset(fftw_plan_dft_1d(x, raw(rows()), modes_of_plane, FFTW_FORWARD, flags));
     x_to_physical.reset(fftw_plan_dft_1d(x, modes_of_plane, raw(rows()), FFTW_BACKWARD, flags));
-    return y_to_spectral && y_to_physical && x_to_spectral && x_to_physical;
+    line_to_spectral.reset(
+        fftw_plan_dft_1d(x, modes_of_plane, modes_of_plane, FFTW_FORWARD, flags));
+    line_to_physical.reset(
+        fftw_plan_dft_1d(x, modes_of_plane, modes_of_plane, FFTW_BACKWARD, flags));
+    return y_to_spectral && y_to_physical && x_to_spectral && x_to_physical && line_to_spectral &&
+           line_to_physical;
 }
 
 void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
@@ -113,8 +121,10 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
 
     Work& w = *work_;
     w.nx = nx, w.ny = ny, w.modes = modes;
-    w.pitch = modes + 3; // so that lines do not share their cache sets
+    w.pitch = modes + 3;                  // so that lines do not share their cache sets
+    w.line_pitch = odd_lines(2 * nx) / 2; // likewise
     w.lines_.resize(static_cast<std::size_t>(width * w.pitch));
+    w.row_.resize(static_cast<std::size_t>(share_.padded_ny));
     const bool alone = team.size() == 1;
     w.stride =
         alone ? nx + width : share_.x_count; // likewise, where FFTW-MPI does not prescribe it
@@ -137,7 +147,7 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
 
 SlabTransform::~SlabTransform() = default;
 
-void SlabTransform::to_physical(double* plane, SlabRows wanted) const {
+void SlabTransform::to_physical(double* plane) const {
     Work& w = *work_;
     auto* modes = reinterpret_cast<Complex*>(plane);
     const std::ptrdiff_t line_of_x = w.slabs_to_physical ? w.nx : w.stride;
@@ -145,8 +155,8 @@ void SlabTransform::to_physical(double* plane, SlabRows wanted) const {
         fftw_execute_dft(w.x_to_physical.get(), raw(modes + k * w.nx),
                          raw(w.rows() + k * line_of_x));
     if (w.slabs_to_physical) fftw_execute(w.slabs_to_physical.get());
-    for (std::ptrdiff_t i = wanted.begin; i < wanted.end; i += width) {
-        const std::ptrdiff_t count = std::min(width, wanted.end - i);
+    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
+        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
         columns_to_rows(w.columns() + i, w.stride, count, w.modes, w.line(0), w.pitch);
         for (std::ptrdiff_t r = 0; r < count; ++r)
             fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)),
@@ -154,19 +164,12 @@ void SlabTransform::to_physical(double* plane, SlabRows wanted) const {
     }
 }
 
-void SlabTransform::to_spectral(double* plane, SlabRows given) const {
+void SlabTransform::to_spectral(double* plane) const {
     Work& w = *work_;
     auto* modes = reinterpret_cast<Complex*>(plane);
     const std::ptrdiff_t line_of_x = w.slabs_to_spectral ? w.nx : w.stride;
-    if (given.begin > 0 || given.end < share_.x_count) {
-        for (std::ptrdiff_t k = 0; k < w.modes; ++k) {
-            Complex* line = w.columns() + k * w.stride;
-            std::fill(line, line + given.begin, 0.0);
-            std::fill(line + given.end, line + share_.x_count, 0.0);
-        }
-    }
-    for (std::ptrdiff_t i = given.begin; i < given.end; i += width) {
-        const std::ptrdiff_t count = std::min(width, given.end - i);
+    for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
+        const std::ptrdiff_t count = std::min(width, share_.x_count - i);
         for (std::ptrdiff_t r = 0; r < count; ++r)
             fftw_execute_dft_r2c(w.y_to_spectral.get(), plane + (i + r) * share_.padded_ny,
                                  raw(w.line(r)));
@@ -176,6 +179,82 @@ void SlabTransform::to_spectral(double* plane, SlabRows given) const {
     for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
         fftw_execute_dft(w.x_to_spectral.get(), raw(w.rows() + k * line_of_x),
                          raw(modes + k * w.nx));
+}
+
+std::ptrdiff_t SlabTransform::line_pitch() const {
+    return work_->line_pitch;
+}
+
+std::ptrdiff_t SlabTransform::lines_reals() const {
+    return odd_lines(2 * share_.ky_count * work_->line_pitch);
+}
+
+void SlabTransform::line_to_spectral(double* line) const {
+    auto* modes = reinterpret_cast<fftw_complex*>(line);
+    fftw_execute_dft(work_->line_to_spectral.get(), modes, modes);
+}
+
+void SlabTransform::line_to_physical(double* line) const {
+    auto* modes = reinterpret_cast<fftw_complex*>(line);
+    fftw_execute_dft(work_->line_to_physical.get(), modes, modes);
+}
+
+void SlabTransform::runs_to_lines(const double* values, std::span<const RowRun> runs,
+                                  double* lines) const {
+    Work& w = *work_;
+    const bool alone = !w.slabs_to_spectral;
+    // Lines over this rank's x: at once where they belong, or on their way to the other ranks.
+    Complex* columns = alone ? reinterpret_cast<Complex*>(lines) : w.columns();
+    const std::ptrdiff_t stride = alone ? w.line_pitch : w.stride;
+    const std::ptrdiff_t begin = runs.empty() ? 0 : runs.front().row;
+    const std::ptrdiff_t end = runs.empty() ? 0 : runs.back().row + 1;
+    for (std::ptrdiff_t k = 0; k < w.modes; ++k) {
+        std::fill_n(columns + k * stride, begin, 0.0);
+        std::fill(columns + k * stride + end, columns + k * stride + share_.x_count, 0.0);
+    }
+    auto run = runs.begin();
+    for (std::ptrdiff_t i = begin; i < end; i += width) {
+        const std::ptrdiff_t count = std::min(width, end - i);
+        for (std::ptrdiff_t r = 0; r < count; ++r) {
+            std::fill(w.row_.begin(), w.row_.end(), 0.0);
+            for (; run != runs.end() && run->row == i + r; ++run)
+                std::copy_n(values + run->offset, run->end - run->begin,
+                            w.row_.data() + run->begin);
+            fftw_execute_dft_r2c(w.y_to_spectral.get(), w.row_.data(), raw(w.line(r)));
+        }
+        rows_to_columns(w.line(0), w.pitch, count, w.modes, columns + i, stride);
+    }
+    if (alone) return;
+    fftw_execute(w.slabs_to_spectral.get());
+    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
+        std::copy_n(w.rows() + k * w.nx, w.nx,
+                    reinterpret_cast<Complex*>(lines) + k * w.line_pitch);
+}
+
+void SlabTransform::lines_to_runs(const double* lines, std::span<const RowRun> runs,
+                                  double* values) const {
+    Work& w = *work_;
+    const bool alone = !w.slabs_to_physical;
+    const Complex* columns = alone ? reinterpret_cast<const Complex*>(lines) : w.columns();
+    const std::ptrdiff_t stride = alone ? w.line_pitch : w.stride;
+    if (!alone) {
+        for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
+            std::copy_n(reinterpret_cast<const Complex*>(lines) + k * w.line_pitch, w.nx,
+                        w.rows() + k * w.nx);
+        fftw_execute(w.slabs_to_physical.get());
+    }
+    for (auto run = runs.begin(); run != runs.end();) {
+        const std::ptrdiff_t i = run->row;
+        const std::ptrdiff_t count = std::min(width, runs.back().row + 1 - i);
+        columns_to_rows(columns + i, stride, count, w.modes, w.line(0), w.pitch);
+        for (std::ptrdiff_t r = 0; r < count; ++r) {
+            if (run == runs.end() || run->row != i + r) continue;
+            fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)), w.row_.data());
+            for (; run != runs.end() && run->row == i + r; ++run)
+                std::copy_n(w.row_.data() + run->begin, run->end - run->begin,
+                            values + run->offset);
+        }
+    }
 }
 
 } // namespace shearwake

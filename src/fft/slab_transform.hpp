@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <span>
 
 namespace shearwake {
 
@@ -17,9 +18,11 @@ struct SlabShare {
     std::ptrdiff_t reals = 0;                  // doubles that one plane's buffer needs
 };
 
-/// Rows [begin, end) of the x_count physical rows that a rank has.
-struct SlabRows {
-    std::ptrdiff_t begin = 0, end = 0;
+/// Values at columns [begin, end) of one of a rank's physical rows, from `offset` on in an array
+/// that holds only those.
+struct RowRun {
+    std::ptrdiff_t row, begin, end;
+    std::size_t offset;
 };
 
 /// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
@@ -45,14 +48,21 @@ public:
     SlabTransform& operator=(const SlabTransform&) = delete;
 
     const SlabShare& share() const { return share_; }
-    /// `plane` holds share().reals doubles, aligned as AlignedVector is. Where only some rows
-    /// matter, up to half of the work is saved by naming them: to_physical leaves the others
-    /// undefined, to_spectral takes them for zero and does not read them.
-    void to_physical(double* plane, SlabRows wanted) const;
-    void to_spectral(double* plane, SlabRows given) const;
-    void to_physical(double* plane) const { to_physical(plane, all_rows()); }
-    void to_spectral(double* plane) const { to_spectral(plane, all_rows()); }
-    SlabRows all_rows() const { return {0, share_.x_count}; }
+    /// `plane` holds share().reals doubles, aligned as AlignedVector is.
+    void to_physical(double* plane) const;
+    void to_spectral(double* plane) const;
+
+    /// The same in two halves, for a plane that is zero but for some runs of its rows (ascending),
+    /// or wanted only there: along y and from rank to rank, where only those rows cost anything,
+    /// giving this rank's ky as lines over x; and along x, line by line, so that a caller can work
+    /// on a line while it is in the cache. `lines` holds lines_reals() doubles, line ky begins at
+    /// 2 ky line_pitch(). The first pair is collective.
+    void runs_to_lines(const double* values, std::span<const RowRun> runs, double* lines) const;
+    void lines_to_runs(const double* lines, std::span<const RowRun> runs, double* values) const;
+    void line_to_spectral(double* line) const;
+    void line_to_physical(double* line) const;
+    std::ptrdiff_t line_pitch() const;
+    std::ptrdiff_t lines_reals() const;
 
 private:
     struct Work;

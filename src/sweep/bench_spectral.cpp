@@ -103,7 +103,7 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     m.statistics.steps -= first.steps;
     m.statistics.iterations -= first.iterations;
     m.statistics.transforms -= first.transforms;
-    m.planes = stepper->planes();
+    m.planes = stepper->planes().count();
     m.peak_memory_B = world.max(peak_memory_B());
     return m;
 }
@@ -114,8 +114,10 @@ double bare_transforms_s(const Measured& m, const SlabTransform& slabs, const Co
     AlignedVector<double> planes(static_cast<std::size_t>(m.planes * slabs.share().reals));
     const auto there_and_back = [&] {
         return seconds_of(world, [&] {
-            slabs.to_spectral(planes.data(), m.planes);
-            slabs.to_physical(planes.data(), m.planes);
+            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
+                slabs.to_spectral(planes.data() + p * slabs.share().reals);
+            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
+                slabs.to_physical(planes.data() + p * slabs.share().reals);
         });
     };
     return best_of(5, there_and_back) * static_cast<double>(m.statistics.transforms) /

@@ -165,34 +165,51 @@ TEST_CASE("each direction is the other one's adjoint", "[mpi]") {
     CHECK(std::abs(world.sum(in_space) - world.sum(in_modes)) / size < 1e-14);
 }
 
-TEST_CASE("some rows alone have the bits that they have among all", "[mpi]") {
+TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
     const SlabTransform transform(nx, ny, world);
     const SlabShare& share = transform.share();
-    // Not whole groups of rows, and none at all where a rank has fewer than two.
-    const SlabRows rows{share.x_count / 3, share.x_count - share.x_count / 2};
-    AlignedVector<double> zeroed = noise_plane(share, ny, 3), poisoned = zeroed;
-    for (std::ptrdiff_t i = 0; i < share.x_count; ++i) {
-        if (i >= rows.begin && i < rows.end) continue;
-        std::fill_n(zeroed.begin() + i * share.padded_ny, ny, 0.0);
-        std::fill_n(poisoned.begin() + i * share.padded_ny, ny, std::nan(""));
+    // Not whole groups of rows, a row without a run, two runs in one, and nothing at all on a rank
+    // with a single row.
+    std::vector<RowRun> runs;
+    std::size_t cells = 0;
+    for (std::ptrdiff_t i = share.x_count / 3; i < share.x_count - share.x_count / 2; ++i) {
+        if (i == share.x_count / 3 + 1) continue;
+        for (const auto& [begin, end] : {std::pair{ny / 4, ny / 3}, std::pair{ny / 2, ny - 1}}) {
+            runs.push_back({i, begin, end, cells});
+            cells += static_cast<std::size_t>(end - begin);
+        }
     }
+    AlignedVector<double> plane = noise_plane(share, ny, 3);
+    std::vector<double> given(cells), back(cells, 0.0);
+    const AlignedVector<double> noise = plane;
+    std::fill(plane.begin(), plane.end(), 0.0);
+    for (const RowRun& run : runs)
+        for (std::ptrdiff_t j = run.begin; j < run.end; ++j) {
+            const auto at = static_cast<std::size_t>(run.row * share.padded_ny + j);
+            plane[at] = given[run.offset + static_cast<std::size_t>(j - run.begin)] = noise[at];
+        }
+    AlignedVector<double> lines(static_cast<std::size_t>(transform.lines_reals()));
+    transform.runs_to_lines(given.data(), runs, lines.data());
+    transform.to_spectral(plane.data());
     double worst = 0.0;
-    const auto compare = [&](std::ptrdiff_t begin, std::ptrdiff_t count) {
-        for (std::ptrdiff_t at = begin; at < begin + count; ++at)
-            worst = test::worse(worst, std::abs(poisoned[static_cast<std::size_t>(at)] -
-                                                zeroed[static_cast<std::size_t>(at)]));
-    };
-    transform.to_spectral(zeroed.data());
-    transform.to_spectral(poisoned.data(), rows);
-    compare(0, 2 * share.ky_count * nx);
-    CHECK(world.max(worst) == 0.0);
-    transform.to_physical(zeroed.data());
-    transform.to_physical(poisoned.data(), rows);
-    for (std::ptrdiff_t i = rows.begin; i < rows.end; ++i)
-        compare(i * share.padded_ny, ny);
-    CHECK(world.max(worst) == 0.0);
+    for (std::ptrdiff_t k = 0; k < share.ky_count; ++k) {
+        double* line = lines.data() + 2 * k * transform.line_pitch();
+        transform.line_to_spectral(line);
+        for (std::ptrdiff_t at = 0; at < 2 * nx; ++at)
+            worst = test::worse(
+                worst, std::abs(line[at] - plane[static_cast<std::size_t>(2 * k * nx + at)]));
+        transform.line_to_physical(line);
+    }
+    // Sums of nx ny numbers of at most 1, by other plans along x.
+    const double size = std::sqrt(static_cast<double>(nx * ny));
+    CHECK(world.max(worst) < 1e-14 * size);
+    transform.lines_to_runs(lines.data(), runs, back.data());
+    worst = 0.0;
+    for (std::size_t i = 0; i < cells; ++i)
+        worst = test::worse(worst, std::abs(back[i] / static_cast<double>(nx * ny) - given[i]));
+    CHECK(world.max(worst) < 1e-14);
 }
 
 TEST_CASE("a team gets the bits that one rank gets", "[mpi]") {

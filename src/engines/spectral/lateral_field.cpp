@@ -68,7 +68,7 @@ std::vector<double> LateralField::to_rows(const Values& values) const {
     double* plane = out.data();
     for (const LateralVariation::Point& point : variation_.points)
         for (std::size_t c = 0; c < components_; ++c, plane += ny_)
-            for (const CellRun& run : point.runs)
+            for (const RowRun& run : point.runs)
                 std::copy_n(values.data() + point.first * components_ + c * point.cells +
                                 run.offset,
                             run.end - run.begin, plane + run.row * all.row_length + run.begin);
@@ -80,37 +80,10 @@ void LateralField::from_rows(const std::vector<double>& in, Values& values) cons
     const double* plane = in.data();
     for (const LateralVariation::Point& point : variation_.points)
         for (std::size_t c = 0; c < components_; ++c, plane += ny_)
-            for (const CellRun& run : point.runs)
+            for (const RowRun& run : point.runs)
                 std::copy_n(plane + run.row * all.row_length + run.begin, run.end - run.begin,
                             values.data() + point.first * components_ + c * point.cells +
                                 run.offset);
-}
-
-void LateralField::to_spectra(const Values& values, const SlabTransform& slabs,
-                              double* planes) const {
-    for (const LateralVariation::Point& point : variation_.points) {
-        for (std::size_t c = 0; c < components_; ++c, planes += share_.reals) {
-            std::fill(planes + point.rows.begin * share_.padded_ny,
-                      planes + point.rows.end * share_.padded_ny, 0.0);
-            const double* from = values.data() + point.first * components_ + c * point.cells;
-            for (const CellRun& run : point.runs)
-                std::copy_n(from + run.offset, run.end - run.begin,
-                            planes + run.row * share_.padded_ny + run.begin);
-            slabs.to_spectral(planes, point.rows);
-        }
-    }
-}
-
-void LateralField::from_spectra(double* planes, const SlabTransform& slabs, Values& values) const {
-    for (const LateralVariation::Point& point : variation_.points) {
-        for (std::size_t c = 0; c < components_; ++c, planes += share_.reals) {
-            slabs.to_physical(planes, point.rows);
-            double* to = values.data() + point.first * components_ + c * point.cells;
-            for (const CellRun& run : point.runs)
-                std::copy_n(planes + run.row * share_.padded_ny + run.begin, run.end - run.begin,
-                            to + run.offset);
-        }
-    }
 }
 
 } // namespace shearwake

@@ -29,11 +29,6 @@ public:
         return {at.first * components_, (at.first + at.cells) * components_};
     }
 
-    /// The spectra of planes [point][component] that are zero but for the cells, and back. Only
-    /// rows with cells pay for their transforms. Collective.
-    void to_spectra(const Values& values, const SlabTransform& slabs, double* planes) const;
-    void from_spectra(double* planes, const SlabTransform& slabs, Values& values) const;
-
     /// Values as rows of whole planes, zero but for the cells, for a file: any number of ranks.
     StateRows rows(std::ptrdiff_t nx) const;
     std::vector<double> to_rows(const Values& values) const;

@@ -200,8 +200,6 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
                 }
             }
             point.cells = v.cells - point.first;
-            if (!point.runs.empty())
-                point.rows = {point.runs.front().row, point.runs.back().row + 1};
             v.points.push_back(std::move(point));
         }
     });

@@ -15,13 +15,6 @@ constexpr double one_lambda = 1.5;
 /// the wavenumber where the footprint's spectrum has fallen to a half.
 constexpr double tolerated_inertia = 0.02;
 
-/// Columns [begin, end) of one of this rank's rows, and where their values begin in an array that
-/// holds only the cells where the medium varies.
-struct CellRun {
-    std::ptrdiff_t row, begin, end;
-    std::size_t offset;
-};
-
 /// What varies laterally, on this rank's rows: at each strain point the cells concerned, and their
 /// moduli beyond those of the background's forces, times the quadrature weight [m]. The implicit
 /// operator is
@@ -29,9 +22,8 @@ struct CellRun {
 /// where the implicit ones are never negative.
 struct LateralVariation {
     struct Point {
-        std::vector<CellRun> runs;
+        std::vector<RowRun> runs;
         std::size_t first = 0, cells = 0;
-        SlabRows rows; // that the runs lie in
     };
     std::vector<StrainPoint> strain_points;
     std::vector<Point> points;

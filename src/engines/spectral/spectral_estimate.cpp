@@ -3,6 +3,7 @@
 #include "engines/spectral/cell_materials.hpp"
 #include "engines/spectral/lanes.hpp"
 #include "engines/spectral/lateral_variation.hpp"
+#include "engines/spectral/skyline_matrix.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -204,7 +205,10 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
 
     const double pencil_lanes = up(modes_y, ranks) * up(nx / 2.0, lane_count);
     const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Lanes);
-    const double factors_B = pencil_lanes * 5.0 * levels * nodes * sizeof(Lanes);
+    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
+    const auto entries = SkylineMatrix(moving, mesh.degree, 2).entries() +
+                         SkylineMatrix(moving, mesh.degree, 1).entries();
+    const double factors_B = pencil_lanes * static_cast<double>(entries) * sizeof(Lanes);
     const double plane_B =
         2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * up(modes_y, ranks));
     const double arrays = (v.iterations > 0.0 ? 7.0 : 4.0) * v.components + 3.0 +

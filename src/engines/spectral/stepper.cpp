@@ -8,19 +8,6 @@
 #include <fmt/format.h>
 
 namespace shearwake {
-namespace {
-
-/// Weights of an element's nodes at reference position x in [-1, 1] (Lagrange).
-std::vector<double> weights_at(const GaussLobatto& rule, double x) {
-    std::vector<double> weights(rule.nodes.size(), 1.0);
-    for (std::size_t i = 0; i < weights.size(); ++i)
-        for (std::size_t j = 0; j < weights.size(); ++j)
-            if (i != j) weights[i] *= (x - rule.nodes[j]) / (rule.nodes[i] - rule.nodes[j]);
-    return weights;
-}
-
-} // namespace
-
 Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs, double step_s,
                  const Comm& team)
     : case_(c), mesh_(mesh), slabs_(slabs), team_(team), vectors_(c.domain, slabs.share()),
@@ -41,10 +28,10 @@ void Stepper::assemble() {
     now_.assign(static_cast<std::size_t>(pencils * size), 0.0);
     before_ = now_;
     pencil_.resize(static_cast<std::size_t>(size));
-    planes_.assign(static_cast<std::size_t>(transfer_.planes() * slabs_.share().reals), 0.0);
+    planes_.emplace(field_, slabs_, case_.domain.nx, clock_);
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
-    if (field_.variation().iterates) solver_.emplace(field_, team_);
+    if (field_.variation().iterates) solver_.emplace(field_, team_, clock_);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
             operator_.factorise_implicit(vectors_.k(row, block), step_s_,
@@ -54,99 +41,152 @@ void Stepper::assemble() {
 
 void Stepper::advance() {
     const LateralVariation& variation = field_.variation();
+    clock_.start();
     load_.sample(step_);
+    clock_.lap(Phase::rest);
     if (variation.empty()) {
         first_pass();
     } else {
         field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
-        field_.to_spectra(stress_, slabs_, planes_.data());
+        clock_.lap(Phase::products, value_bytes(4.5)); // an array read or written: 1; moduli: 1/2
+        planes_->set(stress_);
         first_pass();
-        field_.from_spectra(planes_.data(), slabs_, change_);
+        planes_->get(change_);
         if (variation.iterates) iterate();
         advance_strains();
+        clock_.lap(Phase::products, value_bytes(4.0));
+        statistics_.transforms = planes_->transforms();
     }
     std::swap(now_, before_);
     ++step_;
     ++statistics_.steps;
 }
 
+template <class Use>
+void Stepper::each_pencil(Use use) {
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        const bool is_nyquist = vectors_.is_nyquist(row);
+        planes_->begin_row(row);
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block)
+            use(row, block, row * vectors_.blocks() + block);
+        planes_->end_row(row, is_nyquist);
+    }
+}
+
 void Stepper::first_pass() {
     const double scale = step_ == 0 ? 0.5 : 1.0;
-    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     Lanes* force = lanes(pencil_.data());
     Lanes kinetic{}, work{};
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        if (vectors_.is_nyquist(row)) continue;
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const std::ptrdiff_t at = row * vectors_.blocks() + block;
-            const Lanes* u = lanes(now_.data()) + at * size;
-            Lanes* before = lanes(before_.data()) + at * size;
-            const Counted counted = vectors_.counted(row, block);
-            std::fill(pencil_.begin(), pencil_.end(), 0.0);
-            Lanes pressure[parts];
-            load_.put(row, block, pressure);
-            std::copy_n(pressure, parts, force + parts); // unknown 1: W at the surface
-            operator_.add_internal_force(vectors_.k(row, block), 1.0 / step_s_, u, before, force);
-            transfer_.add_force(row, block, planes_.data(), per_point, force);
-            kinetic += operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part);
-            operator_.solve_implicit(lanes(factors_.data()) + at * operator_.factor_size(), force);
-            for (std::ptrdiff_t p = 0; p < parts; ++p) // f . (u+ - u-)/2
-                work += counted.part[p] * pressure[p] *
-                        (u[parts + p] - before[parts + p] + 0.5 * scale * force[parts + p]);
-            transfer_.strain(row, block, force, planes_.data());
-            for (std::ptrdiff_t i = 0; i < size; ++i)
-                before[i] = 2.0 * u[i] - before[i] + scale * force[i];
-        }
-    }
-    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
-        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
+    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+        const Lanes* u = lanes(now_.data()) + at * size;
+        Lanes* before = lanes(before_.data()) + at * size;
+        const Counted counted = vectors_.counted(row, block);
+        std::fill(pencil_.begin(), pencil_.end(), 0.0);
+        Lanes pressure[parts];
+        load_.put(row, block, pressure);
+        std::copy_n(pressure, parts, force + parts); // unknown 1: W at the surface
+        operator_.add_internal_force(vectors_.k(row, block), 1.0 / step_s_, u, before, force);
+        clock_.lap(Phase::solves, pencil_bytes(3.0));
+        add_planes_force(row, block, force);
+        kinetic += operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part);
+        operator_.solve_implicit(factor(at), force);
+        work += work_of(row, block, [&](std::ptrdiff_t p) { // f . (u+ - u-)/2
+            return u[parts + p] - before[parts + p] + 0.5 * scale * force[parts + p];
+        });
+        clock_.lap(Phase::solves);
+        put_strain(row, block, force);
+        for (std::ptrdiff_t i = 0; i < size; ++i)
+            before[i] = 2.0 * u[i] - before[i] + scale * force[i];
+        clock_.lap(Phase::solves);
+    });
     watch_.look(step_, 0.5 * sum_of(kinetic));
     watch_.add_work(scale * sum_of(work));
     reference_ = std::max(sum_of(kinetic), std::abs(sum_of(work)));
+    clock_.lap(Phase::rest);
+}
+
+const Lanes* Stepper::factor(std::ptrdiff_t pencil) const {
+    return lanes(factors_.data()) + pencil * operator_.factor_size();
+}
+
+template <class Motion>
+Lanes Stepper::work_of(std::ptrdiff_t row, std::ptrdiff_t block, Motion motion) const {
+    Lanes pressure[parts], work{};
+    load_.put(row, block, pressure);
+    const Counted counted = vectors_.counted(row, block);
+    for (std::ptrdiff_t p = 0; p < parts; ++p)
+        work += counted.part[p] * pressure[p] * motion(p);
+    return work;
+}
+
+void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Lanes* force) {
+    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+    transfer_.add_force(row, block, planes_->line(row), planes_->stride(), per_point, force);
+    clock_.lap(Phase::transfer, block_bytes());
+}
+
+void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
+    transfer_.strain(row, block, displacement, planes_->line(row), planes_->stride());
+    clock_.lap(Phase::transfer, block_bytes());
 }
 
 template <class Use>
 void Stepper::respond(const LateralField::Values& stress, Use use) {
-    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
     Lanes* force = lanes(pencil_.data());
-    field_.to_spectra(stress, slabs_, planes_.data());
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        if (vectors_.is_nyquist(row)) continue;
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const std::ptrdiff_t at = row * vectors_.blocks() + block;
-            std::fill(pencil_.begin(), pencil_.end(), 0.0);
-            transfer_.add_force(row, block, planes_.data(), per_point, force);
-            operator_.solve_implicit(lanes(factors_.data()) + at * operator_.factor_size(), force);
-            use(row, block, force);
-        }
-    }
+    planes_->set(stress);
+    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+        std::fill(pencil_.begin(), pencil_.end(), 0.0);
+        add_planes_force(row, block, force);
+        operator_.solve_implicit(factor(at), force);
+        clock_.lap(Phase::solves, pencil_bytes(0.0));
+        use(row, block, at, force);
+    });
 }
 
 void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values& strain) {
-    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
-        transfer_.strain(row, block, displacement, planes_.data());
-    });
-    for (std::ptrdiff_t p = 0; p < transfer_.planes(); ++p)
-        StrainTransfer::clear_nyquist(vectors_, planes_.data() + p * slabs_.share().reals);
-    field_.from_spectra(planes_.data(), slabs_, strain);
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
+                        const Lanes* displacement) { put_strain(row, block, displacement); });
+    planes_->get(strain);
 }
 
 void Stepper::displace(const LateralField::Values& stress) {
     const double scale = step_ == 0 ? 0.5 : 1.0;
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     Lanes work{};
-    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement) {
-        Lanes* next = lanes(before_.data()) + (row * vectors_.blocks() + block) * size;
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
+                        const Lanes* displacement) {
+        Lanes* next = lanes(before_.data()) + pencil * size;
         for (std::ptrdiff_t i = 0; i < size; ++i)
             next[i] += scale * displacement[i];
-        Lanes pressure[parts];
-        load_.put(row, block, pressure);
-        const Counted counted = vectors_.counted(row, block);
-        for (std::ptrdiff_t p = 0; p < parts; ++p)
-            work += counted.part[p] * pressure[p] * 0.5 * scale * displacement[parts + p];
+        work += work_of(row, block,
+                        [&](std::ptrdiff_t p) { return 0.5 * scale * displacement[parts + p]; });
     });
     watch_.add_work(scale * sum_of(work));
+}
+
+double Stepper::block_bytes() const {
+    return static_cast<double>(planes_->count() * parts) * sizeof(Lanes);
+}
+
+double Stepper::pencil_bytes(double times) const {
+    return (static_cast<double>(operator_.factor_size()) +
+            times * static_cast<double>(operator_.unknowns() * parts)) *
+           sizeof(Lanes);
+}
+
+double Stepper::value_bytes(double times) const {
+    return times * static_cast<double>(field_.size() * sizeof(double));
+}
+
+double Stepper::memory_B() const {
+    const LateralVariation& v = field_.variation();
+    std::size_t values = factors_.size() + now_.size() + before_.size();
+    for (const auto* kept : {&strain_, &strain_before_, &stress_, &change_, &v.lambda, &v.mu,
+                             &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
+        values += kept->size();
+    return static_cast<double>(values * sizeof(double)) + planes_->memory_B() +
+           (solver_ ? solver_->memory_B() : 0.0);
 }
 
 /// `change_` is E B^-1 rhs and becomes e = E d.
@@ -213,66 +253,6 @@ void Stepper::restore(StateReader& state) {
     field_.from_rows(buffer, strain_);
     state.get("strain_before", rows, buffer.data());
     field_.from_rows(buffer, strain_before_);
-}
-
-void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane) const {
-    const auto at_level = static_cast<std::ptrdiff_t>(level);
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        const double ky = vectors_.ky_rad_m(row);
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Lanes* u = lanes(now_.data()) +
-                             (row * vectors_.blocks() + block) * operator_.unknowns() * parts;
-            const Lanes kx = vectors_.kx(block), k = vectors_.k(row, block);
-            Lanes value[parts] = {};
-            if (at_level < operator_.levels()) {
-                const Lanes* uw = u + 2 * at_level * parts;
-                const Lanes* v = u + (operator_.psv() + at_level) * parts;
-                for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                    // u_x = i (c U - s V), u_y = i (s U + c V)
-                    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
-                        const double sign = p < minus_re ? 1.0 : -1.0;
-                        const double c = k[lane] > 0.0 ? sign * kx[lane] / k[lane] : 1.0;
-                        const double s = k[lane] > 0.0 ? ky / k[lane] : 0.0;
-                        value[p][lane] = component == 0   ? c * uw[p][lane] - s * v[p][lane]
-                                         : component == 1 ? s * uw[p][lane] + c * v[p][lane]
-                                                          : uw[parts + p][lane];
-                    }
-                }
-            }
-            if (component < 2) {
-                const Lanes plus = value[plus_re], minus = value[minus_re];
-                value[plus_re] = -value[plus_im];
-                value[plus_im] = plus;
-                value[minus_re] = -value[minus_im];
-                value[minus_im] = minus;
-            }
-            StrainTransfer::put(vectors_, row, block, plane, value);
-        }
-    }
-    StrainTransfer::clear_nyquist(vectors_, plane);
-}
-
-void Stepper::plane_of_w(double depth_m, double* plane) const {
-    const auto above = std::upper_bound(mesh_.ends_m.begin(), mesh_.ends_m.end() - 1, depth_m);
-    const auto element = static_cast<std::size_t>(above - mesh_.ends_m.begin()) - 1;
-    const std::vector<double> weights = weights_at(
-        mesh_.rule, 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0);
-    const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
-            const Lanes* u = lanes(now_.data()) +
-                             (row * vectors_.blocks() + block) * operator_.unknowns() * parts;
-            Lanes w[parts] = {};
-            for (std::ptrdiff_t i = 0; i <= mesh_.degree; ++i) {
-                const std::ptrdiff_t unknown = 2 * (first + i) + 1;
-                if (unknown >= operator_.psv()) continue; // the base rests
-                for (std::ptrdiff_t part = 0; part < parts; ++part)
-                    w[part] += weights[static_cast<std::size_t>(i)] * u[unknown * parts + part];
-            }
-            StrainTransfer::put(vectors_, row, block, plane, w);
-        }
-    }
-    StrainTransfer::clear_nyquist(vectors_, plane);
 }
 
 } // namespace shearwake

@@ -5,6 +5,7 @@
 #include "engines/spectral/lateral_field.hpp"
 #include "engines/spectral/moving_load.hpp"
 #include "engines/spectral/strain_solver.hpp"
+#include "engines/spectral/strain_planes.hpp"
 #include "engines/spectral/strain_transfer.hpp"
 #include "engines/spectral/vertical_operator.hpp"
 #include "fft/slab_transform.hpp"
@@ -19,6 +20,7 @@ namespace shearwake {
 struct StepStatistics {
     std::ptrdiff_t steps = 0;
     std::ptrdiff_t iterations = 0; // of conjugate gradients, in all
+    std::ptrdiff_t transforms = 0; // of planes of strain, there or back, on this run
     int most_iterations = 0;       // in one step
 };
 
@@ -63,6 +65,10 @@ public:
 
     const std::vector<std::string>& notes() const { return field_.variation().notes; }
     const StepStatistics& statistics() const { return statistics_; }
+    const StepClock& clock() const { return clock_; }
+    /// Of this rank's arrays.
+    double memory_B() const;
+    const StrainPlanes& planes() const { return *planes_; }
 
 private:
     void assemble();
@@ -74,9 +80,23 @@ private:
     /// added to the displacement to come.
     void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
     void displace(const LateralField::Values& stress);
-    /// Solves B for the force of the planes at every pencil and hands the result to `use`.
+    /// Solves B for the force of the planes at every pencil: use(row, block, pencil, displacement).
     template <class Use>
     void respond(const LateralField::Values& stress, Use use);
+    /// use(row, block, pencil) for all blocks of all ky, their planes' lines being spectra then.
+    template <class Use>
+    void each_pencil(Use use);
+    void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Lanes* force);
+    void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* displacement);
+    const Lanes* factor(std::ptrdiff_t pencil) const;
+    /// The load's work on a motion of the surface, given by its parts.
+    template <class Motion>
+    Lanes work_of(std::ptrdiff_t row, std::ptrdiff_t block, Motion motion) const;
+    /// Bytes: of what one pencil touches in the planes; of its factors and, `times` over, its
+    /// displacement; and `times` an array of values where the medium varies.
+    double block_bytes() const;
+    double pencil_bytes(double times) const;
+    double value_bytes(double times) const;
     void iterate();
     void advance_strains();
 
@@ -97,7 +117,8 @@ private:
     double reference_ = 0.0; // twice the kinetic energy, or the step's work, of this rank
     // Lanes by eights: a vector of a vector type would lose the type's alignment.
     AlignedVector<double> factors_, now_, before_, pencil_;
-    AlignedVector<double> planes_;
+    StepClock clock_;
+    std::optional<StrainPlanes> planes_;
     LateralField::Values strain_, strain_before_, stress_, change_;
     std::optional<StrainSolver> solver_; // where it iterates
 };

@@ -10,8 +10,8 @@ constexpr int most_iterations = 500;
 
 } // namespace
 
-StrainSolver::StrainSolver(const LateralField& field, const Comm& team)
-    : field_(field), team_(team) {
+StrainSolver::StrainSolver(const LateralField& field, const Comm& team, StepClock& clock)
+    : field_(field), team_(team), clock_(clock) {
     for (auto* values : {&strain_, &direction_, &stress_, &image_})
         values->assign(field.size(), 0.0);
 }
@@ -23,19 +23,29 @@ StrainSolver::Outcome StrainSolver::solve(Values& residual, double reference, do
     double first = 0.0;
     for (std::size_t point = 0; point < field_.points(); ++point)
         first += field_.implicit(point, direction_, stress_);
+    clock_.lap(Phase::products, bytes(5.5)); // an array read or written: 1; moduli: 1/2
     std::array<double, 2> sums = {reference, first};
     team_.sum(std::span<double>(sums));
+    clock_.lap(Phase::rest);
     const double goal = tolerance * tolerance * sums[0];
     double norm = sums[1];
     int count = 0;
     for (; norm > goal && count < most_iterations; ++count) {
         respond(stress_, image_);
-        const double alpha = norm / team_.sum(curvature());
-        const double next = team_.sum(step_along(alpha, residual));
+        const double alpha = norm / sum_over_team(curvature());
+        const double next = sum_over_team(step_along(alpha, residual));
         turn(next / norm, residual);
+        clock_.lap(Phase::products, bytes(16.5));
         norm = next;
     }
     return {.iterations = count, .converged = norm <= goal};
+}
+
+double StrainSolver::sum_over_team(double mine) {
+    clock_.lap(Phase::products);
+    const double all = team_.sum(mine);
+    clock_.lap(Phase::rest);
+    return all;
 }
 
 /// (direction, S (1 + G S) direction), with the image's sign.
@@ -71,6 +81,7 @@ void StrainSolver::turn(double beta, const Values& residual) {
 const StrainSolver::Values& StrainSolver::stress() {
     for (std::size_t point = 0; point < field_.points(); ++point)
         field_.implicit(point, strain_, stress_);
+    clock_.lap(Phase::products, bytes(2.5));
     return stress_;
 }
 

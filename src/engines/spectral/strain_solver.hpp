@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engines/spectral/lateral_field.hpp"
+#include "engines/spectral/step_clock.hpp"
 #include "parallel/comm.hpp"
 
 #include <functional>
@@ -20,7 +21,7 @@ public:
     /// Collective.
     using Response = std::function<void(const Values& stress, Values& strain)>;
 
-    StrainSolver(const LateralField& field, const Comm& team);
+    StrainSolver(const LateralField& field, const Comm& team, StepClock& clock);
 
     struct Outcome {
         int iterations = 0;
@@ -35,14 +36,18 @@ public:
     const Values& strain() const { return strain_; } // e
     /// S e.
     const Values& stress();
+    double memory_B() const { return static_cast<double>(4 * strain_.size() * sizeof(double)); }
 
 private:
     double curvature() const;
+    double sum_over_team(double mine);
+    double bytes(double times) const { return times * 0.25 * memory_B(); }
     double step_along(double alpha, Values& residual);
     void turn(double beta, const Values& residual);
 
     const LateralField& field_;
     Comm team_;
+    StepClock& clock_;
     Values strain_, direction_, stress_, image_; // stress: S direction
 };
 

@@ -27,10 +27,10 @@ StrainTransfer::StrainTransfer(const DepthMesh& mesh, std::vector<StrainPoint> p
     : mesh_(mesh), points_(std::move(points)), components_(components), vectors_(vectors),
       nodes_(mesh.degree + 1), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {}
 
-void StrainTransfer::put(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff_t block,
-                         double* plane, const Lanes* v) {
+void StrainTransfer::put(const WaveVectors& vectors, std::ptrdiff_t block, double* line,
+                         const Lanes* v) {
     const std::ptrdiff_t nx = vectors.nx(), first = block * lane_count;
-    Complex* out = reinterpret_cast<Complex*>(plane) + row * nx;
+    Complex* out = reinterpret_cast<Complex*>(line);
     if (is_full(vectors, block)) {
         store_ascending(out + first, v[plus_re], v[plus_im]);
         store_descending(out + nx - first - lane_count + 1, v[minus_re], v[minus_im]);
@@ -42,10 +42,10 @@ void StrainTransfer::put(const WaveVectors& vectors, std::ptrdiff_t row, std::pt
     }
 }
 
-void StrainTransfer::take(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff_t block,
-                          const double* plane, Lanes* v) {
+void StrainTransfer::take(const WaveVectors& vectors, std::ptrdiff_t block, const double* line,
+                          Lanes* v) {
     const std::ptrdiff_t nx = vectors.nx(), first = block * lane_count;
-    const Complex* in = reinterpret_cast<const Complex*>(plane) + row * nx;
+    const Complex* in = reinterpret_cast<const Complex*>(line);
     if (is_full(vectors, block)) {
         load_ascending(in + first, v[plus_re], v[plus_im]);
         load_descending(in + nx - first - lane_count + 1, v[minus_re], v[minus_im]);
@@ -59,14 +59,6 @@ void StrainTransfer::take(const WaveVectors& vectors, std::ptrdiff_t row, std::p
         v[plus_im][lane] = plus.imag();
         v[minus_re][lane] = minus.real();
         v[minus_im][lane] = minus.imag();
-    }
-}
-
-void StrainTransfer::clear_nyquist(const WaveVectors& vectors, double* plane) {
-    auto* out = reinterpret_cast<Complex*>(plane);
-    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row) {
-        out[row * vectors.nx() + vectors.nx() / 2] = 0.0;
-        if (vectors.is_nyquist(row)) std::fill_n(out + row * vectors.nx(), vectors.nx(), 0.0);
     }
 }
 
@@ -87,10 +79,8 @@ StrainTransfer::Direction StrainTransfer::direction(std::ptrdiff_t row,
 }
 
 void StrainTransfer::strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* pencil,
-                            double* planes) const {
+                            double* line, std::ptrdiff_t stride) const {
     const Direction at = direction(row, block);
-    const std::ptrdiff_t reals = vectors_.share().reals;
-    double* plane = planes;
     for (const StrainPoint& point : points_) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(point.element) * (nodes_ - 1);
         const double slope = 2.0 / mesh_.length_m(point.element);
@@ -125,26 +115,24 @@ void StrainTransfer::strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lane
             value[uy][p] = y;
             value[uz][p] = u[parts + p];
         }
-        for (int component = 0; component < components_; ++component, plane += reals) {
+        for (int component = 0; component < components_; ++component, line += stride) {
             const bool imaginary =
                 component == yz || component == xz || component == ux || component == uy;
             if (imaginary) times_i(value[component], turned);
-            put(vectors_, row, block, plane, imaginary ? turned : value[component]);
+            put(vectors_, block, line, imaginary ? turned : value[component]);
         }
     }
 }
 
-void StrainTransfer::add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* planes,
-                               double scale, Lanes* pencil) const {
+void StrainTransfer::add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* line,
+                               std::ptrdiff_t stride, double scale, Lanes* pencil) const {
     const Direction at = direction(row, block);
-    const std::ptrdiff_t reals = vectors_.share().reals;
-    const double* plane = planes;
     for (const StrainPoint& point : points_) {
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(point.element) * (nodes_ - 1);
         const double slope = 2.0 / mesh_.length_m(point.element);
         Lanes value[all_components][parts] = {}, turned[parts];
-        for (int component = 0; component < components_; ++component, plane += reals) {
-            take(vectors_, row, block, plane, value[component]);
+        for (int component = 0; component < components_; ++component, line += stride) {
+            take(vectors_, block, line, value[component]);
             const bool imaginary =
                 component == yz || component == xz || component == ux || component == uy;
             if (!imaginary) continue;

@@ -29,8 +29,8 @@ enum Component {
     all_components
 };
 
-/// Between pencils over depth and the planes of strain at chosen points, spectra in the slab's
-/// transposed layout, plane [point][component]. With u_x = i (c U - s V), u_y = i (s U + c V),
+/// Between pencils over depth and the planes of strain at chosen points, lines of their spectra,
+/// plane [point][component]. With u_x = i (c U - s V), u_y = i (s U + c V),
 /// c = kx/k, s = ky/k. Not collective.
 class StrainTransfer {
 public:
@@ -43,21 +43,20 @@ public:
     int components() const { return components_; }
     const std::vector<StrainPoint>& points() const { return points_; }
 
-    /// The strain of a pencil, written to the planes.
-    void strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* pencil,
-                double* planes) const;
-    /// Minus the forces that stresses (times their quadrature weights) in the planes exert, times
+    /// The strain of a pencil, written to the planes' lines of its ky: the first plane's, and the
+    /// doubles from one plane to the next.
+    void strain(std::ptrdiff_t row, std::ptrdiff_t block, const Lanes* pencil, double* line,
+                std::ptrdiff_t stride) const;
+    /// Minus the forces that stresses (times their quadrature weights) in those lines exert, times
     /// `scale`, added to a pencil.
-    void add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* planes, double scale,
-                   Lanes* pencil) const;
+    void add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* line,
+                   std::ptrdiff_t stride, double scale, Lanes* pencil) const;
 
-    /// Writes one complex value a wave vector of the block, and reads it.
-    static void put(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff_t block,
-                    double* plane, const Lanes* value);
-    static void take(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff_t block,
-                     const double* plane, Lanes* value);
-    /// Zeroes what `put` never writes: the Nyquist rows and columns.
-    static void clear_nyquist(const WaveVectors& vectors, double* plane);
+    /// Writes one complex value a wave vector of the block to its line over kx, and reads it.
+    static void put(const WaveVectors& vectors, std::ptrdiff_t block, double* line,
+                    const Lanes* value);
+    static void take(const WaveVectors& vectors, std::ptrdiff_t block, const double* line,
+                     Lanes* value);
 
 private:
     struct Direction {

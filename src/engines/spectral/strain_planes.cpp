@@ -1,0 +1,61 @@
+#include "engines/spectral/strain_planes.hpp"
+
+#include <algorithm>
+
+namespace shearwake {
+
+StrainPlanes::StrainPlanes(const LateralField& field, const SlabTransform& slabs, std::ptrdiff_t nx,
+                           StepClock& clock)
+    : field_(field), slabs_(slabs), clock_(clock), nx_(nx),
+      count_(static_cast<std::ptrdiff_t>(field.points()) * field.variation().components()) {
+    planes_.assign(static_cast<std::size_t>(count_ * stride()), 0.0);
+}
+
+void StrainPlanes::set(const LateralField::Values& values) {
+    double* plane = planes_.data();
+    const int components = field_.variation().components();
+    for (std::size_t p = 0; p < field_.points(); ++p) {
+        const LateralVariation::Point& point = field_.variation().points[p];
+        const double* of_point = values.data() + field_.range(p).first;
+        for (int c = 0; c < components; ++c, plane += stride())
+            slabs_.runs_to_lines(of_point + static_cast<std::size_t>(c) * point.cells, point.runs,
+                                 plane);
+    }
+    transforms_ += count_;
+    clock_.lap(Phase::transforms, 2.0 * memory_B());
+}
+
+void StrainPlanes::get(LateralField::Values& values) {
+    const double* plane = planes_.data();
+    const int components = field_.variation().components();
+    for (std::size_t p = 0; p < field_.points(); ++p) {
+        const LateralVariation::Point& point = field_.variation().points[p];
+        double* of_point = values.data() + field_.range(p).first;
+        for (int c = 0; c < components; ++c, plane += stride())
+            slabs_.lines_to_runs(plane, point.runs,
+                                 of_point + static_cast<std::size_t>(c) * point.cells);
+    }
+    transforms_ += count_;
+    clock_.lap(Phase::transforms, 2.0 * memory_B());
+}
+
+void StrainPlanes::begin_row(std::ptrdiff_t row) {
+    for (std::ptrdiff_t p = 0; p < count_; ++p)
+        slabs_.line_to_spectral(line(row) + p * stride());
+    clock_.lap(Phase::transforms);
+}
+
+void StrainPlanes::end_row(std::ptrdiff_t row, bool is_nyquist) {
+    for (std::ptrdiff_t p = 0; p < count_; ++p) {
+        double* modes = line(row) + p * stride();
+        if (is_nyquist) {
+            std::fill_n(modes, 2 * nx_, 0.0);
+            continue;
+        }
+        modes[nx_] = modes[nx_ + 1] = 0.0; // kx = nx/2
+        slabs_.line_to_physical(modes);
+    }
+    clock_.lap(Phase::transforms);
+}
+
+} // namespace shearwake
