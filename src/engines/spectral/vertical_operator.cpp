@@ -23,6 +23,13 @@ double lambda_of(const Layer& layer) {
     return layer.density_kg_m3 * layer.c_p_m_s * layer.c_p_m_s - 2.0 * static_shear_modulus(layer);
 }
 
+/// The largest eigenvalue of unit shear stiffness against unit mass on an element, for motion that
+/// keeps its volume (W' = k U; the rest is lambda's): `vertical` is that of slopes. Plane waves
+/// have k^2 + vertical; at an element's ends, of which its finest modes live, up to twice that.
+auto greatest_stiffness(const auto& k2, double vertical) {
+    return k2 + vertical + 4.0 * vertical * k2 / (k2 + vertical);
+}
+
 /// out[q][column] = sum over j of D[q][j] in[j][column], or with D transposed; rows of `width`.
 enum class Matrix { as_is, transposed };
 template <int width>
@@ -90,7 +97,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
 double VerticalOperator::stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m,
                                           double dt_s) const {
     const Element& el = elements_[element];
-    const double kappa2 = k_rad_m * k_rad_m + finest_ * el.slope * el.slope;
+    const double kappa2 = greatest_stiffness(k_rad_m * k_rad_m, finest_ * el.slope * el.slope);
     return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - 0.98 * el.density / (kappa2 * dt_s * dt_s));
 }
 
@@ -98,12 +105,12 @@ Lanes VerticalOperator::implicit_mu(std::size_t element, std::ptrdiff_t node, La
                                     double dt_s) const {
     const Element& el = elements_[element];
     const std::size_t at = point(element, node);
-    const double vertical = finest_ * el.slope * el.slope;
+    const Lanes kappa2 = greatest_stiffness(k * k, finest_ * el.slope * el.slope);
     Lanes m;
     for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
         m[lane] = std::max(background_.mu_accurate_Pa[at] / 12.0,
                            background_.mu_stable_Pa[at] / 4.0 -
-                               0.98 * el.density / ((k[lane] * k[lane] + vertical) * dt_s * dt_s));
+                               0.98 * el.density / (kappa2[lane] * dt_s * dt_s));
     return m;
 }
 

@@ -11,8 +11,8 @@ namespace shearwake {
 /// ([element * nodes + node]), laterally constant. The matrix is
 ///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
 /// m = max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2), kappa^2 the largest eigenvalue of
-/// strain against displacement on the element: 1/12 makes shear motion fourth order in dt, and
-/// what lies above it makes it stable at any step.
+/// K_1, the stiffness of unit mu, against displacement on the element: 1/12 makes shear motion
+/// fourth order in dt, and what lies above it makes it stable at any step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
     std::vector<double> drag_Hz; // force on rho du/dt: absorbs
