@@ -39,6 +39,8 @@ struct SolverReport {
     std::ptrdiff_t steps = 0;           // none: the engine does not step
     std::ptrdiff_t iterations = 0;      // of its linear solver, in all
     std::ptrdiff_t most_iterations = 0; // in one step
+    // Of the load; and what still moves and strains the medium half a step before the end.
+    double work_J = 0.0, energy_J = 0.0;
 };
 
 /// Receives the field of a case as the engine produces it. Called on every rank of the team, in

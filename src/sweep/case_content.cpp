@@ -159,6 +159,8 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
         attributes.push_back({"solver_steps", static_cast<long>(solver.steps)});
         attributes.push_back({"solver_iterations", static_cast<long>(solver.iterations)});
         attributes.push_back({"solver_most_iterations", static_cast<long>(solver.most_iterations)});
+        attributes.push_back({"solver_work_J", solver.work_J});
+        attributes.push_back({"solver_energy_J", solver.energy_J});
     }
     attributes.push_back({"status", std::string("complete")});
     return attributes;

@@ -16,7 +16,7 @@ std::string text_of(const CaseSummary& summary, const std::string& name) {
 }
 
 void print_solver(const CaseSummary& s) {
-    const auto count = [&](const std::string& name) {
+    const auto number = [&](const std::string& name) {
         const auto found = s.numbers.find(name);
         return found == s.numbers.end() ? 0.0 : found->second;
     };
@@ -25,10 +25,15 @@ void print_solver(const CaseSummary& s) {
         fmt::print("{}{}\n", indent, text);
         indent = "          ";
     };
-    if (count("solver_steps") > 0.0)
+    if (number("solver_steps") > 0.0)
         line(fmt::format("{:.0f} steps, {:.0f} iterations, {:.0f} at most in a step",
-                         count("solver_steps"), count("solver_iterations"),
-                         count("solver_most_iterations")));
+                         number("solver_steps"), number("solver_iterations"),
+                         number("solver_most_iterations")));
+    if (const double work_J = number("solver_work_J"); work_J > 0.0)
+        line(
+            fmt::format("the load has done {:.3g} J of work, {:.3g} of it still move or strain the "
+                        "medium at the end",
+                        work_J, number("solver_energy_J") / work_J));
     if (!s.texts.contains("solver_notes")) return;
     std::istringstream notes(s.texts.at("solver_notes"));
     for (std::string note; std::getline(notes, note);)

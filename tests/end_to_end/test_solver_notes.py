@@ -56,6 +56,8 @@ class SolverNotes(ProgramTest):
             found = self.attributes(path)
             self.assertEqual(found["solver_iterations"], 0)
             self.assertIn("time step", found["solver_notes"])
+            self.assertGreater(found["solver_energy_J"], 0.0)
+            self.assertLess(found["solver_energy_J"], found["solver_work_J"])  # it is viscous
 
     def test_an_engine_that_does_not_step_has_none(self):
         self.write_job(changed(*SHORT))

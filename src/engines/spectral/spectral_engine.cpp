@@ -20,10 +20,13 @@ std::vector<double> levels_of(const DepthMesh& mesh) {
     return z_m;
 }
 
-SolverReport report_of(const Stepper& stepper, std::vector<std::string> notes) {
+/// Collective.
+SolverReport report_of(Stepper& stepper, std::vector<std::string> notes) {
     notes.insert(notes.end(), stepper.notes().begin(), stepper.notes().end());
     const StepStatistics& s = stepper.statistics();
-    return {std::move(notes), s.steps, s.iterations, s.most_iterations};
+    const EnergyBalance balance = stepper.energy(); // the last look at a field that diverges
+    return {std::move(notes),  s.steps,        s.iterations,
+            s.most_iterations, balance.work_J, balance.energy_J};
 }
 
 } // namespace
