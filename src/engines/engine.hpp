@@ -53,7 +53,7 @@ public:
     /// The depths of the volume's levels, where a case keeps volumes: once, after `begin` and
     /// before `restore`. Collective.
     virtual void volume_levels(const std::vector<double>& /*z_m*/) {}
-    /// In any order, within the snapshot's frame. Collective.
+    /// In any order, within the snapshot's frame or before the next one. Collective.
     virtual void volume(const VolumePlane& /*plane*/) {}
     /// Once, after the last frame, by engines that have something to tell. Collective.
     virtual void solved(const SolverReport& /*report*/) {}

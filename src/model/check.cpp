@@ -175,11 +175,6 @@ void check_engine(const Case& c, Notes& notes) {
                       engine_name(c.solver));
         return;
     }
-    for (const VolumeField field : c.record.volume_fields)
-        if (field != VolumeField::u)
-            notes.add(Severity::error, "record.volume_fields",
-                      "holds \"{}\", and the engine \"spectral\" keeps \"u\" only so far",
-                      name_of(field));
     if (c.medium.base != Base::rigid)
         notes.add(
             Severity::error, "medium.base",

@@ -11,7 +11,11 @@ from program import SWEEP, ProgramTest, case_files, changed, without_reference
 FRAMES = "frames = true"
 KEPT = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "spectral"'),
-    (FRAMES, "snapshots_ms = [2.0, 4.0]\nvolumes_ms = [2.0, 4.0]"))
+    (FRAMES, "snapshots_ms = [2.0, 4.0]\nvolumes_ms = [2.0, 4.0]\n"
+             'volume_fields = ["u", "strain", "stress"]'))
+TENSOR = ["xx", "yy", "zz", "yz", "xz", "xy"]
+NAMES = ["u_x", "u_y", "u_z", *(f"strain_{c}" for c in TENSOR), *(f"stress_{c}" for c in TENSOR)]
+UNITS = {"u": "m", "strain": "1", "stress": "Pa"}
 
 
 def extents(item):
@@ -28,11 +32,11 @@ class Volume(ProgramTest):
         path = self.run_case(ranks=2)
         with (xarray.open_dataset(path, group="volume", decode_timedelta=False) as volume,
               xarray.open_dataset(path, group="surface", decode_timedelta=False) as surface):
-            self.assertEqual(set(volume.data_vars), {"u_x", "u_y", "u_z"})
+            self.assertEqual(set(volume.data_vars), set(NAMES))
             for name in volume.data_vars:
                 self.assertEqual(volume[name].dims, ("time", "z", "y", "x"))
-                self.assertEqual(volume[name].attrs["units"], "m")
-                self.assertIn("displacement along", volume[name].attrs["long_name"])
+                self.assertEqual(volume[name].attrs["units"], UNITS[name.split("_")[0]])
+                self.assertRegex(volume[name].attrs["long_name"], "displacement along|component")
                 self.assertTrue(numpy.isfinite(volume[name]).all())
             self.assertEqual((volume.sizes["x"], volume.sizes["y"]), (surface.sizes["x"], surface.sizes["y"]))
             self.assertEqual(float(volume.z[0]), 0.0)
@@ -77,7 +81,7 @@ class Volume(ProgramTest):
                     self.assertEqual(list(start), [step, 0, 0, 0])
                     self.assertEqual(list(stride), [1, 1, 1, 1])
                     self.assertEqual(list(count), [1, *shape])
-                self.assertEqual([a.get("Name") for a in grid.findall("Attribute")], ["u_x", "u_y", "u_z"])
+                self.assertEqual([a.get("Name") for a in grid.findall("Attribute")], NAMES)
 
     def test_the_exact_engine_says_who_keeps_volumes(self):
         self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))

@@ -55,6 +55,14 @@ Counted WaveVectors::counted(std::ptrdiff_t row, std::ptrdiff_t block) const {
     return weight;
 }
 
+void WaveVectors::clear_nyquist(double* plane) const {
+    for (std::ptrdiff_t row = 0; row < rows(); ++row) {
+        double* line = plane + 2 * row * domain_.nx;
+        line[domain_.nx] = line[domain_.nx + 1] = 0.0;
+        if (is_nyquist(row)) std::fill_n(line, 2 * domain_.nx, 0.0);
+    }
+}
+
 double WaveVectors::largest_k_rad_m() const {
     return std::hypot(kx_rad_m(domain_.nx / 2),
                       two_pi / domain_.extent_y_m() * static_cast<double>(domain_.ny / 2));

@@ -34,6 +34,8 @@ public:
     /// for ky > 0, whose conjugates are not kept; not at all where -kx is kx itself.
     Counted counted(std::ptrdiff_t row, std::ptrdiff_t block) const;
     double largest_k_rad_m() const;
+    /// Zeroes the modes that carry nothing in a plane of spectra.
+    void clear_nyquist(double* plane) const;
     const SlabShare& share() const { return share_; }
     std::ptrdiff_t nx() const { return domain_.nx; }
 

@@ -3,11 +3,12 @@
 #include "base/error.hpp"
 #include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
-#include "engines/spectral/stepper.hpp"
+#include "engines/spectral/tensor_volumes.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace shearwake {
@@ -54,6 +55,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
     const SlabTransform slabs(c.domain.nx, c.domain.ny, team, Planning::measured);
     const SlabShare& share = slabs.share();
     Stepper stepper(c, mesh, slabs, time.step_s, team);
+    TensorVolumes tensors(c, mesh, slabs, time.step_s, team);
     AlignedVector<double> plane;
     together(team, [&] { plane.resize(static_cast<std::size_t>(share.reals)); });
     observer.begin({share.x_start, share.x_count});
@@ -74,30 +76,42 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
                                                          share.padded_ny)});
         }
     };
-    const auto give_volumes = [&](std::ptrdiff_t number) {
-        for (std::size_t i = 0; i < c.record.volumes_s.size(); ++i) {
-            if (std::llround(c.record.volumes_s[i] / c.time.interval_s) - 1 != number) continue;
-            for (std::size_t component = 0; component < 3; ++component) {
-                for (std::size_t level = 0; level < levels_m.size(); ++level) {
-                    stepper.plane_of_u(component, level, plane.data());
-                    slabs.to_physical(plane.data());
-                    observer.volume({.snapshot = i,
-                                     .field = 0, // "u", the only one so far
-                                     .component = component,
-                                     .level = level,
-                                     .values = View2<const double>(plane.data(), share.x_count,
-                                                                   c.domain.ny, share.padded_ny)});
-                }
+    // The snapshot that a step ends at, if any.
+    const auto snapshot_at = [&](std::ptrdiff_t step) -> std::optional<std::size_t> {
+        for (std::size_t i = 0; i < c.record.volumes_s.size(); ++i)
+            if (std::llround(c.record.volumes_s[i] / c.time.interval_s) * per_frame == step)
+                return i;
+        return {};
+    };
+    const auto& kept = c.record.volume_fields;
+    const auto field_u = std::find(kept.begin(), kept.end(), VolumeField::u);
+    const auto give_u = [&](std::size_t snapshot) {
+        if (field_u == kept.end()) return;
+        for (std::size_t component = 0; component < 3; ++component) {
+            for (std::size_t level = 0; level < levels_m.size(); ++level) {
+                stepper.plane_of_u(component, level, plane.data());
+                slabs.to_physical(plane.data());
+                observer.volume({.snapshot = snapshot,
+                                 .field = static_cast<std::size_t>(field_u - kept.begin()),
+                                 .component = component,
+                                 .level = level,
+                                 .values = View2<const double>(plane.data(), share.x_count,
+                                                               c.domain.ny, share.padded_ny)});
             }
         }
     };
     const std::ptrdiff_t steps = c.time.frames * per_frame;
-    while (stepper.step() < steps) {
+    // One step; strain and stress of a snapshot where it began need it as well.
+    const auto advance = [&] {
+        const auto snapshot = tensors.wanted() ? snapshot_at(stepper.step()) : std::nullopt;
+        if (snapshot) tensors.remember(stepper);
         stepper.advance();
-        if (stepper.step() % per_frame == 0) {
-            give_frame(stepper.step() / per_frame - 1);
-            give_volumes(stepper.step() / per_frame - 1);
-        }
+        if (snapshot) tensors.give(stepper, *snapshot, observer);
+    };
+    while (stepper.step() < steps) {
+        advance();
+        if (stepper.step() % per_frame == 0) give_frame(stepper.step() / per_frame - 1);
+        if (const auto snapshot = snapshot_at(stepper.step())) give_u(*snapshot);
         if (!checkpoints || stepper.step() == steps || !checkpoints->due()) continue;
         checkpoints->save([&](StateWriter& state) {
             stepper.save(state);
@@ -105,7 +119,9 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
         });
         if (checkpoints->stop()) return;
     }
-    observer.solved(report_of(stepper, discretisation_notes(time, mesh)));
+    const SolverReport report = report_of(stepper, discretisation_notes(time, mesh));
+    if (tensors.wanted() && snapshot_at(steps)) advance();
+    observer.solved(report);
 }
 
 } // namespace shearwake

@@ -63,6 +63,10 @@ public:
     /// A component of u (0 x, 1 y, 2 z) at a level, likewise.
     void plane_of_u(std::size_t component, std::size_t level, double* plane) const;
 
+    /// The pencils of the displacement at this step and a step before, row by row.
+    const AlignedVector<double>& now() const { return now_; }
+    const AlignedVector<double>& before() const { return before_; }
+
     const std::vector<std::string>& notes() const { return field_.variation().notes; }
     const StepStatistics& statistics() const { return statistics_; }
     const StepClock& clock() const { return clock_; }

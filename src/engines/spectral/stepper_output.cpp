@@ -14,16 +14,6 @@ std::vector<double> weights_at(const GaussLobatto& rule, double x) {
     return weights;
 }
 
-/// Zeroes the modes that carry nothing.
-void clear_nyquist(const WaveVectors& vectors, double* plane) {
-    const std::ptrdiff_t nx = vectors.nx();
-    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row) {
-        double* line = plane + 2 * row * nx;
-        line[nx] = line[nx + 1] = 0.0;
-        if (vectors.is_nyquist(row)) std::fill_n(line, 2 * nx, 0.0);
-    }
-}
-
 } // namespace
 
 void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane) const {
@@ -60,7 +50,7 @@ void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane
             StrainTransfer::put(vectors_, block, plane + 2 * row * vectors_.nx(), value);
         }
     }
-    clear_nyquist(vectors_, plane);
+    vectors_.clear_nyquist(plane);
 }
 
 void Stepper::plane_of_w(double depth_m, double* plane) const {
@@ -83,7 +73,7 @@ void Stepper::plane_of_w(double depth_m, double* plane) const {
             StrainTransfer::put(vectors_, block, plane + 2 * row * vectors_.nx(), w);
         }
     }
-    clear_nyquist(vectors_, plane);
+    vectors_.clear_nyquist(plane);
 }
 
 } // namespace shearwake

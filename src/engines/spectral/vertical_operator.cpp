@@ -9,10 +9,6 @@ namespace shearwake {
 namespace {
 
 constexpr std::ptrdiff_t most_nodes = 17;
-/// Compressional motion is far faster than any step: a quarter makes it unconditionally stable, the
-/// little more keeps what it couples to so as well.
-constexpr double stabilising_lambda = 0.26;
-
 double viscosity_of(const Layer& layer) {
     if (std::holds_alternative<Lossless>(layer.loss)) return 0.0;
     if (const auto* law = std::get_if<KelvinVoigt>(&layer.loss)) return law->viscosity_Pa_s;

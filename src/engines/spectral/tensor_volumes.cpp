@@ -1,0 +1,231 @@
+#include "engines/spectral/tensor_volumes.hpp"
+
+#include "engines/spectral/cell_materials.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+
+namespace shearwake {
+namespace {
+
+/// Projects values at an element's nodes onto polynomials two degrees lower:
+/// sum over n of P_n(x_q) w_j P_n(x_j) (n + 1/2), Legendre's.
+std::vector<double> smoothing_of(const GaussLobatto& rule) {
+    const std::size_t nodes = rule.nodes.size();
+    const std::size_t kept = std::max<std::size_t>(nodes, 3) - 2;
+    const auto legendre = [](std::size_t n, double x) {
+        double before = 1.0, now = x;
+        if (n == 0) return before;
+        for (std::size_t i = 1; i < n; ++i) {
+            const auto m = static_cast<double>(i);
+            const double next = ((2.0 * m + 1.0) * x * now - m * before) / (m + 1.0);
+            before = now;
+            now = next;
+        }
+        return now;
+    };
+    std::vector<double> matrix(nodes * nodes, 0.0);
+    for (std::size_t q = 0; q < nodes; ++q)
+        for (std::size_t j = 0; j < nodes; ++j)
+            for (std::size_t n = 0; n < kept; ++n)
+                matrix[q * nodes + j] += legendre(n, rule.nodes[q]) * rule.weights[j] *
+                                         legendre(n, rule.nodes[j]) *
+                                         (static_cast<double>(n) + 0.5);
+    return matrix;
+}
+
+} // namespace
+
+TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs,
+                             double step_s, const Comm& team)
+    : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), team_(team),
+      vectors_(c.domain, slabs.share()),
+      wanted_(!c.record.volumes_s.empty() &&
+              std::any_of(c.record.volume_fields.begin(), c.record.volume_fields.end(),
+                          [](VolumeField field) { return field != VolumeField::u; })) {
+    if (!wanted_) return;
+    smoothing_ = smoothing_of(mesh.rule);
+    const auto plane = static_cast<std::size_t>(slabs.share().reals);
+    const auto pencil = 3 * (mesh.levels() - 1) * static_cast<std::size_t>(parts * lane_count);
+    together(team, [&] {
+        for (auto* planes : {&now_, &rate_, &strain_, &stress_})
+            planes->assign(strain_components * plane, 0.0);
+        pressure_.assign(mesh.rule.nodes.size() * plane, 0.0);
+        pencil_.assign(pencil, 0.0);
+        earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, 0.0);
+    });
+}
+
+double* TensorVolumes::plane(AlignedVector<double>& planes, std::ptrdiff_t number) const {
+    return planes.data() + number * slabs_.share().reals;
+}
+
+/// One ky of a plane's spectrum.
+double* TensorVolumes::line(AlignedVector<double>& planes, std::ptrdiff_t number,
+                            std::ptrdiff_t row) const {
+    return plane(planes, number) + 2 * row * vectors_.nx();
+}
+
+void TensorVolumes::remember(const Stepper& stepper) {
+    std::copy(stepper.before().begin(), stepper.before().end(), earlier_.begin());
+}
+
+/// The three steps of one pencil: before, at and after the snapshot.
+TensorVolumes::Steps TensorVolumes::steps(const Stepper& stepper, std::ptrdiff_t pencil) const {
+    const std::ptrdiff_t at = pencil * 3 * static_cast<std::ptrdiff_t>(mesh_.levels() - 1) * parts;
+    return {lanes(earlier_.data()) + at, lanes(stepper.before().data()) + at,
+            lanes(stepper.now().data()) + at};
+}
+
+/// lambda div(u + ...) at the nodes of an element, smoothed over depth, physical planes.
+void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
+    const std::ptrdiff_t nodes = mesh_.degree + 1, reals = slabs_.share().reals;
+    const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
+    const double slope = 2.0 / mesh_.length_m(element);
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const Steps u = steps(stepper, row * vectors_.blocks() + block);
+            const Lanes k = vectors_.k(row, block);
+            const auto mean = [&](std::ptrdiff_t node, std::ptrdiff_t component) {
+                const std::ptrdiff_t i = (2 * (first + node)) * parts + component; // U, then W
+                return u.now[i] + stabilising_lambda * (u.later[i] - 2.0 * u.now[i] + u.earlier[i]);
+            };
+            for (std::ptrdiff_t q = 0; q < nodes; ++q) {
+                Lanes dilation[parts] = {}; // W' - k U
+                for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                    for (std::ptrdiff_t j = 0; j < nodes && first + j < levels; ++j)
+                        dilation[p] +=
+                            slope * mesh_.rule.derivative[static_cast<std::size_t>(q * nodes + j)] *
+                            mean(j, parts + p);
+                    if (first + q < levels) dilation[p] -= k * mean(q, p);
+                }
+                StrainTransfer::put(vectors_, block, line(pressure_, q, row), dilation);
+            }
+        }
+    }
+    for (std::ptrdiff_t q = 0; q < nodes; ++q) {
+        vectors_.clear_nyquist(pressure_.data() + q * reals);
+        slabs_.to_physical(pressure_.data() + q * reals);
+        const Materials materials = materials_at({element, q});
+        for_each_cell([&](std::ptrdiff_t cell, std::ptrdiff_t at) {
+            pressure_[static_cast<std::size_t>(q * reals + at)] *= materials[cell].lambda_Pa;
+        });
+    }
+    std::vector<double> values(static_cast<std::size_t>(nodes));
+    for_each_cell([&](std::ptrdiff_t, std::ptrdiff_t at) {
+        double* pressure = pressure_.data() + at;
+        for (std::ptrdiff_t q = 0; q < nodes; ++q)
+            values[static_cast<std::size_t>(q)] = pressure[q * reals];
+        for (std::ptrdiff_t q = 0; q < nodes; ++q) {
+            double smooth = 0.0;
+            for (std::ptrdiff_t j = 0; j < nodes; ++j)
+                smooth += smoothing_[static_cast<std::size_t>(q * nodes + j)] *
+                          values[static_cast<std::size_t>(j)];
+            pressure[q * reals] = smooth;
+        }
+    });
+}
+
+/// Strain and its rate at one node, physical planes.
+void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point) {
+    const std::ptrdiff_t reals = slabs_.share().reals;
+    const StrainTransfer strains(mesh_, {point}, strain_components, vectors_);
+    const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(point.element) * mesh_.degree;
+    const std::ptrdiff_t count = std::min<std::ptrdiff_t>(mesh_.degree + 1, levels - first);
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const Steps u = steps(stepper, row * vectors_.blocks() + block);
+            Lanes* change = lanes(pencil_.data());
+            const auto subtract = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+                for (std::ptrdiff_t i = begin; i < end; ++i)
+                    change[i] = (0.5 / step_s_) * (u.later[i] - u.earlier[i]);
+            };
+            subtract(2 * first * parts, 2 * (first + count) * parts); // U and W, then V
+            subtract((2 * levels + first) * parts, (2 * levels + first + count) * parts);
+            strains.strain(row, block, u.now, line(now_, 0, row), reals);
+            strains.strain(row, block, change, line(rate_, 0, row), reals);
+        }
+    }
+    for (auto* planes : {&now_, &rate_}) {
+        for (int c = 0; c < strain_components; ++c) {
+            vectors_.clear_nyquist(plane(*planes, c));
+            slabs_.to_physical(plane(*planes, c));
+        }
+    }
+}
+
+TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) const {
+    const std::size_t element = point.element;
+    Materials all{material_of(case_.medium.layers[mesh_.layers[element]]), {}};
+    if (!varies_between(case_.medium, mesh_.ends_m[element], mesh_.ends_m[element + 1])) return all;
+    const double cap = std::get<SpectralOptions>(case_.solver).contrast_cap * all.layer.mu_Pa;
+    together(team_, [&] {
+        all.cells = cell_materials(case_, mesh_, slabs_.share(), point);
+        for (Material& m : all.cells)
+            m.mu_Pa = std::min(m.mu_Pa, cap);
+    });
+    return all;
+}
+
+/// f(number of the cell, its place in a plane).
+void TensorVolumes::for_each_cell(const auto& f) const {
+    for (std::ptrdiff_t i = 0; i < slabs_.share().x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < case_.domain.ny; ++j)
+            f(i * case_.domain.ny + j, i * slabs_.share().padded_ny + j);
+}
+
+void TensorVolumes::add(const StrainPoint& point, double share) {
+    const Materials materials = materials_at(point);
+    const double* pressure = pressure_.data() + point.node * slabs_.share().reals;
+    for_each_cell([&](std::ptrdiff_t cell, std::ptrdiff_t at) {
+        const Material& m = materials[cell];
+        for (int c = 0; c < strain_components; ++c) {
+            const double tensor = c < yz ? 1.0 : 0.5; // of the engineering shear strain
+            const double strain = tensor * plane(now_, c)[at];
+            const double rate = tensor * plane(rate_, c)[at];
+            plane(strain_, c)[at] += share * strain;
+            plane(stress_, c)[at] += share * ((c < yz ? pressure[at] : 0.0) +
+                                              2.0 * (m.mu_Pa * strain + m.viscosity_Pa_s * rate));
+        }
+    });
+}
+
+void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot, Observer& observer) {
+    for (std::size_t element = 0; element < mesh_.elements(); ++element) {
+        find_pressure(stepper, element);
+        for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
+            const bool second = node == 0 && element > 0;
+            const bool first = node == mesh_.degree && element + 1 < mesh_.elements();
+            if (!second)
+                for (auto* planes : {&strain_, &stress_})
+                    std::fill(planes->begin(), planes->end(), 0.0);
+            find_strain(stepper, {element, node});
+            add({element, node}, first || second ? 0.5 : 1.0);
+            if (first) continue; // its other side comes next
+            give_level(snapshot,
+                       element * static_cast<std::size_t>(mesh_.degree) +
+                           static_cast<std::size_t>(node),
+                       observer);
+        }
+    }
+}
+
+void TensorVolumes::give_level(std::size_t snapshot, std::size_t level, Observer& observer) {
+    const std::vector<VolumeField>& fields = case_.record.volume_fields;
+    for (std::size_t field = 0; field < fields.size(); ++field) {
+        if (fields[field] == VolumeField::u) continue;
+        auto& planes = fields[field] == VolumeField::strain ? strain_ : stress_;
+        for (int c = 0; c < strain_components; ++c)
+            observer.volume(
+                {.snapshot = snapshot,
+                 .field = field,
+                 .component = static_cast<std::size_t>(c),
+                 .level = level,
+                 .values = View2<const double>(plane(planes, c), slabs_.share().x_count,
+                                               case_.domain.ny, slabs_.share().padded_ny)});
+    }
+}
+
+} // namespace shearwake

@@ -1,0 +1,107 @@
+// Strain and stress volumes of the spectral engine on any number of ranks.
+#include "support/cases.hpp"
+#include "support/volume_store.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+Case small_case(double contrast) {
+    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
+    c.medium.base = Base::rigid;
+    c.medium.layers[0].thickness_m = 4e-3;
+    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-3e-3, 0.0}, {200e-3, 0.0}};
+    if (contrast > 1.0)
+        c.medium.bodies = {{.name = "body",
+                            .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
+                            .centre_m = {1e-3, 2e-3, 2e-3},
+                            .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+    c.domain = {18, 14, 1e-3, 0.0}; // on 5 ranks slabs differ
+    c.time = {4, 100e-6};
+    c.record.volumes_s = {c.time.frame_s(1), c.time.frame_s(3)};
+    c.record.volume_fields = {VolumeField::u, VolumeField::strain, VolumeField::stress};
+    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    return c;
+}
+
+/// This rank's state, kept in memory; the run ends with the first save.
+class StopAt : public Checkpoints, public StateWriter, public StateReader {
+public:
+    explicit StopAt(int step) : left_(step) {}
+    bool due() override { return --left_ == 0; }
+    void save(const std::function<void(StateWriter&)>& write) override { write(*this); }
+    bool restore(const std::function<void(StateReader&)>& read) override {
+        if (numbers_.empty()) return false;
+        read(*this);
+        return true;
+    }
+    bool stop() const override { return true; }
+
+    void put(const std::string& name, const StateRows& rows, const double* values) override {
+        rows_[name].assign(values, values + rows.count * rows.row_length);
+    }
+    void put(const std::string& name, double value) override { numbers_[name] = value; }
+    void get(const std::string& name, const StateRows&, double* values) override {
+        std::copy(rows_.at(name).begin(), rows_.at(name).end(), values);
+    }
+    double get(const std::string& name) override { return numbers_.at(name); }
+
+private:
+    int left_;
+    std::map<std::string, std::vector<double>> rows_;
+    std::map<std::string, double> numbers_;
+};
+
+} // namespace
+
+TEST_CASE("volumes are the same when a run stops at a snapshot or beside it", "[mpi]") {
+    const Case c = small_case(2.0);
+    const Comm world = Comm::world();
+    StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at the steps 4 and 8
+    test::VolumeStore through, stopped;
+    make_engine(c.solver)->run(c, world, through);
+    make_engine(c.solver)->run(c, world, stopped, &checkpoints);
+    CHECK(stopped.planes() < through.planes());
+    make_engine(c.solver)->run(c, world, stopped, &checkpoints);
+    bool same = stopped.planes() == through.planes();
+    for (std::size_t snapshot = 0; same && snapshot < 2; ++snapshot)
+        for (std::size_t k = 0; k < 6; ++k)
+            for (std::size_t level = 0; level < through.z_m().size(); ++level)
+                same =
+                    same && through.at(snapshot, 2, k, level) == stopped.at(snapshot, 2, k, level);
+    CHECK(world.max(same ? 0 : 1) == 0);
+}
+
+TEST_CASE("strain and stress are the same on any number of ranks", "[mpi]") {
+    const Case c = small_case(GENERATE(1.0, 16.0));
+    const Comm world = Comm::world();
+    test::VolumeStore together, alone;
+    make_engine(c.solver)->run(c, world, together);
+    make_engine(c.solver)->run(c, world.split(world.rank()), alone);
+    const std::ptrdiff_t rows = together.slab().x_count, start = together.slab().x_start;
+    CHECK(world.max(static_cast<double>(together.planes())) ==
+          static_cast<double>(2 * 15) * static_cast<double>(alone.z_m().size()));
+    for (std::size_t field = 0; field < 3; ++field) {
+        double difference = 0.0, largest = 0.0;
+        for (std::size_t snapshot = 0; snapshot < 2; ++snapshot)
+            for (std::size_t k = 0; k < components_of(c.record.volume_fields[field]).size(); ++k)
+                for (std::size_t level = 0; level < alone.z_m().size(); ++level) {
+                    const auto& mine = together.at(snapshot, field, k, level);
+                    const auto& all = alone.at(snapshot, field, k, level);
+                    for (std::ptrdiff_t i = 0; i < rows * c.domain.ny; ++i) {
+                        const double value = all[static_cast<std::size_t>(start * c.domain.ny + i)];
+                        difference = std::max(difference,
+                                              std::abs(mine[static_cast<std::size_t>(i)] - value));
+                        largest = std::max(largest, std::abs(value));
+                    }
+                }
+        difference = world.max(difference);
+        largest = world.max(largest);
+        CAPTURE(field);
+        CHECK(largest > 0.0);
+        // The sums of the iterations depend on the ranks to rounding, which lambda/mu = 1e5 lifts.
+        CHECK(difference < 1e-9 * largest);
+    }
+}

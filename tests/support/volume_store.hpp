@@ -1,0 +1,36 @@
+#pragma once
+
+#include "support/cases.hpp"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace shearwake::test {
+
+/// Every plane of the volumes of a run, on this rank's slab.
+class VolumeStore : public FrameStore {
+public:
+    void volume_levels(const std::vector<double>& z_m) override { z_m_ = z_m; }
+    void volume(const VolumePlane& plane) override {
+        std::vector<double>& values =
+            planes_[{plane.snapshot, plane.field, plane.component, plane.level}];
+        values.clear();
+        for (std::ptrdiff_t i = 0; i < plane.values.rows(); ++i) {
+            const auto row = plane.values.row(i);
+            values.insert(values.end(), row.begin(), row.end());
+        }
+    }
+    const std::vector<double>& z_m() const { return z_m_; }
+    std::size_t planes() const { return planes_.size(); }
+    const std::vector<double>& at(std::size_t snapshot, std::size_t field, std::size_t component,
+                                  std::size_t level) const {
+        return planes_.at({snapshot, field, component, level});
+    }
+
+private:
+    std::vector<double> z_m_;
+    std::map<std::array<std::size_t, 4>, std::vector<double>> planes_;
+};
+
+} // namespace shearwake::test
