@@ -66,7 +66,7 @@ Case bench_case(const BenchArguments& arguments) {
 
 /// Of all steps; seconds are the slowest rank's, of each phase the mean over the ranks.
 struct Measured {
-    double begin_s = 0.0, steps_s = 0.0, surface_s = 0.0;
+    double begin_s = 0.0, steps_s = 0.0, floor_s = 0.0, surface_s = 0.0;
     std::array<double, phase_count> phase_s{}, bytes{}; // bytes of all ranks
     StepStatistics statistics;
     std::ptrdiff_t planes = 0;
@@ -84,10 +84,21 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     stepper->advance(); // the first one finds cold memory
     const StepClock before = stepper->clock();
     const StepStatistics first = stepper->statistics();
-    m.steps_s = seconds_of(world, [&] {
-        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-            stepper->advance();
-    });
+    m.planes = stepper->planes().count();
+    m.peak_memory_B = world.max(peak_memory_B());
+    // The floor between the steps: whoever else uses the machine slows both. As many bare
+    // transforms as the steps made, in the same layout.
+    AlignedVector<double> bare(static_cast<std::size_t>(m.planes * slabs.share().reals));
+    double there_and_back_s = 0.0;
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+        m.steps_s += seconds_of(world, [&] { stepper->advance(); });
+        there_and_back_s += seconds_of(world, [&] {
+            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
+                slabs.to_spectral(bare.data() + p * slabs.share().reals);
+            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
+                slabs.to_physical(bare.data() + p * slabs.share().reals);
+        });
+    }
     const StepClock& after = stepper->clock();
     for (std::size_t i = 0; i < phase_count; ++i) {
         m.phase_s[i] = (after.seconds(i) - before.seconds(i)) / world.size();
@@ -103,28 +114,14 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     m.statistics.steps -= first.steps;
     m.statistics.iterations -= first.iterations;
     m.statistics.transforms -= first.transforms;
-    m.planes = stepper->planes().count();
-    m.peak_memory_B = world.max(peak_memory_B());
+    if (m.planes > 0)
+        m.floor_s = there_and_back_s / static_cast<double>(c.time.frames) *
+                    static_cast<double>(m.statistics.transforms) /
+                    static_cast<double>(2 * m.planes);
     return m;
 }
 
-/// Seconds of as many bare transforms as the steps made, in the same layout, there and back.
-double bare_transforms_s(const Measured& m, const SlabTransform& slabs, const Comm& world) {
-    if (m.planes == 0) return 0.0;
-    AlignedVector<double> planes(static_cast<std::size_t>(m.planes * slabs.share().reals));
-    const auto there_and_back = [&] {
-        return seconds_of(world, [&] {
-            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
-                slabs.to_spectral(planes.data() + p * slabs.share().reals);
-            for (std::ptrdiff_t p = 0; p < m.planes; ++p)
-                slabs.to_physical(planes.data() + p * slabs.share().reals);
-        });
-    };
-    return best_of(5, there_and_back) * static_cast<double>(m.statistics.transforms) /
-           static_cast<double>(2 * m.planes);
-}
-
-void print(const Measured& m, const Case& c, double levels, double floor_s, double copies_B_s,
+void print(const Measured& m, const Case& c, double levels, double copies_B_s,
            const Estimate& estimate, int ranks) {
     constexpr std::array<const char*, phase_count> names = {
         "FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "other"};
@@ -150,9 +147,9 @@ void print(const Measured& m, const Case& c, double levels, double floor_s, doub
     for (std::size_t i = 0; i < phase_count; ++i)
         line(names[i], m.phase_s[i], m.bytes[i]);
     line("together", in_phases_s, bytes);
-    if (floor_s > 0.0)
+    if (m.floor_s > 0.0)
         fmt::print("  floor: bare FFTs       {:10.5f} s   a step takes {:.2f} times that\n",
-                   floor_s / steps, m.steps_s / floor_s);
+                   m.floor_s / steps, m.steps_s / m.floor_s);
     else
         fmt::print("  floor: bare FFTs             none     nothing varies laterally\n");
     const double moving_s = bytes / copies_B_s;
@@ -175,7 +172,6 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
     const DepthMesh mesh = choose_mesh(c, std::get<SpectralOptions>(c.solver));
     const SlabTransform slabs(c.domain.nx, c.domain.ny, world, Planning::measured);
     const Measured m = measure(c, mesh, slabs, world);
-    const double floor_s = bare_transforms_s(m, slabs, world);
     const double copies_B_s = copy_rate_B_s(world);
     const Estimate estimate = make_engine(c.solver)->estimate(c, world.size());
     if (!world.is_root()) return ExitCode::done;
@@ -185,7 +181,7 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
     fmt::print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}\n",
                world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
                m.statistics.steps, body);
-    print(m, c, static_cast<double>(mesh.levels()), floor_s, copies_B_s, estimate, world.size());
+    print(m, c, static_cast<double>(mesh.levels()), copies_B_s, estimate, world.size());
     return ExitCode::done;
 }
 

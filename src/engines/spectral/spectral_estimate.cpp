@@ -224,9 +224,9 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
                              arrays * v.fullest_cells * sizeof(double);
     // The program itself; the transform's own planes and the engine's. Materials are gathered
     // before there is anything else, and forgotten.
-    e.memory_per_rank_B =
-        program_B + map_B + std::max(stepper_B, sampled_B) + (ranks > 1 ? 3.0 : 2.0) * plane_B +
-        (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0);
+    e.memory_per_rank_B = program_B + map_B + std::max(stepper_B, sampled_B) +
+                          (ranks > 1 ? 3.0 : 2.0) * plane_B +
+                          (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0);
 
     // Seconds per mode, level and node of an element; per plane and mode or point: measured with
     // `shearwake bench spectral`.
