@@ -135,9 +135,9 @@ def run_group(group, results):
 
 
 def groups_of(build, python):
-    def catch(name, ranks, timeout_s):
+    def catch(name, ranks, timeout_s, *cases):
         launch = mpirun(ranks) if ranks > 1 else []
-        command = [*launch, str(build / "tests" / name), "-r", "xml", "-o", "REPORT"]
+        command = [*launch, str(build / "tests" / name), "-r", "xml", "-o", "REPORT", *cases]
         plural = "s" if ranks > 1 else ""
         return Group(f"{name} on {ranks} rank{plural}", command, count_catch, timeout_s)
 
@@ -146,6 +146,8 @@ def groups_of(build, python):
     for name, all_ranks, timeout_s in (("mpi_tests", (1, 2, 3, 5), 180), ("verify_tests", (1,), 420)):
         if (build / "tests" / name).exists():
             groups += [catch(name, ranks, timeout_s) for ranks in all_ranks]
+    if (build / "tests" / "mpi_tests").exists():
+        groups.append(catch("mpi_tests", 8, 180, "*any number of ranks*"))
     for path in sorted([*ROOT.glob("tests/report/test_*.py"), *ROOT.glob("tests/end_to_end/test_*.py")]):
         command = [python, "-c", UNITTEST, str(path), "REPORT"]
         groups.append(Group(str(path.relative_to(ROOT)), command, count_unittest, 300))

@@ -80,6 +80,21 @@ TEST_CASE("bodies are the same on any number of ranks", "[mpi]") {
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement; sums in another order
 }
 
+TEST_CASE("ranks without planes do no harm, on any number of ranks", "[mpi]") {
+    Case c = small_case();
+    c.medium.base = Base::rigid;
+    c.medium.layers.back().thickness_m = 3e-3;
+    c.domain = {10, 6, 2e-3, 0.0}; // 5 ranks have 2 rows each; 4 have one ky each
+    c.medium.bodies = {{.name = "body",
+                        .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
+                        .centre_m = {1e-3, 2e-3, 1.5e-3},
+                        .c_s_m_s = 20.0}};
+    c.time.frames = 20;
+    c.record.traces_m.clear();
+    c.solver = SpectralOptions{};
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // as above
+}
+
 TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case();

@@ -1,10 +1,12 @@
 // Engine `spectral` against the exact engine, in the medium of its requirements: c_p 1500, c_s 5,
 // 12 mm on a rigid base, 0.5 Pa s, a 3 mm focus at 7 m/s switched on at t = 0.
-#include "support/cases.hpp"
+#include "support/spectral_cases.hpp"
+#include "support/volume_store.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace shearwake;
+using test::with_step;
 
 namespace {
 
@@ -43,13 +45,6 @@ Case exact_of(Case c) {
     return c;
 }
 
-Case with_step(Case c, double step_s) {
-    SpectralOptions options;
-    options.time_step_s = step_s;
-    c.solver = options;
-    return c;
-}
-
 } // namespace
 
 TEST_CASE("spectral meets layered within 0.1 % at a step of 25 us", "[verify]") {
@@ -62,14 +57,25 @@ TEST_CASE("spectral meets layered within 0.1 % at a step of 25 us", "[verify]") 
 
 TEST_CASE("spectral converges to layered as the step is halved", "[verify]") {
     // Shear is of fourth order, compressional and viscous forces of second: what is left is second.
-    const Case c = required_case(), exact = exact_of(c);
-    const double at_50 = difference(with_step(c, 50e-6), exact).first;
-    const double at_25 = difference(with_step(c, 25e-6), exact).first;
-    const double at_12 = difference(with_step(c, 12.5e-6), exact).first;
-    CAPTURE(at_50, at_25, at_12);
-    CHECK(at_50 < 3e-3); // the requirement; 8.4e-4 is seen
-    CHECK(std::log2(at_50 / at_25) > 1.9);
-    CHECK(std::log2(at_25 / at_12) > 1.9);
+    Case c = required_case();
+    double step_s = 100e-6;
+    SECTION("switched on at once") {}
+    SECTION("risen gently, to shorter steps") {
+        // At once, compressional waves go up and down as well, 31 kHz that steps of some 10 us
+        // do not resolve: 6e-6 of the field.
+        c.load.modulation.envelope = {{RampGain{3e-3}}};
+        step_s = 50e-6;
+    }
+    const Case exact = exact_of(c);
+    double error = difference(with_step(c, step_s), exact).first;
+    for (int n = 0; n < 3; ++n) {
+        step_s /= 2.0;
+        const double halved = difference(with_step(c, step_s), exact).first;
+        CAPTURE(step_s, error, halved);
+        CHECK(std::log2(error / halved) > 1.8);    // the requirement: the order less 0.2
+        if (step_s == 50e-6) CHECK(halved < 3e-3); // the requirement; 1e-3 is seen
+        error = halved;
+    }
 }
 
 TEST_CASE("spectral is stable at any step and in layers of any contrast", "[verify]") {
@@ -85,10 +91,24 @@ TEST_CASE("spectral is stable at any step and in layers of any contrast", "[veri
     for (const double u : exact.at(39))
         reference = std::max(reference, std::abs(u));
     CHECK(largest < 2.0 * reference); // an unstable mode would be orders of magnitude above
-    // Three layers with contrasts of 100: below 1 %.
-    const auto [surface, below] = difference(with_step(c, 25e-6), exact_of(c));
-    CAPTURE(surface, below);
-    CHECK(surface < 0.01);
+}
+
+TEST_CASE("spectral meets layered where layers differ a hundredfold", "[verify]") {
+    Case c = required_case();
+    Layer stiff = c.medium.layers[0], soft = stiff;
+    stiff.c_s_m_s = 50.0;
+    const auto surface = [&] { return difference(with_step(c, 25e-6), exact_of(c)).first; };
+    SECTION("stiff skin") {
+        stiff.thickness_m = 0.5e-3;
+        soft.thickness_m = 4e-3;
+        c.medium.layers = {stiff, soft, stiff};
+    }
+    SECTION("a stiff sheet below") {
+        stiff.thickness_m = 1.5e-3;
+        soft.thickness_m = 3e-3;
+        c.medium.layers = {soft, stiff, soft};
+    }
+    CHECK(surface() < 0.01); // the requirement
 }
 
 TEST_CASE("spectral gives the table of layered on the quickstart's medium", "[verify]") {
@@ -106,42 +126,15 @@ TEST_CASE("spectral gives the table of layered on the quickstart's medium", "[ve
     }
 }
 
-namespace {
-
-/// The displacement of one snapshot on this rank alone.
-class VolumeStore : public test::FrameStore {
-public:
-    void volume_levels(const std::vector<double>& z_m) override {
-        z_m_ = z_m;
-        u_m_.assign(3, std::vector<std::vector<double>>(z_m.size()));
-    }
-    void volume(const VolumePlane& plane) override {
-        std::vector<double>& values = u_m_[plane.component][plane.level];
-        for (std::ptrdiff_t i = 0; i < plane.values.rows(); ++i) {
-            const auto row = plane.values.row(i);
-            values.insert(values.end(), row.begin(), row.end());
-        }
-    }
-    const std::vector<double>& z_m() const { return z_m_; }
-    const std::vector<double>& at(std::size_t component, std::size_t level) const {
-        return u_m_[component][level];
-    }
-
-private:
-    std::vector<double> z_m_;
-    std::vector<std::vector<std::vector<double>>> u_m_;
-};
-
-} // namespace
-
 TEST_CASE("a volume snapshot continues the surface and keeps its volume", "[verify]") {
     Case c = with_step(required_case(), 25e-6);
     c.record.volumes_s = {c.time.frame_s(29)};
     c.record.volume_fields = {VolumeField::u};
     const Comm alone = Comm::world().split(Comm::world().rank());
-    VolumeStore store;
+    test::VolumeStore store;
     make_engine(c.solver)->run(c, alone, store);
-    CHECK(store.at(2, 0) == store.FrameStore::at(29)); // the same transform of the same numbers
+    CHECK(store.at(0, 0, 2, 0) ==
+          store.FrameStore::at(29)); // the same transform of the same numbers
     CHECK(store.z_m().front() == 0.0);
     CHECK(store.z_m().back() == Approx(12e-3));
 
@@ -149,7 +142,7 @@ TEST_CASE("a volume snapshot continues the surface and keeps its volume", "[veri
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const auto at = [&](std::size_t component, std::size_t level, std::ptrdiff_t i,
                         std::ptrdiff_t j) {
-        return store.at(component, level)[static_cast<std::size_t>(i * ny + j)];
+        return store.at(0, 0, component, level)[static_cast<std::size_t>(i * ny + j)];
     };
     double divergence = 0.0, vertical = 0.0;
     for (std::size_t level = 0; level + 1 < store.z_m().size(); ++level) {

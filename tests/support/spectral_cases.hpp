@@ -1,0 +1,75 @@
+#pragma once
+
+#include "support/cases.hpp"
+#include "support/worst.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace shearwake::test {
+
+/// The same case, computed by engine `spectral` in steps of this length.
+inline Case with_step(Case c, double step_s) {
+    SpectralOptions options;
+    if (const auto* given = std::get_if<SpectralOptions>(&c.solver)) options = *given;
+    options.time_step_s = step_s;
+    c.solver = options;
+    return c;
+}
+
+/// A 3 mm focus at 7 m/s over 7 mm of tissue on a rigid base. It goes out after 3 ms, and what it
+/// has left goes round in the periodic domain.
+inline Case small_tissue(double viscosity_Pa_s = 0.5) {
+    Case c = moving_focus({}, ConstantSpeed{7.0});
+    Layer layer = tissue(1500.0, viscosity_Pa_s);
+    layer.thickness_m = 7e-3;
+    c.medium = {{layer}, Base::rigid};
+    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-11e-3, 0.0}, {10e-3, 0.0}};
+    c.domain = {24, 18, 1e-3, 0.0};
+    c.time = {30, 100e-6};
+    c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
+    return c;
+}
+
+/// A lump under the path of `small_tissue`, so far of nothing else than what is around.
+inline Body small_body() {
+    return {
+        .name = "body", .shape = Ellipsoid{{5e-3, 3.5e-3, 1.5e-3}}, .centre_m = {2e-3, 2e-3, 3e-3}};
+}
+
+/// And how many times stiffer in shear.
+inline Body small_body(double contrast) {
+    Body body = small_body();
+    body.c_s_m_s = 5.0 * std::sqrt(contrast);
+    return body;
+}
+
+inline double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
+    double above = 0.0, below = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        above += std::pow(a[i] - b[i], 2);
+        below += b[i] * b[i];
+    }
+    return std::sqrt(above / below);
+}
+
+inline std::vector<double> last_frame(const Case& c) {
+    return frames_of(c).at(c.time.frames - 1);
+}
+
+/// Infinity if one is not finite.
+inline double largest(const std::vector<double>& values) {
+    double result = 0.0;
+    for (const double value : values)
+        result = worse(result, std::abs(value));
+    return result;
+}
+
+inline double mean(const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values)
+        sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+} // namespace shearwake::test
