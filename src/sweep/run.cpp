@@ -103,7 +103,7 @@ private:
                                        solver.steps, solver.iterations, solver.most_iterations));
         for (const std::string& note : solver.notes)
             if (told_.insert(note).second) news.push_back(note);
-        if (team_.is_root() && !news.empty())
+        if (team_.is_root() && !news.empty() && !arguments_.quiet)
             progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
     }
 

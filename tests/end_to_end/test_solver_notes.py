@@ -52,6 +52,8 @@ class SolverNotes(ProgramTest):
         said = self.shearwake("run", "job.toml").said
         self.assertEqual(said.count("time step"), 1, said)  # news once
         self.assertNotIn("iterations", said)
+        quiet = self.shearwake("run", "job.toml", "--out", "other", "--quiet")
+        self.assertEqual(quiet.stderr, "")
         for path in case_files(self.out):
             found = self.attributes(path)
             self.assertEqual(found["solver_iterations"], 0)
