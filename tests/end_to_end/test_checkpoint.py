@@ -18,23 +18,37 @@ STEPPED = without_reference(
     ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 5.0 }'),
     ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"),
     ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
+# The same with a body that takes iterations: strains are part of the state.
+WITH_BODY = STEPPED.replace("[load]\n", """[[medium.body]]
+shape = "ellipsoid"
+center_mm = [2.0, 1.0]
+depth_mm = 5.0
+semi_axes_mm = [6.0, 4.0, 3.0]
+c_s_m_s = 20.0
+viscosity_Pa_s = 1.5
+
+[load]
+""", 1).replace("time_step_us = 5.0", "time_step_us = 20.0")
 SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
 
 
-class Checkpoint(ProgramTest):
+class SavedCase(ProgramTest):
+    """What the tests of one job share."""
+    JOB = STEPPED
+
     @classmethod
     def setUpClass(cls):
         """The undisturbed run, once for all tests."""
-        cls.undisturbed = Checkpoint("shearwake")
+        cls.undisturbed = cls("shearwake")
         cls.undisturbed.setUp()
         cls.addClassCleanup(cls.undisturbed.doCleanups)
-        cls.undisturbed.write_job(STEPPED)
+        cls.undisturbed.write_job(cls.JOB)
         cls.undisturbed.shearwake("run", "job.toml")
         cls.undisturbed.shearwake("reduce", cls.undisturbed.out)
 
     def setUp(self):
         super().setUp()
-        self.write_job(STEPPED)
+        self.write_job(self.JOB)
 
     def events(self, name):
         lines = journal(self.out) if (self.out / "journal.jsonl").exists() else []
@@ -90,6 +104,8 @@ class Checkpoint(ProgramTest):
                         worst = max(worst, numpy.nanmax(numpy.abs(a - b)) / scale)
         return worst
 
+
+class Checkpoint(SavedCase):
     def test_killed_in_the_middle_of_a_case_it_goes_on_from_there(self):
         self.kill_in_the_middle(ranks=1)
         self.assertTrue(list(self.out.rglob("cases/*.part")))
@@ -228,6 +244,16 @@ class Checkpoint(ProgramTest):
         self.shearwake(*SAVING, 1)
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(len(plan_ids(self.out)), 2)
+
+
+class CheckpointWithABody(SavedCase):
+    JOB = WITH_BODY
+
+    def test_iterations_go_on_bit_for_bit_on_other_ranks(self):
+        self.kill_in_the_middle(ranks=2, saves=4)
+        self.go_on(ranks=3)
+        self.assert_resumed(80)
+        self.assertEqual(self.largest_difference(), 0.0)  # of a run on one
 
 
 if __name__ == "__main__":

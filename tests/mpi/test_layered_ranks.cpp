@@ -77,7 +77,27 @@ TEST_CASE("bodies are the same on any number of ranks", "[mpi]") {
                         .c_s_m_s = GENERATE(2.5, 20.0)}};
     c.time.frames = 20;
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement; sums in another order
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement; the same bits are seen
+}
+
+TEST_CASE("iterations are the same bits on any number of ranks, however long", "[mpi]") {
+    // Modes that conjugate gradients do not yet notice grow from rounding until they do: another
+    // last bit in one sum would be seen at 1e-7 after 200 steps.
+    Case c = small_case();
+    c.medium.base = Base::rigid;
+    c.medium.layers.back().thickness_m = 3e-3;
+    c.domain = {24, 18, 1.5e-3, 0.0};
+    c.medium.bodies = {{.name = "body",
+                        .shape = Ellipsoid{{6e-3, 4e-3, 1e-3}},
+                        .centre_m = {1e-3, 2e-3, 1.5e-3},
+                        .c_s_m_s = 30.0,
+                        .viscosity_Pa_s = 1.5}};
+    c.time = {120, 50e-6};
+    c.record.traces_m.clear();
+    SpectralOptions options;
+    options.time_step_s = 12.5e-6;
+    c.solver = options;
+    CHECK(worst_frame(c, Comm::world()) == 0.0);
 }
 
 TEST_CASE("ranks without planes do no harm, on any number of ranks", "[mpi]") {
@@ -92,7 +112,7 @@ TEST_CASE("ranks without planes do no harm, on any number of ranks", "[mpi]") {
     c.time.frames = 20;
     c.record.traces_m.clear();
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-11); // as above
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement
 }
 
 TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {

@@ -1,6 +1,7 @@
 #include "engines/spectral/cell_materials.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace shearwake {
 
@@ -15,6 +16,22 @@ DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t nod
 bool is_smooth(const Medium& medium) {
     return std::all_of(medium.bodies.begin(), medium.bodies.end(),
                        [](const Body& body) { return body.edge_m > 0.0; });
+}
+
+HeldMaterials::HeldMaterials(const Case& c, const Material& layer)
+    : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa),
+      layer_viscosity_Pa_s_(layer.viscosity_Pa_s),
+      omega_rad_s_(bandwidth_rad_m(c.load.footprint, 0.5) *
+                       greatest_speed_m_s(c.load.modulation.trajectory) +
+                   2.0 * std::numbers::pi *
+                       greatest_envelope_frequency_Hz(c.load.modulation.envelope)) {}
+
+Material HeldMaterials::operator()(Material m) const {
+    m.mu_Pa = std::min(m.mu_Pa, most_mu_Pa_);
+    const double less_Pa_s = layer_viscosity_Pa_s_ - m.viscosity_Pa_s;
+    if (less_Pa_s > 0.0 && omega_rad_s_ * less_Pa_s < unseen_loss * m.mu_Pa)
+        m.viscosity_Pa_s = layer_viscosity_Pa_s_;
+    return m;
 }
 
 std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,

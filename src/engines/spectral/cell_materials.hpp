@@ -17,6 +17,22 @@ DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t nod
 /// Sharp bodies are averaged over cells; smooth ones are sampled, which converges spectrally.
 bool is_smooth(const Medium& medium);
 
+/// What a stiff body loses less than the layer around it is not seen while it is less than this
+/// share of its own stiffness, at the frequency that the footprint shakes it with.
+constexpr double unseen_loss = 0.01;
+
+/// What the engine computes with in a body's place: no stiffer in shear than `contrast_cap` times
+/// the layer, and as viscous as the layer where that is not seen. A background without viscosity
+/// would make all cells of the plane iterate.
+class HeldMaterials {
+public:
+    HeldMaterials(const Case& c, const Material& layer);
+    Material operator()(Material m) const;
+
+private:
+    double most_mu_Pa_, layer_viscosity_Pa_s_, omega_rad_s_;
+};
+
 /// Materials of one strain point over this rank's rows, row by row of ny.
 std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
                                      const StrainPoint& point);

@@ -28,30 +28,40 @@ void LateralField::stress(const Values& now, const Values& before, double rate, 
     }
 }
 
-double LateralField::implicit(std::size_t point, const Values& strain, Values& out) const {
+void LateralField::implicit(std::size_t point, const Values& strain, Values& out) const {
     const std::size_t n = variation_.points[point].cells, first = variation_.points[point].first;
     const double* e = strain.data() + first * components_;
     const double* lambda = variation_.implicit_lambda.data() + first;
     const double* mu = variation_.implicit_mu.data() + first;
     double* s = out.data() + first * components_;
-    double product = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
         const double dilation = lambda[i] * (e[i] + e[n + i] + e[2 * n + i]);
         for (std::size_t c = 0; c < 6; ++c) {
             const double own = mu[i] * e[c * n + i];
             s[c * n + i] = c < 3 ? dilation + 2.0 * own : own;
-            product += e[c * n + i] * s[c * n + i];
         }
     }
-    if (!variation_.density_varies) return product;
+    if (!variation_.density_varies) return;
     const double* mass = variation_.implicit_mass.data() + first;
-    for (std::size_t c = 6; c < 9; ++c) {
-        for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t c = 6; c < 9; ++c)
+        for (std::size_t i = 0; i < n; ++i)
             s[c * n + i] = mass[i] * e[c * n + i];
-            product += e[c * n + i] * s[c * n + i];
+}
+
+void LateralField::add_product(std::size_t point, const Values& a, const Values& b,
+                               RowSums& sums) const {
+    const LateralVariation::Point& at = variation_.points[point];
+    for (const RowRun& run : at.runs) {
+        const auto length = static_cast<std::size_t>(run.end - run.begin);
+        double product = 0.0;
+        for (std::size_t c = 0; c < components_; ++c) {
+            const std::size_t first =
+                at.first * components_ + c * at.cells + static_cast<std::size_t>(run.offset);
+            for (std::size_t i = first; i < first + length; ++i)
+                product += a[i] * b[i];
         }
+        sums.add(share_.x_start + run.row, product);
     }
-    return product;
 }
 
 StateRows LateralField::rows(std::ptrdiff_t nx) const {

@@ -2,6 +2,7 @@
 
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/lateral_variation.hpp"
+#include "parallel/row_sums.hpp"
 
 #include <utility>
 #include <vector>
@@ -20,8 +21,10 @@ public:
 
     /// Stress beyond that of the layers: for strain `now`, and its rate (now - before) * rate.
     void stress(const Values& now, const Values& before, double rate, Values& out) const;
-    /// The implicit operator's part that is not the background's, at one point; (strain, out).
-    double implicit(std::size_t point, const Values& strain, Values& out) const;
+    /// The implicit operator's part that is not the background's, at one point.
+    void implicit(std::size_t point, const Values& strain, Values& out) const;
+    /// The product of two fields at one point, by rows of x.
+    void add_product(std::size_t point, const Values& a, const Values& b, RowSums& sums) const;
     std::size_t points() const { return variation_.points.size(); }
     /// Where a point's values lie.
     std::pair<std::size_t, std::size_t> range(std::size_t point) const {

@@ -52,12 +52,13 @@ bool differs(const Material& a, const Material& b) {
 }
 
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabShare& share,
-                             double cap, const Comm& team, double& stiffest) {
+                             const Comm& team, double& stiffest) {
     std::vector<Gathered> result;
     const auto nodes = static_cast<std::size_t>(mesh.degree + 1);
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         if (!varies_between(c.medium, mesh.ends_m[e], mesh.ends_m[e + 1])) continue;
         const Material layer = material_of(c.medium.layers[mesh.layers[e]]);
+        const HeldMaterials held(c, layer);
         std::vector<Gathered> here;
         bool some_vary = false, less_viscous = false;
         for (std::size_t i = 0; i < nodes; ++i) {
@@ -66,8 +67,8 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
             g.extremes = extremes_of(g.all, layer, team);
             stiffest = std::max(stiffest, g.extremes.greatest.mu_Pa / layer.mu_Pa);
             for (Material& m : g.all)
-                m.mu_Pa = std::min(m.mu_Pa, cap * layer.mu_Pa);
-            g.extremes.greatest.mu_Pa = std::min(g.extremes.greatest.mu_Pa, cap * layer.mu_Pa);
+                m = held(m);
+            g.extremes = extremes_of(g.all, layer, team);
             g.varies = differs(g.extremes.least, layer) || differs(g.extremes.greatest, layer);
             some_vary |= g.varies;
             less_viscous |= g.extremes.least.viscosity_Pa_s < layer.viscosity_Pa_s;
@@ -88,8 +89,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     LateralVariation v;
     v.background = background_of(mesh, c.medium);
     double stiffest = 0.0;
-    const std::vector<Gathered> gathered =
-        gather(c, mesh, vectors.share(), options.contrast_cap, team, stiffest);
+    const std::vector<Gathered> gathered = gather(c, mesh, vectors.share(), team, stiffest);
     if (gathered.empty()) return v;
 
     if (stiffest > options.contrast_cap * (1.0 + 1e-12))

@@ -14,7 +14,6 @@ constexpr double one_lambda = 1.5;
 /// The added inertia, relative to the soft tissue's, that one background solve a step may cost at
 /// the wavenumber where the footprint's spectrum has fallen to a half.
 constexpr double tolerated_inertia = 0.02;
-
 /// What varies laterally, on this rank's rows: at each strain point the cells concerned, and their
 /// moduli beyond those of the background's forces, times the quadrature weight [m]. The implicit
 /// operator is

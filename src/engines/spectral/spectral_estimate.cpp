@@ -91,7 +91,7 @@ PointEstimate estimate_point(const Case& c, const std::vector<Inclusion>& medium
                              std::size_t layer_at, double top_m, double bottom_m,
                              double rows_of_rank) {
     const Material layer = material_of(c.medium.layers[layer_at]);
-    const double cap = std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa;
+    const HeldMaterials held(c, layer);
     PointEstimate point{.least = layer, .greatest = layer};
     const auto widen = [](double value, double& least, double& greatest) {
         least = std::min(least, value);
@@ -99,11 +99,12 @@ PointEstimate estimate_point(const Case& c, const std::vector<Inclusion>& medium
     };
     for (const Inclusion& part : medium) {
         if (part.box.high_m.z <= top_m || part.box.low_m.z >= bottom_m) continue;
-        for (const Material& m : part.materials[layer_at]) {
+        for (const Material& material : part.materials[layer_at]) {
+            const Material m = held(material);
             Material &least = point.least, &greatest = point.greatest;
             widen(m.density_kg_m3, least.density_kg_m3, greatest.density_kg_m3);
             widen(m.lambda_Pa, least.lambda_Pa, greatest.lambda_Pa);
-            widen(std::min(m.mu_Pa, cap), least.mu_Pa, greatest.mu_Pa);
+            widen(m.mu_Pa, least.mu_Pa, greatest.mu_Pa);
             widen(m.viscosity_Pa_s, least.viscosity_Pa_s, greatest.viscosity_Pa_s);
         }
         add_cells(c.domain, part, rows_of_rank, point);
@@ -231,8 +232,11 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
     // Seconds per mode, level and node of an element; per plane and mode or point: measured with
     // `shearwake bench spectral`.
     const double modes = nx * modes_y, more = v.iterations > 0.0 ? v.iterations + 1.0 : 0.0;
-    const double solves_s = modes * levels * nodes * (3.4e-9 + 2.1e-9 * more);
-    const double each_way = planes * (2.1e-9 * points + 2.5e-9 * modes + 0.5e-9 * points);
+    const double solves_s = modes * levels * nodes * (2.8e-9 + 1.9e-9 * more);
+    // Along y only rows with cells: of a bar along x the square root is too many, never too few.
+    const double rows =
+        v.points > 0.0 ? std::sqrt(std::min(1.0, v.cells / (v.points * points))) : 0.0;
+    const double each_way = planes * ((0.9e-9 + 0.85e-9 * rows) * points + 1.6e-9 * modes);
     const double values_s = 1e-8 * v.cells * v.components * (1.0 + more);
     const double step_seconds = solves_s + 2.0 * each_way * (1.0 + more) + values_s;
     const double begin_s = modes * levels * nodes * nodes * 4e-9 + 1.5e-7 * v.points * points;

@@ -17,7 +17,8 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
       load_(c, vectors_, step_s),
       // Where steps iterate, more often: that says less well what is wrong with the field.
-      watch_(team, step_s, field_.variation().iterates ? 1 : 16) {
+      watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
+      work_(c.domain.ny / 2 + 1) {
     together(team, [&] { assemble(); });
 }
 
@@ -31,7 +32,7 @@ void Stepper::assemble() {
     planes_.emplace(field_, slabs_, case_.domain.nx, clock_);
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
-    if (field_.variation().iterates) solver_.emplace(field_, team_, clock_);
+    if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
             operator_.factorise_implicit(vectors_.k(row, block), step_s_,
@@ -77,7 +78,8 @@ void Stepper::first_pass() {
     const double scale = step_ == 0 ? 0.5 : 1.0;
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     Lanes* force = lanes(pencil_.data());
-    Lanes kinetic{}, work{};
+    kinetic_.clear();
+    work_.clear();
     each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
         const Lanes* u = lanes(now_.data()) + at * size;
         Lanes* before = lanes(before_.data()) + at * size;
@@ -89,20 +91,22 @@ void Stepper::first_pass() {
         operator_.add_internal_force(vectors_.k(row, block), 1.0 / step_s_, u, before, force);
         clock_.lap(Phase::solves, pencil_bytes(3.0));
         add_planes_force(row, block, force);
-        kinetic += operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part);
+        const std::ptrdiff_t ky = slabs_.share().ky_start + row;
+        kinetic_.add(ky, sum_of(operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part)));
         operator_.solve_implicit(factor(at), force);
-        work += work_of(row, block, [&](std::ptrdiff_t p) { // f . (u+ - u-)/2
+        const auto motion = [&](std::ptrdiff_t p) { // (u+ - u-)/2
             return u[parts + p] - before[parts + p] + 0.5 * scale * force[parts + p];
-        });
+        };
+        work_.add(ky, sum_of(work_of(row, block, motion)));
         clock_.lap(Phase::solves);
         put_strain(row, block, force);
         for (std::ptrdiff_t i = 0; i < size; ++i)
             before[i] = 2.0 * u[i] - before[i] + scale * force[i];
         clock_.lap(Phase::solves);
     });
-    watch_.look(step_, 0.5 * sum_of(kinetic));
-    watch_.add_work(scale * sum_of(work));
-    reference_ = std::max(sum_of(kinetic), std::abs(sum_of(work)));
+    watch_.look(step_, 0.5 * kinetic_.mine());
+    watch_.add_work(scale * work_.mine());
+    if (solver_) reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);
 }
 

@@ -118,7 +118,8 @@ private:
     MovingLoad load_;
     StepStatistics statistics_;
     EnergyWatch watch_;
-    double reference_ = 0.0; // twice the kinetic energy, or the step's work, of this rank
+    RowSums kinetic_, work_; // by ky: twice the kinetic energy before a step, its work
+    double reference_ = 0.0; // the greater one, of all ranks
     // Lanes by eights: a vector of a vector type would lose the type's alignment.
     AlignedVector<double> factors_, now_, before_, pencil_;
     StepClock clock_;

@@ -50,13 +50,14 @@ EnergyBalance Stepper::energy() {
         LateralField::Values& difference = change_;
         for (std::size_t i = 0; i < strain_.size(); ++i)
             difference[i] = strain_[i] - strain_before_[i];
-        if (field_.variation().iterates) {
-            for (std::size_t point = 0; point < field_.points(); ++point)
-                lateral += 0.5 * field_.implicit(point, difference, stress_);
-        }
         const auto inner = [](const LateralField::Values& a, const LateralField::Values& b) {
             return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
         };
+        if (field_.variation().iterates) {
+            for (std::size_t point = 0; point < field_.points(); ++point)
+                field_.implicit(point, difference, stress_);
+            lateral += 0.5 * inner(difference, stress_);
+        }
         field_.stress(strain_before_, strain_before_, 0.0, stress_); // K u-
         lateral += 0.5 * inner(strain_, stress_);
         field_.stress(rest, difference, rate, stress_); // -C v/dt

@@ -21,16 +21,19 @@ public:
     /// Collective.
     using Response = std::function<void(const Values& stress, Values& strain)>;
 
-    StrainSolver(const LateralField& field, const Comm& team, StepClock& clock);
+    /// `rows`: all rows of x.
+    StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team,
+                 StepClock& clock);
 
     struct Outcome {
         int iterations = 0;
         bool converged = false; // not where a value is not a number
     };
-    /// `residual` is b and becomes b - G S e, what is left; `reference` this rank's part of the
-    /// square of what moves, of which sqrt((r, S r)) shall be less than `tolerance`. The error of
-    /// the displacement in the energy norm of the operator is at most the residual's in that of S.
-    /// Collective.
+    /// `residual` is b and becomes b - G S e, what is left; `reference` the square of what
+    /// moves, of which sqrt((r, S r)) shall be less than `tolerance`. The error of the displacement
+    /// in the energy norm of the operator is at most the residual's in that of S. A mode too weak
+    /// to be noticed may grow until it is: so the sums, and with them all results, have the same
+    /// bits on any number of ranks. Collective.
     Outcome solve(Values& residual, double reference, double tolerance, const Response& respond);
 
     const Values& strain() const { return strain_; } // e
@@ -39,8 +42,8 @@ public:
     double memory_B() const { return static_cast<double>(4 * strain_.size() * sizeof(double)); }
 
 private:
-    double curvature() const;
-    double sum_over_team(double mine);
+    double curvature();
+    double sum_over_team();
     double bytes(double times) const { return times * 0.25 * memory_B(); }
     double step_along(double alpha, Values& residual);
     void turn(double beta, const Values& residual);
@@ -48,6 +51,7 @@ private:
     const LateralField& field_;
     Comm team_;
     StepClock& clock_;
+    RowSums sums_;
     Values strain_, direction_, stress_, image_; // stress: S direction
 };
 

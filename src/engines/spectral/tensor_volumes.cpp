@@ -160,11 +160,11 @@ TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) c
     const std::size_t element = point.element;
     Materials all{material_of(case_.medium.layers[mesh_.layers[element]]), {}};
     if (!varies_between(case_.medium, mesh_.ends_m[element], mesh_.ends_m[element + 1])) return all;
-    const double cap = std::get<SpectralOptions>(case_.solver).contrast_cap * all.layer.mu_Pa;
+    const HeldMaterials held(case_, all.layer);
     together(team_, [&] {
         all.cells = cell_materials(case_, mesh_, slabs_.share(), point);
         for (Material& m : all.cells)
-            m.mu_Pa = std::min(m.mu_Pa, cap);
+            m = held(m);
     });
     return all;
 }
