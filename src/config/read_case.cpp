@@ -127,6 +127,12 @@ TimeAxis read_time(Reader& reader) {
     return time;
 }
 
+bool is_auto(Reader& options, std::string_view key) {
+    const NodePtr node = options.node(key);
+    const auto* word = node ? std::get_if<std::string>(&node->value) : nullptr;
+    return word && *word == "auto";
+}
+
 std::optional<double> read_time_step_s(Reader& options, const TimeAxis& time) {
     const auto step_s = options.find_number("time_step_us", Range::at_least(0.01));
     if (step_s && time.frames > 0 && *step_s > time.interval_s * (1.0 + 1e-9))
@@ -138,7 +144,13 @@ std::optional<double> read_time_step_s(Reader& options, const TimeAxis& time) {
 
 SpectralOptions read_spectral(Reader options, const TimeAxis& time) {
     SpectralOptions spectral;
-    spectral.time_step_s = read_time_step_s(options, time);
+    if (!is_auto(options, "time_step_us")) spectral.time_step_s = read_time_step_s(options, time);
+    spectral.accuracy = options.number_or("accuracy", spectral.accuracy, Range::between(1e-4, 0.1));
+    if (spectral.time_step_s && options.has("accuracy"))
+        options.error("accuracy",
+                      fmt::format("chooses the time step, and {} = {:.6g} gives it; "
+                                  "leave one of them out, or set the latter to \"auto\"",
+                                  options.full("time_step_us"), 1e6 * *spectral.time_step_s));
     const double degree = options.number_or("degree", spectral.degree, Range::between(2, 16));
     if (degree != std::floor(degree)) options.error("degree", "must be a whole number");
     spectral.degree = static_cast<int>(degree);

@@ -236,7 +236,10 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
                        t.put("interpolation_tolerance", o.interpolation_tolerance);
                    },
                    [&](const SpectralOptions& o) {
-                       if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
+                       if (o.time_step_s) // decides alone
+                           t.put("time_step_s", *o.time_step_s);
+                       else
+                           t.put("accuracy", o.accuracy);
                        t.put("degree", static_cast<std::ptrdiff_t>(o.degree));
                        t.put("longest_element_m", o.longest_element_m);
                        t.put("method", o.method == SpectralMethod::automatic   ? "auto"

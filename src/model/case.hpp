@@ -67,12 +67,13 @@ struct LayeredOptions {
 enum class SpectralMethod { automatic, one_solve, iterative };
 /// Engine `spectral`: Fourier in x and y, spectral elements in z, implicit in time.
 struct SpectralOptions {
-    std::optional<double> time_step_s; // none: 25 us
+    std::optional<double> time_step_s; // none: chosen from the accuracy
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
     SpectralMethod method = SpectralMethod::automatic;
     double residual = 1e-3;      // of the iterations, its energy norm over that of what moves
     double contrast_cap = 400.0; // stiffer bodies are held to this many times the layer's mu
+    double accuracy = 1e-3; // of the surface field, its relative L2 error; decides the time step
     bool operator==(const SpectralOptions&) const = default;
 };
 using SolverOptions = std::variant<LayeredOptions, SpectralOptions>;

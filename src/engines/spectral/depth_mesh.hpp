@@ -28,8 +28,11 @@ struct DepthMesh {
 /// growing by half from one to the next; nowhere longer than twenty times the inverse wavenumber of
 /// the shear wave at the highest frequency that the load still excites by 1 %, nor than
 /// `longest_element_m`. Where the time step would make the first element's finest shear mode need
-/// stabilising, which costs accuracy, that element is up to twice as long.
+/// stabilising, which costs accuracy, that element is up to twice as long, where losses damp the
+/// shortest waves or the accuracy asked allows it.
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options);
+/// The same for a time step of its own.
+DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step_s);
 
 /// The largest eigenvalue of the reference element's stiffness D^T w D against its mass w: how fast
 /// its finest mode varies, squared. On an element of length h, times (2/h)^2 [1/m^2].

@@ -14,7 +14,9 @@ struct TimeStep {
     std::string why; // one line: how long, and what decided it
 };
 
-/// The step that the options give, or the default; shortened until it divides the output interval.
+/// The step that the options give; or the longest whose expected error is below the accuracy, from
+/// the fastest of waves, scan and envelope, the losses, and the stabilisation that elements and
+/// bodies need. Divides the output interval. Not collective.
 TimeStep choose_time_step(const Case& c, const SpectralOptions& options);
 
 } // namespace shearwake

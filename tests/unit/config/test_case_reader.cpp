@@ -174,6 +174,35 @@ TEST_CASE("the stepping engine's options are read, and what it cannot compute is
     CHECK(found[0].find("error: solver.engine: \"spectral\" takes layers") != std::string::npos);
 }
 
+TEST_CASE("the stepping engine takes a time step or an accuracy to choose it from",
+          "[config][case]") {
+    const std::string spectral = "[solver]\nengine = \"spectral\"\n";
+    const auto options_of = [&](const std::string& rest) {
+        return std::get<SpectralOptions>(only_case(plain_and(spectral + rest)).solver);
+    };
+    CHECK(options_of("") == SpectralOptions{.time_step_s = {}, .accuracy = 1e-3});
+    CHECK(options_of("spectral.accuracy = 1e-2") == SpectralOptions{.accuracy = 1e-2});
+    CHECK(options_of("spectral.time_step_us = 12.5") == SpectralOptions{.time_step_s = 12.5e-6});
+    CHECK(options_of("spectral = { time_step_us = \"auto\", accuracy = 1e-2 }") ==
+          SpectralOptions{.accuracy = 1e-2});
+}
+
+TEST_CASE("a silly accuracy of the stepping engine, or one beside a time step, is refused",
+          "[config][case]") {
+    const auto [given, finding] = GENERATE(table<std::string, std::string>({
+        {"accuracy = 0", "accuracy must be between 0.0001 and 0.1, and is 0"},
+        {"accuracy = 2", "accuracy must be between 0.0001 and 0.1, and is 2"},
+        {"accuracy = \"x\"", "accuracy must be a number, and is a string"},
+        {"time_step_us = \"fast\"", "time_step_us must be a number, and is a string"},
+        {"time_step_us = 25, accuracy = 1e-2",
+         "accuracy chooses the time step, and solver.spectral.time_step_us = 25 gives it; leave "
+         "one of them out, or set the latter to \"auto\""},
+    }));
+    const Texts found = findings_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found[0], Catch::Contains("error: solver.spectral." + finding));
+}
+
 TEST_CASE("volumes are kept in order, each once, whatever the order of the job", "[config][case]") {
     const std::string spectral = "[solver]\nengine = \"spectral\"\n[record]\n";
     const Case c = only_case(plain_and(spectral + "volumes_ms = [3, 1, 3]"));

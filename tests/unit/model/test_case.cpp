@@ -102,6 +102,14 @@ TEST_CASE("whatever changes in a case changes its text", "[case]") {
     SECTION("snapshots") {
         c.record.snapshots_s = {0.007};
     }
+    SECTION("accuracy") {
+        c.solver = SpectralOptions{};
+        const std::string usual = canonical_text(c);
+        c.solver = SpectralOptions{.accuracy = 1e-2};
+        CHECK(canonical_text(c) != usual);
+        c.solver = SpectralOptions{.time_step_s = 1e-5, .accuracy = 1e-2}; // says nothing then
+        CHECK(canonical_text(c).find("accuracy") == std::string::npos);
+    }
     SECTION("time step") {
         c.solver = LayeredOptions{.time_step_s = 1e-5};
     }
