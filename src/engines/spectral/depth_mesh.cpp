@@ -61,14 +61,16 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
         2.0 * c.medium.layers.front().c_s_m_s * std::sqrt(finest_mode(mesh.rule)) * step_s / 2.42;
     const double short_m = 9.0 * per_degree / steepest;
     const Longest longest = longest_elements(c, options);
+    // Waves below a load that is faster than they are shorter than it. Measured at 7/5.
+    const double top_speed_m_s = std::max(c.medium.layers.front().c_s_m_s,
+                                          greatest_speed_m_s(c.load.modulation.trajectory) / 1.4);
     double next_m =
         std::clamp(calm_m, std::min(1.0, longest.first) * short_m, longest.first * short_m);
     for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
         const Layer& layer = c.medium.layers[l];
         const double shear = layer.c_s_m_s / std::max(omega, 1.0); // 1 / wavenumber
         double cap = 20.0 * per_degree * shear;
-        cap =
-            std::min(cap, longest.all * short_m * layer.c_s_m_s / c.medium.layers.front().c_s_m_s);
+        cap = std::min(cap, longest.all * short_m * layer.c_s_m_s / top_speed_m_s);
         if (options.longest_element_m > 0.0) cap = std::min(cap, options.longest_element_m);
         double left_m = layer.thickness_m;
         while (left_m > 1e-12 * layer.thickness_m) {

@@ -34,13 +34,14 @@ SolverReport report_of(Stepper& stepper, std::vector<std::string> notes) {
 
 Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
-    return estimate_spectral(c, choose_mesh(c, options), choose_time_step(c, options).per_frame,
-                             ranks);
+    const TimeStep time = choose_time_step(c, options);
+    return estimate_spectral(c, choose_mesh(c, options, time.step_s), time.per_frame, ranks);
 }
 
 std::vector<std::string> SpectralEngine::choices(const Case& c) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
-    auto notes = discretisation_notes(choose_time_step(c, options), choose_mesh(c, options));
+    const TimeStep time = choose_time_step(c, options);
+    auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
     for (std::string& note : variation_notes(c, options))
         notes.push_back(std::move(note));
     return notes;
@@ -51,7 +52,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     const std::ptrdiff_t per_frame = time.per_frame;
-    const DepthMesh mesh = choose_mesh(c, options);
+    const DepthMesh mesh = choose_mesh(c, options, time.step_s);
     const SlabTransform slabs(c.domain.nx, c.domain.ny, team, Planning::measured);
     const SlabShare& share = slabs.share();
     Stepper stepper(c, mesh, slabs, time.step_s, team);
