@@ -129,8 +129,9 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
         inertia = std::max(inertia, added * std::pow(k_load * step_s, 2) / least.density_kg_m3);
     }
     const bool must = v.density_varies || viscosity_varies || lambda_varies;
-    v.iterates = must || options.method == SpectralMethod::iterative ||
-                 (options.method == SpectralMethod::automatic && inertia > tolerated_inertia);
+    v.iterates =
+        must || options.method == SpectralMethod::iterative ||
+        (options.method == SpectralMethod::automatic && inertia > tolerated_inertia(options));
     v.notes.push_back(fmt::format(
         "{} of {} strain points vary laterally; {}: {}", gathered.size(), mesh.elements() * nodes,
         v.iterates ? "conjugate gradients on the true operator" : "one background solve a step",

@@ -4,6 +4,7 @@
 #include "engines/spectral/vertical_operator.hpp"
 #include "parallel/comm.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,12 @@ namespace shearwake {
 /// Compressional stiffnesses that differ less than this share one stabilising modulus: the largest.
 constexpr double one_lambda = 1.5;
 /// The added inertia, relative to the soft tissue's, that one background solve a step may cost at
-/// the wavenumber where the footprint's spectrum has fallen to a half.
-constexpr double tolerated_inertia = 0.02;
+/// the wavenumber where the footprint's spectrum has fallen to a half. A step chosen from the
+/// accuracy may not lose it to that.
+inline double tolerated_inertia(const SpectralOptions& options) {
+    return options.time_step_s ? 0.02 : std::min(0.02, 0.3 * options.accuracy);
+}
+
 /// What varies laterally, on this rank's rows: at each strain point the cells concerned, and their
 /// moduli beyond those of the background's forces, times the quadrature weight [m]. The implicit
 /// operator is

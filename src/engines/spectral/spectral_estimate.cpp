@@ -179,7 +179,7 @@ VariationEstimate estimate_variation(const Case& c, const DepthMesh& mesh, doubl
     const bool iterates =
         v.points > 0.0 &&
         (must || density || options.method == SpectralMethod::iterative ||
-         (options.method == SpectralMethod::automatic && inertia > tolerated_inertia));
+         (options.method == SpectralMethod::automatic && inertia > tolerated_inertia(options)));
     // Fitted to 48 x 36 points, contrasts 2 to 400, steps of 12.5 to 100 us, viscosities, densities
     // and c_p that vary: within a factor of 2.6. Logarithmic in the residual as any such iteration.
     if (iterates)

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <vector>
 
 namespace shearwake {
 namespace {
@@ -97,19 +99,38 @@ double added_inertia(const VerticalOperator& vertical, std::size_t element, cons
     return excess * std::pow(k_rad_m * speed_m_s * step_s, 2);
 }
 
-/// What stiff bodies add, as far as the surface sees them.
-double inertia_of_bodies(const Case& c, const SpectralOptions& options, const DepthMesh& mesh,
-                         const VerticalOperator& vertical, const Scales& s, double step_s) {
+/// A body or the map at its stiffest.
+struct Inclusion {
+    double top_m, bottom_m, c_s_m_s;
+    std::optional<double> density_kg_m3;
+};
+
+std::vector<Inclusion> inclusions_of(const Medium& medium) {
+    std::vector<Inclusion> all;
+    for (const Body& body : medium.bodies)
+        if (body.c_s_m_s)
+            all.push_back(
+                {bounds(body).low_m.z, bounds(body).high_m.z, *body.c_s_m_s, body.density_kg_m3});
+    if (medium.map && !medium.map->c_s_m_s.empty()) {
+        const std::vector<double>& c_s_m_s = medium.map->c_s_m_s;
+        const DepthRange range = depths(*medium.map);
+        all.push_back({range.top_m, range.bottom_m, *std::ranges::max_element(c_s_m_s), {}});
+    }
+    return all;
+}
+
+/// What stiff bodies and the map add, as far as the surface sees them.
+double inertia_of_inclusions(const Case& c, const SpectralOptions& options, const DepthMesh& mesh,
+                             const VerticalOperator& vertical, const Scales& s, double step_s) {
     double most = 0.0;
-    for (const Body& body : c.medium.bodies) {
-        const Bounds box = bounds(body);
+    for (const Inclusion& stiff : inclusions_of(c.medium)) {
         for (std::size_t e = 0; e < mesh.elements(); ++e) {
-            const double top_m = std::max(box.low_m.z, mesh.ends_m[e]);
-            if (!body.c_s_m_s || top_m >= std::min(box.high_m.z, mesh.ends_m[e + 1])) continue;
+            const double top_m = std::max(stiff.top_m, mesh.ends_m[e]);
+            if (top_m >= std::min(stiff.bottom_m, mesh.ends_m[e + 1])) continue;
             Layer layer = c.medium.layers[mesh.layers[e]];
             const double most_mu_Pa = options.contrast_cap * static_shear_modulus(layer);
-            layer.c_s_m_s = *body.c_s_m_s;
-            layer.density_kg_m3 = body.density_kg_m3.value_or(layer.density_kg_m3);
+            layer.c_s_m_s = stiff.c_s_m_s;
+            layer.density_kg_m3 = stiff.density_kg_m3.value_or(layer.density_kg_m3);
             Material m = material_of(layer);
             m.mu_Pa = std::min(m.mu_Pa, most_mu_Pa);
             const double y = added_inertia(vertical, e, m, s.k_rad_m, s.scan_speed_m_s, step_s);
@@ -132,7 +153,7 @@ Expected expected_error(const Case& c, const SpectralOptions& options, const Sca
     const VerticalOperator vertical(mesh, background_of(mesh, c.medium));
     const double periods = std::max(1.0, s.omega_rad_s * c.time.duration_s() / 10.0);
     return {probed_error(c, mesh, step_s),
-            0.8 * inertia_of_bodies(c, options, mesh, vertical, s, step_s) /
+            0.8 * inertia_of_inclusions(c, options, mesh, vertical, s, step_s) /
                 (1.0 / periods + 4.0 * s.loss_1)};
 }
 
@@ -166,7 +187,7 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options) {
     chosen.why = fmt::format("time step {:.4g} us for an accuracy of {:.2g}, {:.2g} expected: {}",
                              1e6 * chosen.step_s, options.accuracy, error.all(),
                              !is_enough()                  ? "not reached, and followed no further"
-                             : error.bodies > error.layers ? "the stiffest body decides"
+                             : error.bodies > error.layers ? "the stiffest inclusion decides"
                              : chosen.per_frame == 1       ? "one a frame is enough"
                                                            : s.fastest);
     return chosen;

@@ -60,5 +60,33 @@ TEST_CASE("what is faster, finer or to be more accurate takes a shorter step", "
                                 .centre_m = {0.0, 0.0, 1.5e-3},
                                 .c_s_m_s = 50.0}};
     }
+    SECTION("a stiff map near the surface") {
+        MaterialMap map{.counts = {1, 1, 2}, .origin_m = {0.0, 0.0, 1e-3}, .c_s_m_s = {5.0, 50.0}};
+        map.spacing_m = {0.0, 0.0, 1e-3};
+        other.medium.map = std::make_shared<MaterialMap>(map);
+    }
     CHECK(step_s(other) < usual_s);
+}
+
+TEST_CASE("the choice of a time step says what decided it", "[spectral]") {
+    const auto why = [](const Case& c) {
+        return choose_time_step(c, SpectralOptions{.accuracy = 1e-2}).why;
+    };
+    Case c = some_case();
+    CHECK_THAT(why(c), Catch::Contains("for an accuracy of 0.01,") &&
+                           Catch::Contains("the scan is fastest, 6.8 mm at 7 m/s or 1.03e+03 Hz"));
+    c.load.modulation.envelope.gains = {SineGain{.frequency_Hz = 2000.0}};
+    CHECK_THAT(why(c), Catch::Contains("the modulation is fastest, 2e+03 Hz"));
+    c = some_case();
+    c.medium.layers[0].c_s_m_s = 12.0;
+    CHECK_THAT(why(c), Catch::Contains("shear waves are fastest, 6.8 mm at 12 m/s"));
+    c = some_case();
+    c.load.footprint = GaussianFootprint{30e-3};
+    CHECK_THAT(why(c), Catch::Contains("one a frame is enough"));
+    c = some_case();
+    c.medium.bodies = {{.name = "body",
+                        .shape = Ellipsoid{{3e-3, 3e-3, 1e-3}},
+                        .centre_m = {0.0, 0.0, 1.5e-3},
+                        .c_s_m_s = 50.0}};
+    CHECK_THAT(why(c), Catch::Contains("the stiffest inclusion decides"));
 }
