@@ -184,7 +184,7 @@ TimeStep choose_time_step(const Case& c, const SpectralOptions& options) {
         chosen = divided(c, std::max(chosen.per_frame + 1, static_cast<std::ptrdiff_t>(next)));
         error = expected_error(c, options, s, chosen.step_s);
     }
-    chosen.why = fmt::format("time step {:.4g} us for an accuracy of {:.2g}, {:.2g} expected: {}",
+    chosen.why = fmt::format("time step {:.4g} us for an accuracy of {:.2g}, {:.1g} expected: {}",
                              1e6 * chosen.step_s, options.accuracy, error.all(),
                              !is_enough()                  ? "not reached, and followed no further"
                              : error.bodies > error.layers ? "the stiffest inclusion decides"
