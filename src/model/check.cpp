@@ -1,6 +1,7 @@
 #include "model/check.hpp"
 
 #include "model/check_variation.hpp"
+#include "model/edge_absorption.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,12 @@ constexpr double spectrum_end = 1e-2;
 constexpr double thin_layer_m = 1e-3;
 /// The path is looked at this often at most: a fraction of a per mille of it is fine enough.
 constexpr double most_samples = 4000.0;
+/// The share of a wave's energy that a sponge may give back, and the sponge's width that does it,
+/// in wavelengths (model/edge_absorption).
+constexpr double tolerated_return = 0.01;
+double width_for(double wavelength_m) {
+    return wavelength_m / 1.65;
+}
 
 /// Collects what is said, with lengths in mm and times in ms as the job has them.
 struct Notes {
@@ -130,8 +137,15 @@ double wave_speed_m_s(const Medium& medium) {
     return speed_m_s;
 }
 
-/// The domain is periodic: a wave that leaves at one edge enters at the other.
+/// Whether the margin absorbs, and is not merely left out of the measures.
+bool absorbs(const Case& c) {
+    return c.domain.sponge_m > 0.0 && std::holds_alternative<SpectralOptions>(c.solver);
+}
+
+/// The domain is periodic: a wave that leaves at one edge enters at the other, unless a sponge
+/// takes it; what a sponge lets through, check_sponge tells.
 void check_wrap_around(const Case& c, Notes& notes) {
+    if (absorbs(c)) return;
     const double speed_m_s = wave_speed_m_s(c.medium), end_s = c.time.duration_s();
     if (!(speed_m_s > 0.0)) return;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
@@ -158,11 +172,22 @@ void check_wrap_around(const Case& c, Notes& notes) {
 }
 
 void check_sponge(const Case& c, Notes& notes) {
-    if (c.domain.sponge_m > 0.0)
+    const double width_m = c.domain.sponge_m;
+    if (!(width_m > 0.0)) return;
+    if (!absorbs(c)) {
         notes.add(Severity::warning, "domain.sponge_mm",
                   "the edges of the engine \"{}\" are periodic and absorb nothing: the margin "
                   "of {:.4g} mm is only kept out of the measures",
-                  engine_name(c.solver), milli(c.domain.sponge_m));
+                  engine_name(c.solver), milli(width_m));
+        return;
+    }
+    const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
+    const double share = returned_energy(wave_m, width_m);
+    if (share > tolerated_return)
+        notes.add(Severity::warning, "domain.sponge_mm",
+                  "a margin of {:.4g} mm gives back {:.2g} % of the energy of the longest waves, "
+                  "{:.3g} mm; {:.3g} mm would keep it below 1 %",
+                  milli(width_m), 100.0 * share, milli(wave_m), milli(width_for(wave_m)));
 }
 
 /// What the engines do not compute.

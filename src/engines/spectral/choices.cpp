@@ -1,5 +1,6 @@
 #include "engines/spectral/choices.hpp"
 
+#include "model/edge_absorption.hpp"
 #include "model/material_field.hpp"
 
 #include <algorithm>
@@ -64,6 +65,15 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
                                   "surface and {:.3g} mm at most",
                                   mesh.elements(), mesh.elements() == 1 ? "" : "s", mesh.degree,
                                   1e3 * mesh.length_m(0), 1e3 * longest_m)};
+}
+
+std::vector<std::string> edge_notes(const Case& c) {
+    const double width_m = c.domain.sponge_m;
+    if (!(width_m > 0.0)) return {"no sponge: what leaves at one edge comes in at the other"};
+    const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
+    return {fmt::format("the sponge of {:.3g} mm gives back {:.2g} % of the energy of the longest "
+                        "waves, {:.3g} mm",
+                        1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
 }
 
 std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options) {

@@ -42,8 +42,8 @@ std::vector<std::string> SpectralEngine::choices(const Case& c) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
-    for (std::string& note : variation_notes(c, options))
-        notes.push_back(std::move(note));
+    for (const auto& more : {edge_notes(c), variation_notes(c, options)})
+        notes.insert(notes.end(), more.begin(), more.end());
     return notes;
 }
 
@@ -120,7 +120,10 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
         });
         if (checkpoints->stop()) return;
     }
-    const SolverReport report = report_of(stepper, discretisation_notes(time, mesh));
+    auto notes = discretisation_notes(time, mesh);
+    for (std::string& note : edge_notes(c))
+        notes.push_back(std::move(note));
+    const SolverReport report = report_of(stepper, std::move(notes));
     if (tensors.wanted() && snapshot_at(steps)) advance();
     observer.solved(report);
 }

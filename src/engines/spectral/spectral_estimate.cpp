@@ -221,7 +221,8 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
                                             sizeof(double)
                                       : 0.0;
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
-    const double stepper_B = factors_B + 2.0 * displacement_B + planes * plane_B +
+    const double sponge_planes = c.domain.sponge_m > 0.0 ? 3.0 * levels : 0.0;
+    const double stepper_B = factors_B + 2.0 * displacement_B + (planes + sponge_planes) * plane_B +
                              arrays * v.fullest_cells * sizeof(double);
     // The program itself; the transform's own planes and the engine's. Materials are gathered
     // before there is anything else, and forgotten.

@@ -15,7 +15,7 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
       field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
-      load_(c, vectors_, step_s),
+      load_(c, vectors_, step_s), sponge_(c, vectors_, slabs, step_s),
       // Where steps iterate, more often: that says less well what is wrong with the field.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
       work_(c.domain.ny / 2 + 1) {
@@ -28,6 +28,7 @@ void Stepper::assemble() {
     factors_.resize(static_cast<std::size_t>(pencils * factor_size * lane_count));
     now_.assign(static_cast<std::size_t>(pencils * size), 0.0);
     before_ = now_;
+    sponge_.assemble(operator_.levels());
     pencil_.resize(static_cast<std::size_t>(size));
     planes_.emplace(field_, slabs_, case_.domain.nx, clock_);
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
@@ -43,6 +44,7 @@ void Stepper::assemble() {
 void Stepper::advance() {
     const LateralVariation& variation = field_.variation();
     clock_.start();
+    if (sponge_.acts_at(step_)) begin_damping();
     load_.sample(step_);
     clock_.lap(Phase::rest);
     if (variation.empty()) {
@@ -80,7 +82,10 @@ void Stepper::first_pass() {
     Lanes* force = lanes(pencil_.data());
     kinetic_.clear();
     work_.clear();
+    const bool damps = sponge_.acts_at(step_) && field_.variation().empty();
     each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+        if (damps && block == 0) sponge_.begin_row(row);
+        if (damps) damp(row, block, at, force);
         const Lanes* u = lanes(now_.data()) + at * size;
         Lanes* before = lanes(before_.data()) + at * size;
         const Counted counted = vectors_.counted(row, block);
@@ -189,7 +194,7 @@ double Stepper::memory_B() const {
     for (const auto* kept : {&strain_, &strain_before_, &stress_, &change_, &v.lambda, &v.mu,
                              &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
-    return static_cast<double>(values * sizeof(double)) + planes_->memory_B() +
+    return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
            (solver_ ? solver_->memory_B() : 0.0);
 }
 

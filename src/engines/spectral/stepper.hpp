@@ -3,6 +3,7 @@
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/energy_watch.hpp"
 #include "engines/spectral/lateral_field.hpp"
+#include "engines/spectral/lateral_sponge.hpp"
 #include "engines/spectral/moving_load.hpp"
 #include "engines/spectral/strain_solver.hpp"
 #include "engines/spectral/strain_planes.hpp"
@@ -103,6 +104,10 @@ private:
     double value_bytes(double times) const;
     void iterate();
     void advance_strains();
+    /// Takes the sponge's share of the velocity, where nothing varies laterally only in first_pass:
+    /// there the factors are in the cache. Collective.
+    void begin_damping();
+    void damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil, Lanes* change);
 
     const Case& case_;
     DepthMesh mesh_;
@@ -116,6 +121,7 @@ private:
     VerticalOperator operator_;
     StrainTransfer transfer_;
     MovingLoad load_;
+    LateralSponge sponge_;
     StepStatistics statistics_;
     EnergyWatch watch_;
     RowSums kinetic_, work_; // by ky: twice the kinetic energy before a step, its work

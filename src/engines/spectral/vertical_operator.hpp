@@ -44,6 +44,7 @@ public:
     std::ptrdiff_t psv() const { return 2 * levels_; }
     std::ptrdiff_t unknowns() const { return 3 * levels_; }
     std::ptrdiff_t nodes() const { return nodes_; } // of an element
+    double mass_kg_m2(std::ptrdiff_t level) const { return mass_[static_cast<std::size_t>(level)]; }
     /// Lanes of the two factors of one pencil.
     std::ptrdiff_t factor_size() const { return psv_matrix_.entries() + sh_matrix_.entries(); }
 

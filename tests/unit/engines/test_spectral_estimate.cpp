@@ -58,6 +58,9 @@ Found counted(const Case& c, int steps) {
 TEST_CASE("the estimated memory is that of the stepper's arrays", "[spectral]") {
     Case c = body_case(GENERATE(1.0, 2.0, 16.0));
     SECTION("as it is") {}
+    SECTION("with a sponge") {
+        c.domain.sponge_m = 6e-3;
+    }
     SECTION("a soft, light body, beside which all of the plane is kept") {
         if (c.medium.bodies.empty()) return;
         c.medium.bodies[0].c_s_m_s = 3.0;

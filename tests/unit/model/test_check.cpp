@@ -139,6 +139,21 @@ TEST_CASE("a sponge is said to absorb nothing here", "[check]") {
     CHECK(has(only_remark(c).message, "3 mm"));
 }
 
+TEST_CASE("a sponge that is too narrow for the load's waves is told with the width", "[check]") {
+    Case c = good_case();
+    c.solver = SpectralOptions{};
+    c.load.modulation.envelope = {};
+    c.domain.sponge_m = 0.0125; // waves of 20.4 mm
+    CHECK(check(c).empty());
+    c.time.frames = 400; // a sponge lets nothing come round
+    CHECK(check(c).empty());
+    c.time.frames = 80;
+    c.domain.sponge_m = 0.010;
+    CHECK(only_remark(c).key == "domain.sponge_mm");
+    CHECK(has(only_remark(c).message, "gives back 2."));
+    CHECK(has(only_remark(c).message, "12.4 mm would"));
+}
+
 TEST_CASE("a path that ends before the measurement is a warning", "[check]") {
     Case c = good_case();
     travel(c).path.to_m = {0.007, 0.0};
