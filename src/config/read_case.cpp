@@ -155,6 +155,7 @@ SpectralOptions read_spectral(Reader options, const TimeAxis& time) {
     if (degree != std::floor(degree)) options.error("degree", "must be a whole number");
     spectral.degree = static_cast<int>(degree);
     spectral.longest_element_m = options.number_or("longest_element_mm", 0.0, Range::above(0.0));
+    spectral.absorbing_depth_m = options.number_or("absorbing_depth_mm", 0.0, Range::above(0.0));
     static const std::array<std::string, 3> methods = {"auto", "one-solve", "iterative"};
     const std::string method = options.find_choice("method", methods).value_or("auto");
     spectral.method = method == "auto"        ? SpectralMethod::automatic

@@ -242,6 +242,8 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
                            t.put("accuracy", o.accuracy);
                        t.put("degree", static_cast<std::ptrdiff_t>(o.degree));
                        t.put("longest_element_m", o.longest_element_m);
+                       if (o.absorbing_depth_m > 0.0)
+                           t.put("absorbing_depth_m", o.absorbing_depth_m);
                        t.put("method", o.method == SpectralMethod::automatic   ? "auto"
                                        : o.method == SpectralMethod::one_solve ? "one-solve"
                                                                                : "iterative");

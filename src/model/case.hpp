@@ -70,6 +70,7 @@ struct SpectralOptions {
     std::optional<double> time_step_s; // none: chosen from the accuracy
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
+    double absorbing_depth_m = 0.0; // below a half-space; 0: chosen from the load and the layer
     SpectralMethod method = SpectralMethod::automatic;
     double residual = 1e-3;      // of the iterations, its energy norm over that of what moves
     double contrast_cap = 400.0; // stiffer bodies are held to this many times the layer's mu

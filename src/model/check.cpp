@@ -200,10 +200,6 @@ void check_engine(const Case& c, Notes& notes) {
                       engine_name(c.solver));
         return;
     }
-    if (c.medium.base != Base::rigid)
-        notes.add(
-            Severity::error, "medium.base",
-            "must be \"rigid\" for the engine \"spectral\"; \"layered\" computes half-spaces");
     for (const Layer& layer : c.medium.layers)
         if (!std::holds_alternative<Lossless>(layer.loss) &&
             !std::holds_alternative<KelvinVoigt>(layer.loss))

@@ -37,8 +37,9 @@ Difference difference(const Medium& medium, double top_m, double bottom_m, const
     Difference all;
     double layer_top_m = 0.0;
     for (const Layer& layer : medium.layers) {
+        const bool endless = medium.base == Base::half_space && &layer == &medium.layers.back();
         const double layer_bottom_m = layer_top_m + layer.thickness_m;
-        if (top_m < layer_bottom_m && bottom_m > layer_top_m) add_layer(layer, all);
+        if ((top_m < layer_bottom_m || endless) && bottom_m > layer_top_m) add_layer(layer, all);
         layer_top_m = layer_bottom_m;
     }
     return all;
@@ -61,10 +62,17 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
     double longest_m = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         longest_m = std::max(longest_m, mesh.length_m(e));
-    return {time.why, fmt::format("{} element{} of degree {} over depth, {:.3g} mm long at the "
-                                  "surface and {:.3g} mm at most",
-                                  mesh.elements(), mesh.elements() == 1 ? "" : "s", mesh.degree,
-                                  1e3 * mesh.length_m(0), 1e3 * longest_m)};
+    std::vector<std::string> notes = {
+        time.why, fmt::format("{} element{} of degree {} over depth, {:.3g} mm long at the "
+                              "surface and {:.3g} mm at most",
+                              mesh.elements(), mesh.elements() == 1 ? "" : "s", mesh.degree,
+                              1e3 * mesh.length_m(0), 1e3 * longest_m)};
+    if (mesh.bottom)
+        notes.push_back(fmt::format("the half-space is {:.3g} mm of itself and an absorber of "
+                                    "{:.3g} mm, made for shear waves of {:.3g} mm and shorter",
+                                    1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m,
+                                    1e3 * mesh.bottom->longest_m));
+    return notes;
 }
 
 std::vector<std::string> edge_notes(const Case& c) {

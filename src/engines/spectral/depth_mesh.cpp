@@ -44,6 +44,13 @@ Longest longest_elements(const Case& c, const SpectralOptions& options) {
 
 } // namespace
 
+std::size_t DepthMesh::clear_levels() const {
+    std::size_t clear = elements();
+    while (clear > 1 && ends_m[clear] > clear_depth_m() * (1.0 + 1e-9)) // of rounding
+        --clear;
+    return clear * static_cast<std::size_t>(degree) + 1;
+}
+
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options) {
     return choose_mesh(c, options, choose_time_step(c, options).step_s);
 }
@@ -66,14 +73,16 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
                                           greatest_speed_m_s(c.load.modulation.trajectory) / 1.4);
     double next_m =
         std::clamp(calm_m, std::min(1.0, longest.first) * short_m, longest.first * short_m);
-    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
-        const Layer& layer = c.medium.layers[l];
-        const double shear = layer.c_s_m_s / std::max(omega, 1.0); // 1 / wavenumber
-        double cap = 20.0 * per_degree * shear;
-        cap = std::min(cap, longest.all * short_m * layer.c_s_m_s / top_speed_m_s);
+    enum class Waves { resolved, absorbed };
+    const auto fill = [&](std::size_t l, double thickness_m, Waves waves) {
+        const double c_s_m_s = c.medium.layers[l].c_s_m_s;
+        double cap = thickness_m;
+        if (waves == Waves::resolved)
+            cap = std::min(20.0 * per_degree * c_s_m_s / std::max(omega, 1.0),
+                           longest.all * short_m * c_s_m_s / top_speed_m_s);
         if (options.longest_element_m > 0.0) cap = std::min(cap, options.longest_element_m);
-        double left_m = layer.thickness_m;
-        while (left_m > 1e-12 * layer.thickness_m) {
+        double left_m = thickness_m;
+        while (left_m > 1e-12 * thickness_m) {
             double h = std::min(std::min(next_m, cap), left_m);
             // No sliver at the interface: what is left is shared evenly.
             if (left_m < 1.6 * h) h = left_m < 1.05 * h ? left_m : 0.5 * left_m;
@@ -82,6 +91,15 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
             left_m -= h;
             next_m = std::max(next_m, 1.5 * h);
         }
+    };
+    const std::size_t last = c.medium.layers.size() - 1;
+    const bool endless = c.medium.base == Base::half_space;
+    for (std::size_t l = 0; l < last + (endless ? 0 : 1); ++l)
+        fill(l, c.medium.layers[l].thickness_m, Waves::resolved);
+    if (endless) {
+        mesh.bottom = absorbing_bottom(c, options);
+        fill(last, mesh.bottom->clear_m, Waves::resolved);
+        fill(last, mesh.bottom->depth_m, Waves::absorbed);
     }
     return mesh;
 }

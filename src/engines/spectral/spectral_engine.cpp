@@ -16,7 +16,7 @@ namespace {
 
 std::vector<double> levels_of(const DepthMesh& mesh) {
     std::vector<double> z_m;
-    for (std::size_t level = 0; level < mesh.levels(); ++level)
+    for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
         z_m.push_back(mesh.z_m(level));
     return z_m;
 }

@@ -57,7 +57,12 @@ Background background_of(const DepthMesh& mesh, const Medium& medium) {
             b.mu_accurate_Pa.push_back(static_shear_modulus(layer));
             b.mu_stable_Pa.push_back(static_shear_modulus(layer));
             b.viscosity_Pa_s.push_back(viscosity_of(layer));
-            b.drag_Hz.push_back(0.0);
+            const double into_m =
+                mesh.z_m(e * static_cast<std::size_t>(mesh.degree) + static_cast<std::size_t>(i)) -
+                mesh.clear_depth_m();
+            b.swirl_viscosity_Pa_s.push_back(mesh.bottom && into_m > 0.0
+                                                 ? swirl_viscosity_Pa_s(*mesh.bottom, layer, into_m)
+                                                 : 0.0);
             b.force_lambda_Pa.push_back(lambda_of(layer));
         }
         b.theta_s.push_back(viscosity_of(layer) / static_shear_modulus(layer));
@@ -72,10 +77,9 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
       sh_matrix_(levels_, mesh.degree, 1) {
     if (nodes_ > most_nodes) throw CaseFailure("solver.spectral.degree is too high");
     mass_.assign(mesh.levels(), 0.0);
-    drag_.assign(mesh.levels(), 0.0);
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
         const double half = 0.5 * mesh.length_m(e);
-        Element el{1.0 / half, half, background_.density_kg_m3[point(e, 0)]};
+        Element el{1.0 / half, half, background_.density_kg_m3[point(e, 0)], false};
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             const std::size_t at = point(e, i);
             const auto level =
@@ -83,7 +87,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
             const double mass =
                 background_.density_kg_m3[at] * half * weights_[static_cast<std::size_t>(i)];
             mass_[level] += mass;
-            drag_[level] += mass * background_.drag_Hz[at];
+            el.absorbs |= background_.swirl_viscosity_Pa_s[at] > 0.0;
             el.density = std::min(el.density, background_.density_kg_m3[at]);
         }
         elements_.push_back(el);
@@ -117,35 +121,37 @@ void VerticalOperator::assemble_psv(Lanes k, double dt_s, Lanes* matrix) const {
     };
     for (std::ptrdiff_t i = 0; i < psv(); ++i) {
         const auto level = static_cast<std::size_t>(i / 2);
-        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s) + 0.5 * drag_[level] / dt_s);
+        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s));
     }
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const Element& el = elements_[e];
         const std::ptrdiff_t first = 2 * static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
-        Lanes lw[most_nodes], mw[most_nodes]; // moduli times the nodes' weights
+        Lanes lw[most_nodes], mw[most_nodes], sw[most_nodes]; // moduli times the nodes' weights
         for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
             const double w = weights_[static_cast<std::size_t>(q)] * el.half;
             lw[q] = Lanes{} + w * stabilising_lambda * background_.lambda_Pa[point(e, q)];
             mw[q] = w * (implicit_mu(e, q, k, dt_s) +
                          0.5 * background_.viscosity_Pa_s[point(e, q)] / dt_s);
+            sw[q] = Lanes{} + w * 0.5 * background_.swirl_viscosity_Pa_s[point(e, q)] / dt_s;
         }
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
             for (std::ptrdiff_t j = 0; j < nodes_; ++j) {
-                Lanes l_slopes{}, m_slopes{}; // integrals of the two nodes' derivatives
+                Lanes l_slopes{}, m_slopes{}, s_slopes{}; // integrals of the two nodes' derivatives
                 for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
                     const double dd = d(q, i) * d(q, j) * el.slope * el.slope;
                     l_slopes += lw[q] * dd;
                     m_slopes += mw[q] * dd;
+                    s_slopes += sw[q] * dd;
                 }
                 const std::ptrdiff_t ui = first + 2 * i, uj = first + 2 * j;
-                Lanes uu = m_slopes, ww = l_slopes + 2.0 * m_slopes;
+                Lanes uu = m_slopes + s_slopes, ww = l_slopes + 2.0 * m_slopes;
                 if (i == j) {
                     uu += k * k * (lw[i] + 2.0 * mw[i]);
-                    ww += k * k * mw[i];
+                    ww += k * k * (mw[i] + sw[i]);
                 }
-                // Test function V_i against W_j: -lambda k V W' + mu V' k W.
-                const Lanes uw = k * el.slope * (mw[j] * d(j, i) - lw[i] * d(i, j));
-                const Lanes wu = k * el.slope * (mw[i] * d(i, j) - lw[j] * d(j, i));
+                // Test function V_i against W_j: -lambda k V W' + mu V' k W - swirl V' k W.
+                const Lanes uw = k * el.slope * ((mw[j] - sw[j]) * d(j, i) - lw[i] * d(i, j));
+                const Lanes wu = k * el.slope * ((mw[i] - sw[i]) * d(i, j) - lw[j] * d(j, i));
                 add(ui, uj, uu);
                 add(ui + 1, uj + 1, ww);
                 add(ui, uj + 1, uw);
@@ -162,15 +168,16 @@ void VerticalOperator::assemble_sh(Lanes k, double dt_s, Lanes* matrix) const {
     };
     for (std::ptrdiff_t i = 0; i < levels_; ++i) {
         const auto level = static_cast<std::size_t>(i);
-        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s) + 0.5 * drag_[level] / dt_s);
+        add(i, i, Lanes{} + mass_[level] / (dt_s * dt_s));
     }
     for (std::size_t e = 0; e < elements_.size(); ++e) {
         const Element& el = elements_[e];
         const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
         for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
             const double w = weights_[static_cast<std::size_t>(q)] * el.half;
-            const Lanes mw = w * (implicit_mu(e, q, k, dt_s) +
-                                  0.5 * background_.viscosity_Pa_s[point(e, q)] / dt_s);
+            const double viscosity = background_.viscosity_Pa_s[point(e, q)] +
+                                     background_.swirl_viscosity_Pa_s[point(e, q)];
+            const Lanes mw = w * (implicit_mu(e, q, k, dt_s) + 0.5 * viscosity / dt_s);
             add(first + q, first + q, k * k * mw);
             for (std::ptrdiff_t i = 0; i < nodes_; ++i)
                 for (std::ptrdiff_t j = 0; j <= i; ++j)
@@ -274,14 +281,50 @@ void VerticalOperator::add_internal_force(Lanes k, double rate, const Lanes* u, 
                 force[v + p] -= pushed[i * narrow + 2 * parts + p];
         }
     }
-    for (std::ptrdiff_t level = 0; level < levels_; ++level) {
-        const double drag = drag_[static_cast<std::size_t>(level)] * rate;
-        if (drag == 0.0) continue;
-        const std::ptrdiff_t uw = 2 * level * parts, v = (psv() + level) * parts;
-        for (std::ptrdiff_t p = 0; p < 2 * parts; ++p)
-            force[uw + p] -= drag * (u[uw + p] - before[uw + p]);
-        for (std::ptrdiff_t p = 0; p < parts; ++p)
-            force[v + p] -= drag * (u[v + p] - before[v + p]);
+    add_swirl_force(k, rate, u, before, force);
+}
+
+void VerticalOperator::add_swirl_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
+                                       Lanes* force) const {
+    constexpr int width = 3 * parts; // U, W, V
+    Lanes speeds[most_nodes * width], slopes[most_nodes * width];
+    Lanes pulls[most_nodes * width], pushed[most_nodes * width];
+    for (std::size_t e = 0; e < elements_.size(); ++e) {
+        const Element& el = elements_[e];
+        if (!el.absorbs) continue;
+        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(e) * (nodes_ - 1);
+        std::fill_n(speeds, nodes_ * width, Lanes{});
+        for (std::ptrdiff_t i = 0; i < nodes_ && first + i < levels_; ++i) {
+            const std::ptrdiff_t uw = 2 * (first + i) * parts, v = (psv() + first + i) * parts;
+            for (std::ptrdiff_t p = 0; p < 2 * parts; ++p)
+                speeds[i * width + p] = rate * (u[uw + p] - before[uw + p]);
+            for (std::ptrdiff_t p = 0; p < parts; ++p)
+                speeds[i * width + 2 * parts + p] = rate * (u[v + p] - before[v + p]);
+        }
+        times_derivative<width>(derivative_.data(), nodes_, Matrix::as_is, speeds, slopes);
+        std::fill_n(pulls, nodes_ * width, Lanes{});
+        for (std::ptrdiff_t q = 0; q < nodes_; ++q) {
+            const double w = weights_[static_cast<std::size_t>(q)] * el.half *
+                             background_.swirl_viscosity_Pa_s[point(e, q)];
+            const Lanes *x = speeds + q * width, *s = slopes + q * width;
+            const std::ptrdiff_t uw = 2 * (first + q) * parts, v = (psv() + first + q) * parts;
+            for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                const Lanes swirl = w * (el.slope * s[p] - k * x[parts + p]);
+                pulls[q * width + p] = el.slope * swirl;
+                pulls[q * width + 2 * parts + p] = w * el.slope * el.slope * s[2 * parts + p];
+                if (first + q >= levels_) continue; // the base
+                force[uw + parts + p] += k * swirl;
+                force[v + p] -= w * k * k * x[2 * parts + p];
+            }
+        }
+        times_derivative<width>(derivative_.data(), nodes_, Matrix::transposed, pulls, pushed);
+        for (std::ptrdiff_t i = 0; i < nodes_ && first + i < levels_; ++i) {
+            const std::ptrdiff_t uw = 2 * (first + i) * parts, v = (psv() + first + i) * parts;
+            for (std::ptrdiff_t p = 0; p < parts; ++p) {
+                force[uw + p] -= pushed[i * width + p];
+                force[v + p] -= pushed[i * width + 2 * parts + p];
+            }
+        }
     }
 }
 

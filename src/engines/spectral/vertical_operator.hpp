@@ -19,7 +19,7 @@ constexpr double stabilising_lambda = 0.26;
 /// fourth order in dt, and what lies above it makes it stable at any step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
-    std::vector<double> drag_Hz; // force on rho du/dt: absorbs
+    std::vector<double> swirl_viscosity_Pa_s; // absorbs below a half-space
     /// Of the forces: with mu_accurate_Pa, and the viscosity theta mu_accurate_Pa. No stiffer than
     /// the implicit operator bears alone, or rounding, which strains kept apart do not see, grows.
     std::vector<double> force_lambda_Pa;
@@ -33,9 +33,12 @@ Background background_of(const DepthMesh& mesh, const Medium& medium);
 /// The motion of one |k| over depth, u_r = i U(z), u_t = i V(z), u_z = W(z), on spectral elements:
 ///     a = integral of lambda (W' - kU)^2 + 2 mu (k^2 U^2 + W'^2) + mu (U' + kW)^2   (P-SV)
 ///       + mu (V'^2 + k^2 V^2)                                                        (SH)
-/// with the surface traction as natural condition, the mass diagonal (the nodes' own quadrature)
-/// and the last level held (rigid base). A pencil is [2 level + {U, W}][part] of all levels that
-/// move, then [level][part] of V.
+/// and, where an absorber is, a dissipation of swirl only,
+///     integral of swirl_viscosity ((U' - kW)^2 + V'^2 + k^2 V^2),   U, V, W the velocities' here:
+/// it takes shear waves and leaves potential flow alone, which reaches as deep as the domain is
+/// wide. with the surface traction as natural condition, the mass diagonal (the nodes' own
+/// quadrature) and the last level held (rigid base). A pencil is [2 level + {U, W}][part] of all
+/// levels that move, then [level][part] of V.
 class VerticalOperator {
 public:
     VerticalOperator(const DepthMesh& mesh, Background background);
@@ -73,8 +76,11 @@ private:
         double slope;   // 2 / h
         double half;    // h / 2
         double density; // the least of the background's here
+        bool absorbs;
     };
     Lanes implicit_mu(std::size_t element, std::ptrdiff_t node, Lanes k, double dt_s) const;
+    void add_swirl_force(Lanes k, double rate, const Lanes* u, const Lanes* before,
+                         Lanes* force) const;
     void assemble_psv(Lanes k, double dt_s, Lanes* matrix) const;
     void assemble_sh(Lanes k, double dt_s, Lanes* matrix) const;
     double d(std::ptrdiff_t q, std::ptrdiff_t i) const {
@@ -86,9 +92,9 @@ private:
 
     std::vector<Element> elements_;
     Background background_;
-    double finest_;                   // eigenvalue of the reference element's finest mode
-    std::vector<double> mass_, drag_; // per level [kg/m^2], [kg/(m^2 s)]
-    std::vector<double> derivative_;  // of the reference element
+    double finest_;                  // eigenvalue of the reference element's finest mode
+    std::vector<double> mass_;       // per level [kg/m^2]
+    std::vector<double> derivative_; // of the reference element
     std::vector<double> weights_;
     std::ptrdiff_t nodes_, levels_;
     SkylineMatrix psv_matrix_, sh_matrix_;

@@ -163,9 +163,10 @@ TEST_CASE("depths go as deep as they like in a half-space", "[config][case]") {
 TEST_CASE("the stepping engine's options are read, and what it cannot compute is refused",
           "[job]") {
     const std::string chosen = "[solver]\nengine = \"spectral\"\n[solver.spectral]\n"
-                               "time_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n";
+                               "time_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n"
+                               "absorbing_depth_mm = 40.0\n";
     const auto options = std::get<SpectralOptions>(only_case(plain_and(chosen)).solver);
-    CHECK(options == SpectralOptions{12.5e-6, 6, 2e-3});
+    CHECK(options == SpectralOptions{12.5e-6, 6, 2e-3, 40e-3});
     std::string lossy =
         replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
                  "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }");

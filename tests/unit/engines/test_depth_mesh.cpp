@@ -45,3 +45,25 @@ TEST_CASE("elements end on the interfaces, are shortest at the surface and fill 
     CHECK(mesh.z_m(0) == 0.0);
     CHECK(choose_mesh(c, SpectralOptions{.longest_element_m = 1e-3}).levels() > mesh.levels());
 }
+
+TEST_CASE("below a half-space comes an absorber, and what is measured lies above it",
+          "[spectral]") {
+    Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
+    c.medium.layers.insert(c.medium.layers.begin(), c.medium.layers[0]);
+    c.medium.layers[0].thickness_m = 2e-3;
+    c.measure.depths_m = {0.0, 30e-3};
+    const DepthMesh mesh = choose_mesh(c, SpectralOptions{});
+    REQUIRE(mesh.bottom);
+    CHECK(mesh.clear_depth_m() == Approx(33e-3)); // and a focus more
+    CHECK(mesh.z_m(mesh.clear_levels() - 1) == Approx(mesh.clear_depth_m()));
+    CHECK(mesh.clear_levels() < mesh.levels());
+    CHECK(mesh.bottom->depth_m == Approx(0.8 * c.domain.extent_x_m()));
+    CHECK(choose_mesh(c, SpectralOptions{.absorbing_depth_m = 50e-3}).bottom->depth_m == 50e-3);
+    const Layer& last = c.medium.layers.back();
+    CHECK(swirl_viscosity_Pa_s(*mesh.bottom, last, 0.0) == 0.0); // nothing begins at once
+    CHECK(swirl_viscosity_Pa_s(*mesh.bottom, last, 0.1) > 0.0);
+    c.medium.base = Base::rigid;
+    c.medium.layers[1].thickness_m = 40e-3;
+    const DepthMesh rigid = choose_mesh(c, SpectralOptions{});
+    CHECK(rigid.clear_levels() == rigid.levels());
+}

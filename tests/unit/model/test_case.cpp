@@ -113,6 +113,12 @@ TEST_CASE("whatever changes in a case changes its text", "[case]") {
     SECTION("time step") {
         c.solver = LayeredOptions{.time_step_s = 1e-5};
     }
+    SECTION("absorber") {
+        c.solver = SpectralOptions{};
+        const std::string chosen = canonical_text(c);
+        c.solver = SpectralOptions{.absorbing_depth_m = 0.05};
+        CHECK(canonical_text(c) != chosen);
+    }
     CHECK(canonical_text(c) != text);
     CHECK(case_id(c) != case_id(some_case()));
 }

@@ -1,0 +1,56 @@
+#include "engines/spectral/absorbing_bottom.hpp"
+
+#include "model/edge_absorption.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+/// The flow that reaches deepest, e^{-kz} of k = 2 pi/extent, comes back as e^{-2 k depth} = 4e-5.
+/// It adds up while the load is on: with 0.55 (1e-3) the field at 14 ms was 1.2 % off, now 0.4 %.
+constexpr double depth_per_extent = 0.8;
+
+/// The deepest place that is measured or where something lies in the layers.
+double deepest_m(const Case& c) {
+    double deepest = 0.0;
+    const auto reach = [&](double z_m) {
+        if (std::isfinite(z_m)) deepest = std::max(deepest, z_m);
+    };
+    for (const double z_m : c.measure.depths_m)
+        reach(z_m);
+    for (const Body& body : c.medium.bodies)
+        reach(bounds(body).high_m.z);
+    if (c.medium.map) reach(depths(*c.medium.map).bottom_m);
+    return deepest;
+}
+
+} // namespace
+
+AbsorbingBottom absorbing_bottom(const Case& c, const SpectralOptions& options) {
+    double interface_m = 0.0;
+    for (const Layer& layer : c.medium.layers)
+        interface_m += layer.thickness_m;
+    const double width_m = fwhm_m(c.load.footprint);
+    AbsorbingBottom bottom;
+    bottom.longest_m = longest_wave_m(c.load, c.medium.layers.back().c_s_m_s);
+    bottom.clear_m = std::max(
+        {0.5 * bottom.longest_m - interface_m, deepest_m(c) + width_m - interface_m, width_m});
+    bottom.depth_m =
+        options.absorbing_depth_m > 0.0
+            ? options.absorbing_depth_m
+            : std::max(depth_per_extent * std::max(c.domain.extent_x_m(), c.domain.extent_y_m()),
+                       1.5 * bottom.longest_m);
+    return bottom;
+}
+
+double swirl_viscosity_Pa_s(const AbsorbingBottom& bottom, const Layer& layer, double into_m) {
+    const double waves = 2.0 * std::numbers::pi * bottom.depth_m / bottom.longest_m;
+    const double share = into_m / bottom.depth_m;
+    return 14.0 / (waves * waves) * layer.density_kg_m3 * layer.c_s_m_s * bottom.depth_m * share *
+           share;
+}
+
+} // namespace shearwake
