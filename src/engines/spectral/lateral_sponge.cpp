@@ -25,14 +25,14 @@ double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
 }
 
 /// Impulses T apart also send out waves of period T. So T is no longer than waves take through a
-/// quarter of the sponge or 0.8 of the focus, nor than makes those lose 87 % of their amplitude
-/// within the sponge's width, omega^2 nu W/(2 c^3) = 2, unless the grid does not carry them anyway,
-/// c T = 2 spacings.
+/// quarter of the sponge or the width of the focus, nor than makes those lose 87 % of their
+/// amplitude within the sponge's width, omega^2 nu W/(2 c^3) = 2, unless the grid does not carry
+/// them anyway, c T = 2 spacings.
 double interval_s(const Case& c, double speed_m_s) {
     const double width_m = c.domain.sponge_m;
     const double nu = least_diffusivity_m2_s(c.medium, width_m);
     const double dies_s = std::numbers::pi * std::sqrt(nu * width_m / std::pow(speed_m_s, 3));
-    return std::min({0.25 * width_m / speed_m_s, 0.8 * fwhm_m(c.load.footprint) / speed_m_s,
+    return std::min({0.25 * width_m / speed_m_s, fwhm_m(c.load.footprint) / speed_m_s,
                      std::max(2.0 * c.domain.spacing_m / speed_m_s, dies_s)});
 }
 

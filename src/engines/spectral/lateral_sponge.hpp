@@ -14,8 +14,9 @@ namespace shearwake {
 /// carry off; so the loss is an impulse, -M b v, that the implicit operator answers to.
 ///
 /// One time costs as much as 1.7 steps (transforms 27 ms and solves 7 ms beside steps of 20 ms, 256
-/// x 192 x 33, uniform, one rank) and comes every 0.8 FWHM/c, 19 steps of 25 us for 3 mm, 5 m/s and
-/// 1 Pa s: 9 % of them. Where viscosity is too small to help it comes more often: every 12, 14 %.
+/// x 192 x 33, uniform, one rank; 2.4 on a busy machine) and comes every FWHM/c, 24 steps of 25 us
+/// for 3 mm, 5 m/s and 1 Pa s: 7 to 10 % of them. Of longer steps it is more, and where viscosity
+/// is too small to help it comes more often: every 12, 14 %.
 class LateralSponge {
 public:
     LateralSponge(const Case& c, const WaveVectors& vectors, const SlabTransform& slabs,
