@@ -203,6 +203,13 @@ MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& lo
         measure.depths_m = *depths_m;
         check_depths(reader, *depths_m, medium);
     }
+    for (const Vec2& edges_Hz : reader.find_points("bands_Hz").value_or(std::vector<Vec2>{})) {
+        if (!(edges_Hz.x >= 0.0 && edges_Hz.y > edges_Hz.x))
+            reader.error("bands_Hz", fmt::format("must hold bands [low, high] that rise from 0 on, "
+                                                 "and holds [{}, {}]",
+                                                 edges_Hz.x, edges_Hz.y));
+        measure.bands.push_back({edges_Hz.x, edges_Hz.y});
+    }
     reader.finish();
     if (time.frames == 0) return measure; // a mistake in [time], already told
 

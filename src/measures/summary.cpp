@@ -185,19 +185,33 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
     columns.add("peak_frequency_Hz", "Hz", "frequency of the largest spectral amplitude" + where,
                 peak_Hz, peak_note);
 
+    const auto why_not = [&](double high_Hz) {
+        if (!note.empty() || high_Hz <= 0.5 / dt) return note;
+        return fmt::format("frames every {:g} us do not carry {:g} Hz", dt * 1e6, high_Hz);
+    };
     for (const Band& band : bands) {
-        const std::string name = fmt::format("rms_{:g}_{:g}_um", band.low_Hz, band.high_Hz);
-        double value = nan;
-        std::string band_note = note;
-        if (note.empty() && band.high_Hz > 0.5 / dt)
-            band_note =
-                fmt::format("frames every {:g} us do not carry {:g} Hz", dt * 1e6, band.high_Hz);
-        else if (note.empty())
-            value = band_rms(trace->u_m, dt, band.low_Hz, band.high_Hz) * 1e6;
-        columns.add(name, "um",
+        const std::string trouble = why_not(band.high_Hz);
+        columns.add(fmt::format("rms_{:g}_{:g}_um", band.low_Hz, band.high_Hz), "um",
                     fmt::format("rms over the run between {:g} and {:g} Hz, {}{}", band.low_Hz,
                                 band.high_Hz, band.what, where),
-                    value, band_note);
+                    trouble.empty() ? band_rms(trace->u_m, dt, band.low_Hz, band.high_Hz) * 1e6
+                                    : nan,
+                    trouble);
+    }
+    for (const FrequencyBand& band : c.measure.bands) {
+        const std::string trouble = why_not(band.high_Hz);
+        double share = nan;
+        if (trouble.empty()) {
+            const double duration_s = dt * static_cast<double>(trace->u_m.size());
+            share = std::pow(band_rms(trace->u_m, dt, band.low_Hz, band.high_Hz) /
+                                 band_rms(trace->u_m, dt, 1.0 / duration_s, 0.5 / dt),
+                             2);
+        }
+        columns.add(fmt::format("share_{:g}_{:g}_1", band.low_Hz, band.high_Hz), "1",
+                    fmt::format("share of the energy above one period a run that lies between {:g} "
+                                "and {:g} Hz{}",
+                                band.low_Hz, band.high_Hz, where),
+                    share, trouble);
     }
 }
 

@@ -291,6 +291,12 @@ std::string canonical_text(const Case& c) {
     t.put("settled_after_s", c.measure.settled_after_s);
     t.put("focal_radius_m", c.measure.focal_radius_m);
     t.put("depths_m", c.measure.depths_m);
+    if (!c.measure.bands.empty()) { // as before where there are none
+        std::vector<double> edges_Hz;
+        for (const FrequencyBand& band : c.measure.bands)
+            edges_Hz.insert(edges_Hz.end(), {band.low_Hz, band.high_Hz});
+        t.put("bands_Hz", edges_Hz);
+    }
     put_record(t, c.record);
     put_solver(t, c.solver);
     return t.take();

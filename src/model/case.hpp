@@ -36,12 +36,18 @@ struct TimeAxis {
     double frame_s(std::ptrdiff_t n) const { return static_cast<double>(n + 1) * interval_s; }
 };
 
+struct FrequencyBand {
+    double low_Hz = 0.0, high_Hz = 0.0;
+    bool operator==(const FrequencyBand&) const = default;
+};
+
 /// What is measured, where and when.
 struct MeasureOptions {
     double at_s = 0.0;            // the instant, and the end of the period reading
     double settled_after_s = 0.0; // the period reading begins after this
     double focal_radius_m = 0.0;
     std::vector<double> depths_m = {0.0};
+    std::vector<FrequencyBand> bands; // whose share of the centre's energy is a column
     bool operator==(const MeasureOptions&) const = default;
 };
 

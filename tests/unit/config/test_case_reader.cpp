@@ -126,6 +126,9 @@ TEST_CASE("a mistake in solver, measure or record stands in its place", "[config
         {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
          "job.toml:28:13: error: record.traces_mm must lie in the domain, within 48 and 33.75 mm "
          "of its middle; [49, 0] does not"},
+        {"[measure]\nbands_Hz = [[100, 500], [500, 100]]",
+         "job.toml:28:12: error: measure.bands_Hz must hold bands [low, high] that rise from 0 on, "
+         "and holds [500, 100]"},
         {"[record]\ntraces_mm = [0, 0]",
          "job.toml:28:14: error: record.traces_mm must be a pair [x, y], and is a number"},
         {"[record]\nsnapshots_ms = [2.01]",
