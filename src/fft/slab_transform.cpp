@@ -1,54 +1,20 @@
 #include "fft/slab_transform.hpp"
 
-#include "fft/fftw_plan.hpp"
+#include "fft/slab_work.hpp"
 #include "fft/wisdom.hpp"
 
 #include <algorithm>
 #include <fftw3-mpi.h>
 #include <string>
-#include <type_traits>
 
 namespace shearwake {
 namespace {
-
-using Complex = std::complex<double>;
-
-// Rows that are transposed together: four complex numbers are one line of the cache.
-constexpr std::ptrdiff_t width = 4;
-
-fftw_complex* raw(Complex* values) {
-    return reinterpret_cast<fftw_complex*>(values);
-}
 
 /// An odd number of cache lines of 64 bytes: every plane of a pile is aligned as the first, and the
 /// same point of all planes does not fall into the same few sets of the cache.
 std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
     const std::ptrdiff_t line = 8;
     return line * (((reals + line - 1) / line) | 1);
-}
-
-/// columns[k * stride + r] = rows[r * pitch + k] for `count` rows of `length`.
-void rows_to_columns(const Complex* rows, std::ptrdiff_t pitch, std::ptrdiff_t count,
-                     std::ptrdiff_t length, Complex* columns, std::ptrdiff_t stride) {
-    const auto copy = [&](auto rows_together) {
-        for (std::ptrdiff_t k = 0; k < length; ++k)
-            for (std::ptrdiff_t r = 0; r < rows_together; ++r)
-                columns[k * stride + r] = rows[r * pitch + k];
-    };
-    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>()); // unrolled
-    copy(count);
-}
-
-/// The way back: rows[r * pitch + k] = columns[k * stride + r].
-void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff_t count,
-                     std::ptrdiff_t length, Complex* rows, std::ptrdiff_t pitch) {
-    const auto copy = [&](auto rows_together) {
-        for (std::ptrdiff_t k = 0; k < length; ++k)
-            for (std::ptrdiff_t r = 0; r < rows_together; ++r)
-                rows[r * pitch + k] = columns[k * stride + r];
-    };
-    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>());
-    copy(count);
 }
 
 } // namespace
@@ -60,23 +26,6 @@ void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff
 //  none);
 //  3. along x, from `rows_` back into the plane.
 // Every line has the same plan, so the bits do not depend on the number of ranks.
-struct SlabTransform::Work {
-    std::ptrdiff_t nx, ny, modes, pitch, stride;
-    std::ptrdiff_t line_pitch;
-    AlignedVector<Complex> lines_, columns_, rows_;
-    AlignedVector<double> row_; // one physical row
-    FftwPlan y_to_spectral, y_to_physical, x_to_spectral, x_to_physical;
-    FftwPlan line_to_spectral, line_to_physical;   // along x in place
-    FftwPlan slabs_to_spectral, slabs_to_physical; // none on one rank
-
-    Complex* columns() { return columns_.data(); }
-    Complex* rows() { return rows_.empty() ? columns_.data() : rows_.data(); }
-    Complex* line(std::ptrdiff_t r) { return lines_.data() + r * pitch; }
-
-    bool plan_lines(double* plane, unsigned flags); // whether FFTW could
-    void plan_slabs(const Comm& team, unsigned effort);
-};
-
 bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
     const int x = static_cast<int>(nx), y = static_cast<int>(ny);
     auto* modes_of_plane = reinterpret_cast<fftw_complex*>(plane);
@@ -181,6 +130,14 @@ void SlabTransform::to_spectral(double* plane) const {
                          raw(modes + k * w.nx));
 }
 
+std::ptrdiff_t SlabTransform::nx() const {
+    return work_->nx;
+}
+
+std::ptrdiff_t SlabTransform::ny() const {
+    return work_->ny;
+}
+
 std::ptrdiff_t SlabTransform::line_pitch() const {
     return work_->line_pitch;
 }
@@ -197,64 +154,6 @@ void SlabTransform::line_to_spectral(double* line) const {
 void SlabTransform::line_to_physical(double* line) const {
     auto* modes = reinterpret_cast<fftw_complex*>(line);
     fftw_execute_dft(work_->line_to_physical.get(), modes, modes);
-}
-
-void SlabTransform::runs_to_lines(const double* values, std::span<const RowRun> runs,
-                                  double* lines) const {
-    Work& w = *work_;
-    const bool alone = !w.slabs_to_spectral;
-    // Lines over this rank's x: at once where they belong, or on their way to the other ranks.
-    Complex* columns = alone ? reinterpret_cast<Complex*>(lines) : w.columns();
-    const std::ptrdiff_t stride = alone ? w.line_pitch : w.stride;
-    const std::ptrdiff_t begin = runs.empty() ? 0 : runs.front().row;
-    const std::ptrdiff_t end = runs.empty() ? 0 : runs.back().row + 1;
-    for (std::ptrdiff_t k = 0; k < w.modes; ++k) {
-        std::fill_n(columns + k * stride, begin, 0.0);
-        std::fill(columns + k * stride + end, columns + k * stride + share_.x_count, 0.0);
-    }
-    auto run = runs.begin();
-    for (std::ptrdiff_t i = begin; i < end; i += width) {
-        const std::ptrdiff_t count = std::min(width, end - i);
-        for (std::ptrdiff_t r = 0; r < count; ++r) {
-            std::fill(w.row_.begin(), w.row_.end(), 0.0);
-            for (; run != runs.end() && run->row == i + r; ++run)
-                std::copy_n(values + run->offset, run->end - run->begin,
-                            w.row_.data() + run->begin);
-            fftw_execute_dft_r2c(w.y_to_spectral.get(), w.row_.data(), raw(w.line(r)));
-        }
-        rows_to_columns(w.line(0), w.pitch, count, w.modes, columns + i, stride);
-    }
-    if (alone) return;
-    fftw_execute(w.slabs_to_spectral.get());
-    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
-        std::copy_n(w.rows() + k * w.nx, w.nx,
-                    reinterpret_cast<Complex*>(lines) + k * w.line_pitch);
-}
-
-void SlabTransform::lines_to_runs(const double* lines, std::span<const RowRun> runs,
-                                  double* values) const {
-    Work& w = *work_;
-    const bool alone = !w.slabs_to_physical;
-    const Complex* columns = alone ? reinterpret_cast<const Complex*>(lines) : w.columns();
-    const std::ptrdiff_t stride = alone ? w.line_pitch : w.stride;
-    if (!alone) {
-        for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
-            std::copy_n(reinterpret_cast<const Complex*>(lines) + k * w.line_pitch, w.nx,
-                        w.rows() + k * w.nx);
-        fftw_execute(w.slabs_to_physical.get());
-    }
-    for (auto run = runs.begin(); run != runs.end();) {
-        const std::ptrdiff_t i = run->row;
-        const std::ptrdiff_t count = std::min(width, runs.back().row + 1 - i);
-        columns_to_rows(columns + i, stride, count, w.modes, w.line(0), w.pitch);
-        for (std::ptrdiff_t r = 0; r < count; ++r) {
-            if (run == runs.end() || run->row != i + r) continue;
-            fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)), w.row_.data());
-            for (; run != runs.end() && run->row == i + r; ++run)
-                std::copy_n(w.row_.data() + run->begin, run->end - run->begin,
-                            values + run->offset);
-        }
-    }
 }
 
 } // namespace shearwake

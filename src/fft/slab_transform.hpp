@@ -6,7 +6,6 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
-#include <span>
 
 namespace shearwake {
 
@@ -16,13 +15,6 @@ struct SlabShare {
     std::ptrdiff_t ky_start = 0, ky_count = 0; // rows of the transposed spectrum, of ny/2 + 1
     std::ptrdiff_t padded_ny = 0;              // values from one physical row to the next
     std::ptrdiff_t reals = 0;                  // doubles that one plane's buffer needs
-};
-
-/// Values at columns [begin, end) of one of a rank's physical rows, from `offset` on in an array
-/// that holds only those.
-struct RowRun {
-    std::ptrdiff_t row, begin, end;
-    std::size_t offset;
 };
 
 /// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
@@ -52,19 +44,19 @@ public:
     void to_physical(double* plane) const;
     void to_spectral(double* plane) const;
 
-    /// The same in two halves, for a plane that is zero but for some runs of its rows (ascending),
-    /// or wanted only there: along y and from rank to rank, where only those rows cost anything,
-    /// giving this rank's ky as lines over x; and along x, line by line, so that a caller can work
-    /// on a line while it is in the cache. `lines` holds lines_reals() doubles, line ky begins at
-    /// 2 ky line_pitch(). The first pair is collective.
-    void runs_to_lines(const double* values, std::span<const RowRun> runs, double* lines) const;
-    void lines_to_runs(const double* lines, std::span<const RowRun> runs, double* values) const;
+    std::ptrdiff_t nx() const;
+    std::ptrdiff_t ny() const;
+
+    /// Along x alone, line by line, so that a caller can work on a line while it is in the cache
+    /// (run_transform.hpp makes lines). Line ky begins at 2 ky line_pitch() of lines_reals()
+    /// doubles. Not collective.
     void line_to_spectral(double* line) const;
     void line_to_physical(double* line) const;
     std::ptrdiff_t line_pitch() const;
     std::ptrdiff_t lines_reals() const;
 
 private:
+    friend class RunTransform;
     struct Work;
     std::unique_ptr<Work> work_;
     SlabShare share_;

@@ -129,4 +129,16 @@ std::vector<double> Comm::gather(std::span<const double> mine) const {
     return all;
 }
 
+void Comm::all_to_all(const std::complex<double>* sent, std::span<const int> sent_counts,
+                      std::complex<double>* received, std::span<const int> received_counts) const {
+    const auto offsets_of = [](std::span<const int> counts) {
+        std::vector<int> offsets(counts.size());
+        std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+        return offsets;
+    };
+    checked(MPI_Alltoallv(sent, sent_counts.data(), offsets_of(sent_counts).data(),
+                          MPI_CXX_DOUBLE_COMPLEX, received, received_counts.data(),
+                          offsets_of(received_counts).data(), MPI_CXX_DOUBLE_COMPLEX, raw()));
+}
+
 } // namespace shearwake

@@ -39,6 +39,9 @@ public:
     std::vector<std::complex<double>> all_gather(std::span<const std::complex<double>> mine) const;
     /// Every rank's values in rank order on the root; empty elsewhere.
     std::vector<double> gather(std::span<const double> mine) const;
+    /// To each rank its part of `sent`, in rank order, and from each its part of `received`.
+    void all_to_all(const std::complex<double>* sent, std::span<const int> sent_counts,
+                    std::complex<double>* received, std::span<const int> received_counts) const;
 
 private:
     explicit Comm(std::shared_ptr<const MPI_Comm> handle);

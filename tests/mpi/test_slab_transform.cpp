@@ -1,4 +1,4 @@
-#include "fft/slab_transform.hpp"
+#include "fft/run_transform.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>
@@ -182,7 +182,7 @@ TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "
         }
     }
     AlignedVector<double> plane = noise_plane(share, ny, 3);
-    std::vector<double> given(cells), back(cells, 0.0);
+    std::vector<double> given(cells);
     const AlignedVector<double> noise = plane;
     std::fill(plane.begin(), plane.end(), 0.0);
     for (const RowRun& run : runs)
@@ -190,25 +190,35 @@ TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "
             const auto at = static_cast<std::size_t>(run.row * share.padded_ny + j);
             plane[at] = given[run.offset + static_cast<std::size_t>(j - run.begin)] = noise[at];
         }
-    AlignedVector<double> lines(static_cast<std::size_t>(transform.lines_reals()));
-    transform.runs_to_lines(given.data(), runs, lines.data());
+    // Twice at once, the second time doubled.
+    const RunTransform only(transform, world, runs);
+    std::vector<double> both = given, back(2 * cells, 0.0);
+    for (const double value : given)
+        both.push_back(2.0 * value);
+    AlignedVector<double> lines(2 * static_cast<std::size_t>(transform.lines_reals()), 7.0);
+    only.to_lines(both.data(), cells, 2, lines.data());
     transform.to_spectral(plane.data());
     double worst = 0.0;
     for (std::ptrdiff_t k = 0; k < share.ky_count; ++k) {
         double* line = lines.data() + 2 * k * transform.line_pitch();
+        double* second = line + transform.lines_reals();
         transform.line_to_spectral(line);
+        transform.line_to_spectral(second);
         for (std::ptrdiff_t at = 0; at < 2 * nx; ++at)
             worst = test::worse(
                 worst, std::abs(line[at] - plane[static_cast<std::size_t>(2 * k * nx + at)]));
+        for (std::ptrdiff_t at = 0; at < 2 * nx; ++at)
+            CHECK(second[at] == 2.0 * line[at]); // exact: a power of two
         transform.line_to_physical(line);
+        transform.line_to_physical(second);
     }
     // Sums of nx ny numbers of at most 1, by other plans along x.
     const double size = std::sqrt(static_cast<double>(nx * ny));
     CHECK(world.max(worst) < 1e-14 * size);
-    transform.lines_to_runs(lines.data(), runs, back.data());
+    only.to_values(lines.data(), 2, back.data(), cells);
     worst = 0.0;
-    for (std::size_t i = 0; i < cells; ++i)
-        worst = test::worse(worst, std::abs(back[i] / static_cast<double>(nx * ny) - given[i]));
+    for (std::size_t i = 0; i < 2 * cells; ++i)
+        worst = test::worse(worst, std::abs(back[i] / static_cast<double>(nx * ny) - both[i]));
     CHECK(world.max(worst) < 1e-14);
 }
 

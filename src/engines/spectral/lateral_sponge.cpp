@@ -62,10 +62,14 @@ Direction direction(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff
 } // namespace
 
 LateralSponge::LateralSponge(const Case& c, const WaveVectors& vectors, const SlabTransform& slabs,
-                             double step_s)
+                             double step_s, const Comm& team)
     : slabs_(slabs), vectors_(vectors), domain_(c.domain), step_s_(step_s) {
     const double width_m = c.domain.sponge_m;
     if (!(width_m > 0.0)) return;
+    std::vector<RowRun> all;
+    for (std::ptrdiff_t i = 0; i < slabs.share().x_count; ++i)
+        all.push_back({i, 0, c.domain.ny, static_cast<std::size_t>(i * c.domain.ny)});
+    runs_.emplace(slabs, team, std::move(all));
     const double speed_m_s = edge_speed_m_s(c.medium, width_m);
     const double steps = std::floor(interval_s(c, speed_m_s) / step_s + 1e-9);
     every_ = std::max<std::ptrdiff_t>(1, std::lround(steps));
@@ -86,8 +90,6 @@ void LateralSponge::assemble(std::ptrdiff_t levels) {
     planes_.assign(static_cast<std::size_t>(count_ * slabs_.lines_reals()), 0.0);
     const std::ptrdiff_t rows = slabs_.share().x_count;
     values_.assign(static_cast<std::size_t>(rows * domain_.ny), 0.0);
-    for (std::ptrdiff_t i = 0; i < rows; ++i)
-        runs_.push_back({i, 0, domain_.ny, static_cast<std::size_t>(i * domain_.ny)});
 }
 
 void LateralSponge::take_velocity(const VerticalOperator& op, const AlignedVector<double>& now,
@@ -111,14 +113,14 @@ void LateralSponge::take_velocity(const VerticalOperator& op, const AlignedVecto
     }
     for (std::ptrdiff_t p = 0; p < count_; ++p) {
         double* plane = planes_.data() + p * stride;
-        slabs_.lines_to_runs(plane, runs_, values_.data());
+        runs_->to_values(plane, 1, values_.data(), values_.size());
         double* v = values_.data();
         for (std::ptrdiff_t i = 0; i < slabs_.share().x_count; ++i) {
             const double kept_x = kept_x_[static_cast<std::size_t>(slabs_.share().x_start + i)];
             for (const double kept_y : kept_y_)
                 *v++ *= 1.0 - kept_x * kept_y;
         }
-        slabs_.runs_to_lines(values_.data(), runs_, plane);
+        runs_->to_lines(values_.data(), values_.size(), 1, plane);
     }
 }
 

@@ -2,8 +2,9 @@
 
 #include "engines/spectral/moving_load.hpp"
 #include "engines/spectral/vertical_operator.hpp"
-#include "fft/slab_transform.hpp"
+#include "fft/run_transform.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace shearwake {
@@ -20,7 +21,7 @@ namespace shearwake {
 class LateralSponge {
 public:
     LateralSponge(const Case& c, const WaveVectors& vectors, const SlabTransform& slabs,
-                  double step_s);
+                  double step_s, const Comm& team);
 
     /// Whether velocity is taken before step n. It depends on n alone, so that a run that goes on
     /// from a state does the same.
@@ -54,7 +55,7 @@ private:
     std::vector<double> kept_x_, kept_y_; // share of the velocity: b = 1 - kept_x kept_y
     AlignedVector<double> planes_;        // [level][component], lines of ky over x
     std::vector<double> values_;          // of one plane
-    std::vector<RowRun> runs_;            // all of this rank's rows
+    std::optional<RunTransform> runs_;    // all of this rank's rows
 };
 
 } // namespace shearwake

@@ -2,6 +2,7 @@
 
 #include "engines/spectral/strain_transfer.hpp"
 #include "engines/spectral/vertical_operator.hpp"
+#include "fft/run_transform.hpp"
 #include "parallel/comm.hpp"
 
 #include <algorithm>

@@ -15,10 +15,11 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
       field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
-      load_(c, vectors_, step_s), sponge_(c, vectors_, slabs, step_s),
+      load_(c, vectors_, step_s), sponge_(c, vectors_, slabs, step_s, team),
       // Where steps iterate, more often: that says less well what is wrong with the field.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
       work_(c.domain.ny / 2 + 1) {
+    planes_.emplace(field_, slabs_, team_, clock_);
     together(team, [&] { assemble(); });
 }
 
@@ -30,7 +31,7 @@ void Stepper::assemble() {
     before_ = now_;
     sponge_.assemble(operator_.levels());
     pencil_.resize(static_cast<std::size_t>(size));
-    planes_.emplace(field_, slabs_, case_.domain.nx, clock_);
+    planes_->assemble();
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
     if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);

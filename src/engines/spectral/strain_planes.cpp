@@ -4,10 +4,15 @@
 
 namespace shearwake {
 
-StrainPlanes::StrainPlanes(const LateralField& field, const SlabTransform& slabs, std::ptrdiff_t nx,
+StrainPlanes::StrainPlanes(const LateralField& field, const SlabTransform& slabs, const Comm& team,
                            StepClock& clock)
-    : field_(field), slabs_(slabs), clock_(clock), nx_(nx),
+    : field_(field), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
       count_(static_cast<std::ptrdiff_t>(field.points()) * field.variation().components()) {
+    for (const LateralVariation::Point& point : field.variation().points)
+        runs_.emplace_back(slabs, team, point.runs);
+}
+
+void StrainPlanes::assemble() {
     planes_.assign(static_cast<std::size_t>(count_ * stride()), 0.0);
 }
 
@@ -15,11 +20,9 @@ void StrainPlanes::set(const LateralField::Values& values) {
     double* plane = planes_.data();
     const int components = field_.variation().components();
     for (std::size_t p = 0; p < field_.points(); ++p) {
-        const LateralVariation::Point& point = field_.variation().points[p];
-        const double* of_point = values.data() + field_.range(p).first;
-        for (int c = 0; c < components; ++c, plane += stride())
-            slabs_.runs_to_lines(of_point + static_cast<std::size_t>(c) * point.cells, point.runs,
-                                 plane);
+        runs_[p].to_lines(values.data() + field_.range(p).first, field_.variation().points[p].cells,
+                          components, plane);
+        plane += components * stride();
     }
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());
@@ -29,11 +32,9 @@ void StrainPlanes::get(LateralField::Values& values) {
     const double* plane = planes_.data();
     const int components = field_.variation().components();
     for (std::size_t p = 0; p < field_.points(); ++p) {
-        const LateralVariation::Point& point = field_.variation().points[p];
-        double* of_point = values.data() + field_.range(p).first;
-        for (int c = 0; c < components; ++c, plane += stride())
-            slabs_.lines_to_runs(plane, point.runs,
-                                 of_point + static_cast<std::size_t>(c) * point.cells);
+        runs_[p].to_values(plane, components, values.data() + field_.range(p).first,
+                           field_.variation().points[p].cells);
+        plane += components * stride();
     }
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());

@@ -2,6 +2,7 @@
 
 #include "engines/spectral/lateral_field.hpp"
 #include "engines/spectral/step_clock.hpp"
+#include "fft/run_transform.hpp"
 
 namespace shearwake {
 
@@ -10,8 +11,11 @@ namespace shearwake {
 /// its pencils are worked on, when it is in the cache.
 class StrainPlanes {
 public:
-    StrainPlanes(const LateralField& field, const SlabTransform& slabs, std::ptrdiff_t nx,
+    /// Collective.
+    StrainPlanes(const LateralField& field, const SlabTransform& slabs, const Comm& team,
                  StepClock& clock);
+    /// Their memory. Not collective.
+    void assemble();
 
     std::ptrdiff_t count() const { return count_; }
     std::ptrdiff_t transforms() const { return transforms_; } // of planes so far, there or back
@@ -31,6 +35,7 @@ private:
     const LateralField& field_;
     const SlabTransform& slabs_;
     StepClock& clock_;
+    std::vector<RunTransform> runs_; // of each point
     std::ptrdiff_t nx_, count_, transforms_ = 0;
     AlignedVector<double> planes_;
 };
