@@ -54,9 +54,9 @@ std::string words(const std::vector<Setting>& settings) {
 
 class Expander {
 public:
-    Expander(const Sweep& sweep, const NodePtr& reference, const MapLoader& load_map,
+    Expander(const Sweep& sweep, const NodePtr& reference, const FileLoaders& files,
              Diagnostics& findings)
-        : sweep_(sweep), reference_(reference), load_map_(load_map), findings_(findings),
+        : sweep_(sweep), reference_(reference), files_(files), findings_(findings),
           excluded_(sweep.exclusions.size(), 0) {}
 
     void add(const NodePtr& base, const Odometer& wheel) {
@@ -69,7 +69,7 @@ public:
         }
         const bool kind_varies = sweep_.holds(kind_key);
         const auto c = read_case(root, kind_varies ? OtherKinds::ignored : OtherKinds::refused,
-                                 load_map_, findings_);
+                                 files_, findings_);
         if (!c || findings_.errors() != before) {
             ++bad_cases_;
             return;
@@ -166,7 +166,7 @@ private:
         });
         const auto [known, is_new] = reference_ids_.try_emplace(words(settings), "");
         if (!is_new) return known->second;
-        const auto c = read_case(root, OtherKinds::ignored, load_map_, findings_);
+        const auto c = read_case(root, OtherKinds::ignored, files_, findings_);
         if (!c) {
             ++bad_cases_;
             return "";
@@ -193,7 +193,7 @@ private:
 
     const Sweep& sweep_;
     NodePtr reference_;
-    const MapLoader& load_map_;
+    const FileLoaders& files_;
     Diagnostics& findings_;
     std::vector<std::size_t> excluded_; // cases that each exclusion has matched
     Remarks remarks_;
@@ -208,10 +208,10 @@ private:
 } // namespace
 
 std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
-                                const MapLoader& load_map, Diagnostics& findings) {
+                                const FileLoaders& files, Diagnostics& findings) {
     // So that a sweep can reach into the layers of a preset.
     const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
-    Expander expander(sweep, reference, load_map, findings);
+    Expander expander(sweep, reference, files, findings);
     Odometer wheel(sweep);
     do {
         expander.add(base, wheel);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "config/map_loader.hpp"
+#include "config/text_loader.hpp"
 #include "config/sweep_axes.hpp"
 #include "model/plan.hpp"
 
@@ -10,6 +10,6 @@ namespace shearwake {
 /// as a tree; `reference` the keys of load.modulation that make a reference, or null. Also checks
 /// the physics of every case. After a mistake in [sweep] only the first case is read.
 std::vector<PlannedCase> expand(const NodePtr& base, const Sweep& sweep, const NodePtr& reference,
-                                const MapLoader& load_map, Diagnostics& findings);
+                                const FileLoaders& files, Diagnostics& findings);
 
 } // namespace shearwake

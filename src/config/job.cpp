@@ -70,7 +70,7 @@ void read_identity(Reader reader, Plan& plan) {
     if (given) check_name(reader, plan.name);
 }
 
-Plan read_plan(const NodePtr& tree, const MapLoader& load_map, Diagnostics& findings) {
+Plan read_plan(const NodePtr& tree, const FileLoaders& files, Diagnostics& findings) {
     Plan plan;
     Reader root(tree, "", findings);
     check_schema(root, tree->at);
@@ -81,7 +81,7 @@ Plan read_plan(const NodePtr& tree, const MapLoader& load_map, Diagnostics& find
     root.finish();
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
-    plan.cases = expand(tree, sweep, table.reference, load_map, findings);
+    plan.cases = expand(tree, sweep, table.reference, files, findings);
     return plan;
 }
 
@@ -112,11 +112,12 @@ BadJob::BadJob(std::vector<Finding> findings)
     : UsageError(all_lines(findings), ExitCode::bad_job), findings_(std::move(findings)) {}
 
 Job read_job(std::string_view text, const std::string& file_name,
-             std::span<const Override> overrides, const MapLoader& load_map) {
+             std::span<const Override> overrides, const MapLoader& load_map,
+             const TextLoader& load_text) {
     Diagnostics findings;
     Job job{.text = std::string(text), .plan = {}, .findings = {}};
     if (const NodePtr tree = parse(text, file_name, overrides, findings))
-        job.plan = read_plan(tree, load_map, findings);
+        job.plan = read_plan(tree, {load_map, load_text}, findings);
     job.findings = findings.sorted();
     if (findings.errors() > 0) throw BadJob(std::move(job.findings));
     return job;

@@ -2,8 +2,8 @@
 
 #include "base/error.hpp"
 #include "config/finding.hpp"
-#include "config/map_loader.hpp"
 #include "config/override.hpp"
+#include "config/text_loader.hpp"
 #include "model/plan.hpp"
 
 #include <span>
@@ -31,9 +31,11 @@ private:
 };
 
 /// Reads, expands and checks. Throws BadJob with every mistake (and the warnings) at once. Touches
-/// no files: `file_name` is for messages, maps come from `load_map`; without it a job that names
-/// one is bad. Collective if `load_map` is; the same text and maps give the same job.
+/// no files: `file_name` is for messages, maps come from `load_map` and paths from `load_text`;
+/// without them a job that names one is bad. Collective if they are; the same text and files give
+/// the same job.
 Job read_job(std::string_view text, const std::string& file_name,
-             std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr);
+             std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
+             const TextLoader& load_text = nullptr);
 
 } // namespace shearwake

@@ -299,7 +299,7 @@ std::span<const std::string_view> case_tables() {
     return tables;
 }
 
-std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const MapLoader& load_map,
+std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const FileLoaders& files,
                               Diagnostics& findings) {
     const Sound sound(findings);
     Reader root(with_medium_preset(job), "", findings);
@@ -310,8 +310,8 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
            record = root.optional_table("record");
-    c.medium = read_medium(medium, load_map);
-    c.load = read_load(load, c.medium, other_kinds);
+    c.medium = read_medium(medium, files.load_map);
+    c.load = read_load(load, c.medium, other_kinds, files.load_text);
     c.domain = read_domain(domain);
     c.time = read_time(time);
     c.solver = read_solver(solver, c.time);

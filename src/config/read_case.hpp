@@ -1,7 +1,7 @@
 #pragma once
 
-#include "config/map_loader.hpp"
 #include "config/reader.hpp"
+#include "config/text_loader.hpp"
 #include "model/case.hpp"
 
 #include <optional>
@@ -15,8 +15,10 @@ enum class OtherKinds { refused, ignored };
 Medium read_medium(Reader& reader, const MapLoader& load_map);
 /// The body of a table that stands `number`th (from 1) in a medium whose layers and map are read.
 Body read_body(Reader reader, std::size_t number, const Medium& medium);
-Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds);
-Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds);
+Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+               const TextLoader& load_text);
+Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+                           const TextLoader& load_text);
 Domain read_domain(Reader& reader);
 TimeAxis read_time(Reader& reader);
 SolverOptions read_solver(Reader& reader, const TimeAxis& time);
@@ -26,8 +28,8 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
                           const MeasureOptions& measure);
 
 /// The case that the whole job `root` describes; nothing, and findings, if there is a mistake.
-std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds,
-                              const MapLoader& load_map, Diagnostics& findings);
+std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, const FileLoaders& files,
+                              Diagnostics& findings);
 
 /// The tables of a job of which a case is made.
 std::span<const std::string_view> case_tables();

@@ -28,14 +28,15 @@ Carrier read_carrier(Reader& reader) {
 
 } // namespace
 
-Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds) {
+Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+               const TextLoader& load_text) {
     if (reader.empty()) return {};
     Load load;
     load.peak_Pa = reader.number("peak_Pa", Range::above(0.0));
     load.footprint = read_footprint(reader.table("footprint"));
     load.carrier = read_carrier(reader);
     Reader modulation = reader.table("modulation");
-    load.modulation = read_modulation(modulation, medium, other_kinds);
+    load.modulation = read_modulation(modulation, medium, other_kinds, load_text);
     reader.finish();
     return load;
 }

@@ -1,31 +1,54 @@
 #include "config/read_case.hpp"
+#include "config/read_envelope.hpp"
+#include "config/read_path.hpp"
+#include "model/course.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace shearwake {
 namespace {
 
-const std::array<std::string, 4> kinds = {"STM", "AM", "AM-STM", "SM-STM"};
+const std::array<std::string, 8> kinds = {"STM", "AM",  "AM-STM", "SM-STM",
+                                          "LM",  "DTP", "STP",    "custom"};
 
 /// Which keys belong to which kinds. Those of every kind are not listed.
 struct KindKey {
     std::string_view key;
     std::string_view kinds; // separated by blanks
 };
+constexpr std::string_view along_paths = "STM AM-STM SM-STM DTP STP";
+constexpr std::string_view at_constant_speed = "STM AM-STM DTP STP";
+constexpr std::string_view amplitude_modulated = "AM AM-STM DTP";
 constexpr std::array kind_keys = {
-    KindKey{"position_mm", "AM"},
-    KindKey{"path", "STM AM-STM SM-STM"},
-    KindKey{"speed_m_s", "STM AM-STM SM-STM"},
-    KindKey{"mach", "STM AM-STM SM-STM"},
-    KindKey{"am_frequency_Hz", "AM AM-STM"},
-    KindKey{"am_depth", "AM AM-STM"},
-    KindKey{"am_phase_deg", "AM AM-STM"},
-    KindKey{"am_on", "AM AM-STM"},
+    KindKey{"position_mm", "AM LM"},
+    KindKey{"path", along_paths},
+    KindKey{"speed_m_s", along_paths},
+    KindKey{"mach", along_paths},
+    KindKey{"draw_frequency_Hz", along_paths},
+    KindKey{"corner_dwell_ms", at_constant_speed},
+    KindKey{"corner_slow_mm", at_constant_speed},
+    KindKey{"corner_slow_to", at_constant_speed},
+    KindKey{"am_wave", amplitude_modulated},
+    KindKey{"am_frequency_Hz", amplitude_modulated},
+    KindKey{"am_depth", amplitude_modulated},
+    KindKey{"am_phase_deg", amplitude_modulated},
+    KindKey{"am_on", amplitude_modulated},
+    KindKey{"am_duty", amplitude_modulated},
+    KindKey{"am_edge_us", amplitude_modulated},
     KindKey{"speed_deviation_m_s", "SM-STM"},
     KindKey{"sm_frequency_Hz", "SM-STM"},
     KindKey{"sm_phase_deg", "SM-STM"},
+    KindKey{"lm_amplitude_mm", "LM"},
+    KindKey{"lm_angle_deg", "LM"},
+    KindKey{"lm_frequency_Hz", "LM"},
+    KindKey{"lm_phase_deg", "LM"},
+    KindKey{"lm_wave", "LM"},
+    KindKey{"pattern", "STP"},
+    KindKey{"pattern_frequency_Hz", "STP"},
+    KindKey{"trajectory", "custom"},
 };
 
 bool holds_word(std::string_view words, std::string_view word) {
@@ -37,63 +60,75 @@ bool holds_word(std::string_view words, std::string_view word) {
     return false;
 }
 
-void read_path(Reader reader, Travel& travel) {
-    static const std::array<std::string, 1> shapes = {"line"};
-    static const std::array<std::string, 2> ends = {"off", "hold"};
-    const std::size_t before = reader.findings().errors();
-    reader.choice("shape", shapes);
-    travel.path = {.from_m = reader.point("from_mm"), .to_m = reader.point("to_mm")};
-    travel.at_end = reader.choice_or("at_end", "off", ends) == "off" ? AtEnd::off : AtEnd::hold;
+SwingWave read_wave(Reader& reader, const char* key) {
+    static const std::array<std::string, 2> waves = {"sine", "triangle"};
+    return reader.choice_or(key, "sine", waves) == "sine" ? SwingWave::sine : SwingWave::triangle;
+}
+
+/// A short line through the middle, run to and fro.
+Swing read_lateral(Reader& reader) {
+    const double angle = reader.number_or("lm_angle_deg", 0.0, Range::any());
+    const double amplitude_m = reader.number("lm_amplitude_mm", Range::between(0.0, 1e3));
+    return {.amplitude_m = {amplitude_m * std::cos(angle), amplitude_m * std::sin(angle)},
+            .frequency_Hz = reader.number("lm_frequency_Hz", Range::between(1e-3, 1e5)),
+            .phase_rad = reader.number_or("lm_phase_deg", 0.0, Range::any()),
+            .wave = read_wave(reader, "lm_wave")};
+}
+
+/// The small fast figure about the moving centre. Open ones are run back and forth.
+Travel read_pattern(Reader& reader, const PathContext& context) {
+    const double frequency_Hz = reader.number("pattern_frequency_Hz", Range::between(1e-3, 1e5));
+    const PathAndEnd read = read_path(reader.table("pattern"), context, LeastLength::none);
+    Travel travel{.path = read.path, .at_end = read.at_end};
+    if (!is_closed(read.path) && !read.end_is_given) travel.at_end = AtEnd::back_and_forth;
+    if (travel.at_end == AtEnd::off || travel.at_end == AtEnd::hold)
+        reader.error("pattern", "is drawn again and again: its at_end must be \"repeat\" or "
+                                "\"back-and-forth\"");
+    travel.motion = ConstantSpeed{cycle_m(travel) * frequency_Hz};
+    return travel;
+}
+
+/// One table of [[load.modulation.trajectory]].
+Mover read_mover(Reader reader, const PathContext& context) {
+    static const std::array<std::string, 3> moves = {"hold", "swing", "path"};
+    if (reader.empty()) return Hold{};
+    const auto move = reader.find_choice("move", moves);
+    if (!move) { // its other keys are some move's
+        if (!reader.has("move")) reader.error("move", "is missing");
+        return Hold{};
+    }
+    Mover mover;
+    if (move == "hold") mover = Hold{reader.point("position_mm")};
+    if (move == "swing")
+        mover = Swing{.amplitude_m = reader.point("amplitude_mm"),
+                      .frequency_Hz = reader.number("frequency_Hz", Range::between(1e-3, 1e5)),
+                      .phase_rad = reader.number_or("phase_deg", 0.0, Range::any()),
+                      .wave = read_wave(reader, "wave")};
+    if (move == "path") mover = read_travel(reader, context, SpeedKind::either);
     reader.finish();
-    if (!reader.empty() && reader.findings().errors() == before &&
-        travel.path.from_m == travel.path.to_m)
-        reader.error("to_mm", "is where the path starts: it has no length");
+    return mover;
 }
 
-double read_speed_m_s(Reader& reader, const Medium& medium) {
-    const auto speed_m_s = reader.find_number("speed_m_s", Range::between(1e-6, 1000.0));
-    const auto mach = reader.find_number("mach", Range::between(1e-6, 1000.0));
-    if (reader.has("speed_m_s") && reader.has("mach"))
-        reader.error("mach", "and speed_m_s are both given; one of them says it all");
-    const bool drawn = reader.has("draw_frequency_Hz");
-    if (drawn)
-        reader.error("draw_frequency_Hz",
-                     "is for paths that are run through again and again; a line "
-                     "is run through once: give speed_m_s or mach");
-    else if (!reader.has("speed_m_s") && !reader.has("mach"))
-        reader.error("speed_m_s", "is missing (or mach, the speed over c_s of the top layer)");
-    if (mach) return *mach * (medium.layers.empty() ? 1.0 : medium.layers.front().c_s_m_s);
-    return speed_m_s.value_or(1.0);
-}
-
-Motion read_motion(Reader& reader, const Medium& medium, std::string_view kind) {
-    const std::size_t before = reader.findings().errors();
-    const double speed_m_s = read_speed_m_s(reader, medium);
-    if (kind != "SM-STM") return ConstantSpeed{speed_m_s};
-    const OscillatingSpeed motion = {
-        .mean_m_s = speed_m_s,
-        .deviation_m_s = reader.number("speed_deviation_m_s", Range::at_least(0.0)),
-        .frequency_Hz = reader.number("sm_frequency_Hz", Range::between(1e-3, 1e5)),
-        .phase_rad = reader.number_or("sm_phase_deg", 0.0, Range::any()),
-    };
-    if (reader.findings().errors() == before && reader.has("speed_deviation_m_s") &&
-        motion.deviation_m_s >= motion.mean_m_s)
-        reader.error("speed_deviation_m_s",
-                     fmt::format("must be below the mean speed of {:.6g} m/s, and is {:.6g}: the "
-                                 "focus would turn back on its path",
-                                 motion.mean_m_s, motion.deviation_m_s));
-    return motion;
-}
-
-SineGain read_sine(Reader& reader) {
-    static const std::array<std::string, 2> quantities = {"force", "pressure"};
-    return {
-        .frequency_Hz = reader.number("am_frequency_Hz", Range::between(1e-3, 1e5)),
-        .depth = reader.number_or("am_depth", 1.0, Range::between(0.0, 1.0)),
-        .phase_rad = reader.number_or("am_phase_deg", 0.0, Range::any()),
-        .on = reader.choice_or("am_on", "force", quantities) == "force" ? GainOn::force
-                                                                        : GainOn::pressure,
-    };
+Trajectory read_trajectory(Reader& reader, std::string_view kind, const PathContext& context) {
+    Trajectory trajectory;
+    auto& parts = trajectory.parts;
+    if (kind == "custom") {
+        const std::vector<Reader> movers = reader.tables("trajectory");
+        for (const Reader& mover : movers)
+            parts.push_back(read_mover(mover, context));
+        if (!reader.has("trajectory"))
+            reader.missing("trajectory");
+        else if (movers.empty())
+            reader.error("trajectory", "must be a list of at least one table");
+    } else if (kind == "AM" || kind == "LM") {
+        parts.push_back(Hold{reader.point_or("position_mm", {})});
+        if (kind == "LM") parts.push_back(read_lateral(reader));
+    } else {
+        parts.push_back(read_travel(
+            reader, context, kind == "SM-STM" ? SpeedKind::oscillating : SpeedKind::constant));
+        if (kind == "STP") parts.push_back(read_pattern(reader, context));
+    }
+    return trajectory;
 }
 
 void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_kinds) {
@@ -107,18 +142,25 @@ void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_
 } // namespace
 
 bool has_meaning(std::string_view key, std::string_view kind) {
-    for (const KindKey& known : kind_keys)
-        if (key == known.key || (key.starts_with(known.key) && key[known.key.size()] == '.'))
-            return holds_word(known.kinds, kind);
+    for (const KindKey& known : kind_keys) {
+        const bool is_it = key.starts_with(known.key) &&
+                           (key.size() == known.key.size() || key[known.key.size()] == '.' ||
+                            key[known.key.size()] == '[');
+        if (is_it) return holds_word(known.kinds, kind);
+    }
     return true;
 }
 
-Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds) {
+Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+                           const TextLoader& load_text) {
     if (reader.empty()) return {};
     Modulation modulation;
     if (!reader.has("kind")) reader.missing("kind");
     const auto kind = reader.find_choice("kind", kinds);
     const auto ramp_s = reader.find_number("ramp_ms", Range::above(0.0));
+    std::vector<Gain> more_gains;
+    for (const Reader& gain : reader.tables("envelope"))
+        more_gains.push_back(read_gain(gain));
     if (!kind) { // which keys it should have is anybody's guess
         for (const KindKey& known : kind_keys)
             reader.allow(std::array{known.key});
@@ -126,16 +168,11 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
         return modulation;
     }
     modulation.kind = *kind;
-    if (*kind == "AM") {
-        modulation.trajectory.parts.push_back(Hold{reader.point_or("position_mm", {})});
-    } else {
-        Travel travel;
-        travel.motion = read_motion(reader, medium, *kind);
-        read_path(reader.table("path"), travel);
-        modulation.trajectory.parts.push_back(travel);
-    }
-    if (kind->starts_with("AM")) modulation.envelope.gains.push_back(read_sine(reader));
-    if (ramp_s) modulation.envelope.gains.push_back(RampGain{*ramp_s});
+    modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
+    auto& gains = modulation.envelope.gains;
+    if (holds_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
+    gains.insert(gains.end(), more_gains.begin(), more_gains.end());
+    if (ramp_s) gains.push_back(RampGain{*ramp_s});
     settle_other_kinds(reader, *kind, other_kinds);
     reader.finish();
     return modulation;

@@ -2,70 +2,10 @@
 
 #include "base/hash.hpp"
 #include "base/overloaded.hpp"
-#include "base/text.hpp"
-
-#include <fmt/format.h>
+#include "model/load_text.hpp"
 
 namespace shearwake {
 namespace {
-
-/// Lines of TOML. Infinity and nan never occur in a valid case.
-class TomlText {
-public:
-    void table(std::string_view name) { text_ += fmt::format("\n[{}]\n", name); }
-    void element(std::string_view name) { text_ += fmt::format("\n[[{}]]\n", name); }
-    void put(std::string_view key, std::string_view value) {
-        text_ += fmt::format("{} = \"{}\"\n", key, escaped(value));
-    }
-    void put(std::string_view key, const char* value) { put(key, std::string_view(value)); }
-    void put(std::string_view key, double value) {
-        text_ += fmt::format("{} = {}\n", key, number(value));
-    }
-    void put(std::string_view key, std::ptrdiff_t value) {
-        text_ += fmt::format("{} = {}\n", key, value);
-    }
-    void put_flag(std::string_view key, bool value) {
-        text_ += fmt::format("{} = {}\n", key, value);
-    }
-    void put(std::string_view key, const std::vector<double>& values) {
-        text_ += fmt::format("{} = [", key);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            text_ += (i ? ", " : "") + number(values[i]);
-        text_ += "]\n";
-    }
-    void put(std::string_view key, const std::vector<std::string>& words) {
-        text_ += fmt::format("{} = [", key);
-        for (std::size_t i = 0; i < words.size(); ++i)
-            text_ += fmt::format("{}\"{}\"", i ? ", " : "", escaped(words[i]));
-        text_ += "]\n";
-    }
-    void put(std::string_view key, Vec2 v) { put(key, std::vector<double>{v.x, v.y}); }
-    void put(std::string_view key, Vec3 v) { put(key, std::vector<double>{v.x, v.y, v.z}); }
-    void put(std::string_view key, const std::optional<double>& value) {
-        if (value) put(key, *value);
-    }
-    std::string take() { return std::move(text_); }
-
-private:
-    static std::string number(double value) {
-        std::string text = exact(value + 0.0); // -0 and 0 are the same case
-        if (text == "-0") text = "0";
-        if (text.find_first_of(".e") == std::string::npos) text += ".0"; // a TOML float
-        return text;
-    }
-    static std::string escaped(std::string_view value) {
-        std::string out;
-        for (const char c : value) {
-            if (c == '"' || c == '\\') out += '\\';
-            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-                out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-            else
-                out += c;
-        }
-        return out;
-    }
-    std::string text_;
-};
 
 void put_loss(TomlText& t, const ShearLoss& loss) {
     std::visit(overloaded{
@@ -133,77 +73,6 @@ void put_medium(TomlText& t, const Medium& medium) {
     }
     for (const Body& body : medium.bodies)
         put_body(t, body);
-}
-
-void put_mover(TomlText& t, const Mover& mover) {
-    t.element("load.modulation.trajectory");
-    std::visit(overloaded{
-                   [&](const Hold& hold) {
-                       t.put("mover", "hold");
-                       t.put("at_m", hold.at_m);
-                   },
-                   [&](const Travel& travel) {
-                       t.put("mover", "line");
-                       t.put("from_m", travel.path.from_m);
-                       t.put("to_m", travel.path.to_m);
-                       t.put("at_end", travel.at_end == AtEnd::off ? "off" : "hold");
-                       std::visit(
-                           overloaded{
-                               [&](const ConstantSpeed& m) { t.put("speed_m_s", m.speed_m_s); },
-                               [&](const OscillatingSpeed& m) {
-                                   t.put("speed_mean_m_s", m.mean_m_s);
-                                   t.put("speed_deviation_m_s", m.deviation_m_s);
-                                   t.put("speed_frequency_Hz", m.frequency_Hz);
-                                   t.put("speed_phase_rad", m.phase_rad);
-                               },
-                           },
-                           travel.motion);
-                   },
-               },
-               mover);
-}
-
-void put_gain(TomlText& t, const Gain& gain) {
-    t.element("load.modulation.envelope");
-    std::visit(overloaded{
-                   [&](const SineGain& g) {
-                       t.put("gain", "sine");
-                       t.put("frequency_Hz", g.frequency_Hz);
-                       t.put("depth", g.depth);
-                       t.put("phase_rad", g.phase_rad);
-                       t.put("on", g.on == GainOn::force ? "force" : "pressure");
-                   },
-                   [&](const RampGain& g) {
-                       t.put("gain", "ramp");
-                       t.put("duration_s", g.duration_s);
-                   },
-               },
-               gain);
-}
-
-void put_load(TomlText& t, const Load& load) {
-    t.table("load");
-    t.put("peak_Pa", load.peak_Pa);
-    std::visit(
-        [&](const GaussianFootprint& g) {
-            t.put("footprint", "gaussian");
-            t.put("fwhm_m", g.fwhm_m);
-        },
-        load.footprint);
-    std::visit(overloaded{
-                   [&](const AveragedCarrier&) { t.put("carrier", "averaged"); },
-                   [&](const ResolvedCarrier& c) {
-                       t.put("carrier", "resolved");
-                       t.put("carrier_Hz", c.frequency_Hz);
-                   },
-               },
-               load.carrier);
-    t.table("load.modulation");
-    t.put("kind", load.modulation.kind);
-    for (const Mover& mover : load.modulation.trajectory.parts)
-        put_mover(t, mover);
-    for (const Gain& gain : load.modulation.envelope.gains)
-        put_gain(t, gain);
 }
 
 void put_record(TomlText& t, const RecordOptions& record) {

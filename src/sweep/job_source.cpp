@@ -22,6 +22,19 @@ MapLoader maps_beside(const std::filesystem::path& job, const Comm& world) {
     };
 }
 
+/// Texts in files beside the job, each read once. Collective as the maps are.
+TextLoader texts_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::string>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        const auto held = known->find(file);
+        if (held != known->end()) return held->second;
+        std::string text;
+        on_root(world, [&] { text = read_file(folder / file); });
+        return known->emplace(file, world.broadcast(std::move(text))).first->second;
+    };
+}
+
 } // namespace
 
 Override parse_override(const std::string& text) {
@@ -39,7 +52,7 @@ Job load_job(const std::filesystem::path& path, const std::vector<std::string>& 
     std::string text;
     on_root(world, [&] { text = read_file(path); });
     return read_job(world.broadcast(std::move(text)), path.string(), parsed,
-                    maps_beside(path, world));
+                    maps_beside(path, world), texts_beside(path, world));
 }
 
 } // namespace shearwake

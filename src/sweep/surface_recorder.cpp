@@ -237,10 +237,12 @@ void SurfaceRecorder::fit_mach(const std::vector<double>& instant) {
     const Trajectory& trajectory = case_.load.modulation.trajectory;
     const double t_s = case_.time.frame_s(instant_);
     const std::string none = no_focus_reason(case_.measure, case_.time, off_time_s(trajectory));
-    if (!none.empty() || !has_constant_speed(trajectory)) {
+    if (!none.empty() || !has_constant_velocity(trajectory)) {
         mach_ = MachFit{};
         mach_->reason =
-            none.empty() ? "the speed is not constant: the wake has no single angle" : none;
+            none.empty()
+                ? "the focus does not run straight on at one speed: the wake has no single angle"
+                : none;
         return;
     }
     const View2<const double> surface(instant.data(), case_.domain.nx, case_.domain.ny);

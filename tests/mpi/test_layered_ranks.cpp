@@ -17,7 +17,7 @@ Case small_case() {
     c.domain = {70, 54, 0.75e-3, 3e-3}; // divided by 2 only
     c.time = {60, 50e-6};
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
-    travel.path.from_m = {-15e-3, -2e-3};
+    std::get<Line>(travel.path.shape).from_m = {-15e-3, -2e-3};
     c.load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
     c.measure.at_s = 3e-3;
     c.measure.settled_after_s = 1e-3;
@@ -53,7 +53,8 @@ TEST_CASE("frames are the same on any number of ranks", "[mpi]") {
     Case c = small_case();
     const bool oblique = GENERATE(false, true); // the general path of the load's transform
     if (oblique)
-        std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.to_m = {150e-3, 40e-3};
+        std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).to_m = {
+            150e-3, 40e-3};
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // the requirement
 }
 

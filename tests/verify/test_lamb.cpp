@@ -149,7 +149,8 @@ TEST_CASE("a steady load below the Rayleigh speed meets the closed form", "[veri
     c.domain = {320, 320, 0.75e-3, 0.0};
     c.time = {280, 50e-6};
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
-    travel.path.from_m = {-42e-3, 0.0}; // at 14 ms the focus is on the grid point at 0
+    std::get<Line>(travel.path.shape).from_m = {
+        -42e-3, 0.0}; // at 14 ms the focus is on the grid point at 0
     const auto frames = test::frames_of(c);
 
     const Layer& layer = c.medium.layers[0];

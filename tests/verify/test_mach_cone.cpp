@@ -9,7 +9,7 @@ TEST_CASE("the wake of a fast focus opens at the Rayleigh wave's Mach angle", "[
     const double speed = GENERATE(7.0, 8.0, 10.0);
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.0)), ConstantSpeed{speed});
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
-    travel.path.from_m = {-70e-3, 0.0};
+    std::get<Line>(travel.path.shape).from_m = {-70e-3, 0.0};
     c.domain = {320, 216, 0.75e-3, 0.0};
     c.time = {280, 50e-6};
     LayeredOptions options;

@@ -33,7 +33,7 @@ TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     // Frames fine enough to carry 40 kHz, so that nothing folds down; spectra of the whole run.
     Case averaged = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     auto& travel = std::get<Travel>(averaged.load.modulation.trajectory.parts[0]);
-    travel.path.from_m = {-21e-3, 0.0};
+    std::get<Line>(travel.path.shape).from_m = {-21e-3, 0.0};
     averaged.domain = {96, 64, 0.75e-3, 0.0};
     averaged.time = {1000, 5e-6};
     averaged.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
@@ -85,7 +85,8 @@ TEST_CASE("the field converges with the load's time step at fourth order", "[ver
     // against a step sixteen times finer.
     const auto surface = [](double step_s) {
         Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-        std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.from_m = {-14e-3, 0.0};
+        std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape)
+            .from_m = {-14e-3, 0.0};
         c.domain = {96, 64, 0.75e-3, 0.0};
         c.time = {40, 100e-6};
         LayeredOptions options;

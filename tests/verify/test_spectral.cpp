@@ -14,7 +14,8 @@ Case required_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{7.0});
     c.medium.base = Base::rigid;
     c.medium.layers[0].thickness_m = 12e-3;
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.from_m = {-14e-3, 0.0};
+    std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).from_m = {
+        -14e-3, 0.0};
     c.domain = {128, 96, 0.75e-3, 0.0};
     c.time = {40, 100e-6};
     c.measure.at_s = 4e-3;

@@ -105,8 +105,9 @@ TEST_CASE("points, layers, words and tables can be swept", "[config][sweep]") {
 )");
     REQUIRE(plan.cases.size() == 8);
     const PlannedCase& last = plan.cases.back();
-    CHECK(std::get<Travel>(last.physics.load.modulation.trajectory.parts[0]).path.from_m.x ==
-          -0.015);
+    CHECK(std::get<Line>(
+              std::get<Travel>(last.physics.load.modulation.trajectory.parts[0]).path.shape)
+              .from_m.x == -0.015);
     CHECK(last.physics.medium.layers[0].c_s_m_s == 4.5);
     using Value = decltype(Setting::value);
     CHECK(last.settings[0].value == Value("[-15, 0]"));

@@ -87,8 +87,9 @@ TEST_CASE("a mistake in the table stands in its place", "[config][table]") {
          "(\"load.peak_Pa\")"},
         {"xx = 3", "job.toml:30:1: error: table.xx is unknown; did you mean x?"},
         {"reference = { kind = \"STMM\" }",
-         "job.toml:30:22: error: load.modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\" "
-         "or \"SM-STM\", and is \"STMM\"; did you mean \"STM\"?"},
+         "job.toml:30:22: error: load.modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\", "
+         "\"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", and is \"STMM\"; did you mean "
+         "\"STM\"?"},
         {"reference = { kind = \"STM\", foo = 1 }",
          "job.toml:30:29: error: load.modulation.foo is unknown"},
         {"reference = \"STM\"",

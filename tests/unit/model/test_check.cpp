@@ -81,7 +81,7 @@ TEST_CASE("a modulation with fewer than four frames a period is a warning", "[ch
 
 TEST_CASE("a focus that leaves the domain is an error", "[check]") {
     Case c = good_case();
-    travel(c).path.to_m = {0.5, 0.0};
+    std::get<Line>(travel(c).path.shape).to_m = {0.5, 0.0};
     travel(c).motion = ConstantSpeed{16.0};
     const auto remarks = check(c);
     const auto found = std::find_if(remarks.begin(), remarks.end(),
@@ -93,7 +93,7 @@ TEST_CASE("a focus that leaves the domain is an error", "[check]") {
 
 TEST_CASE("a focus that would leave after the run or its path has ended is none", "[check]") {
     Case c = good_case();
-    travel(c).path.to_m = {0.5, 0.0}; // reached long after the run
+    std::get<Line>(travel(c).path.shape).to_m = {0.5, 0.0}; // reached long after the run
     CHECK(check(c).empty());
 }
 
@@ -156,7 +156,7 @@ TEST_CASE("a sponge that is too narrow for the load's waves is told with the wid
 
 TEST_CASE("a path that ends before the measurement is a warning", "[check]") {
     Case c = good_case();
-    travel(c).path.to_m = {0.007, 0.0};
+    std::get<Line>(travel(c).path.shape).to_m = {0.007, 0.0};
     CHECK(only_remark(c).key == "measure.at_ms");
     CHECK(has(only_remark(c).message, "the path ends at 3 ms"));
     travel(c).at_end = AtEnd::hold;
