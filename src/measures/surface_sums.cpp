@@ -100,6 +100,12 @@ Region measured_region(const Domain& domain) {
 
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
                          const Region& region, Vec2 focus_m, double focal_radius_m) {
+    return surface_sums(slab, x_start, domain, region, std::span(&focus_m, 1), focal_radius_m);
+}
+
+SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
+                         const Region& region, std::span<const Vec2> foci_m,
+                         double focal_radius_m) {
     const std::ptrdiff_t begin = std::max(region.x0, x_start);
     const std::ptrdiff_t end = std::min(region.x1, x_start + slab.rows());
 
@@ -122,16 +128,24 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     sums.u4 = u4.value();
 
     const double h = domain.spacing_m;
+    if (foci_m.empty()) return sums;
+    Vec2 low = foci_m.front(), high = low;
+    for (const Vec2& focus : foci_m) {
+        low = {std::min(low.x, focus.x), std::min(low.y, focus.y)};
+        high = {std::max(high.x, focus.x), std::max(high.y, focus.y)};
+    }
     const auto [x_first, x_end] =
-        cells_between(focus_m.x - focal_radius_m, focus_m.x + focal_radius_m, h, domain.nx);
+        cells_between(low.x - focal_radius_m, high.x + focal_radius_m, h, domain.nx);
     const auto [y_first, y_end] =
-        cells_between(focus_m.y - focal_radius_m, focus_m.y + focal_radius_m, h, domain.ny);
+        cells_between(low.y - focal_radius_m, high.y + focal_radius_m, h, domain.ny);
     CompensatedSum focal_u2, focal_weight;
     for (std::ptrdiff_t i = std::max(begin, x_first); i < std::min(end, x_end); ++i) {
         double row_u2 = 0.0, row_weight = 0.0;
         for (std::ptrdiff_t j = std::max(region.y0, y_first); j < std::min(region.y1, y_end); ++j) {
-            const double w =
-                disc_fraction(domain.x_m(i), domain.y_m(j), h, focus_m, focal_radius_m);
+            double w = 0.0;
+            for (const Vec2& focus : foci_m)
+                w += disc_fraction(domain.x_m(i), domain.y_m(j), h, focus, focal_radius_m);
+            w = std::min(w, 1.0);
             if (w == 0.0) continue;
             const double value = slab(i - x_start, j);
             row_u2 += w * value * value;

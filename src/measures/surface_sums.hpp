@@ -5,6 +5,7 @@
 #include "model/case.hpp"
 
 #include <cstddef>
+#include <span>
 
 namespace shearwake {
 
@@ -41,6 +42,11 @@ Region measured_region(const Domain& domain);
 /// partial sum: the signed sum too, of which little is left (volume is conserved).
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
                          const Region& region, Vec2 focus_m, double focal_radius_m);
+
+/// The same with the focal region about several foci: w is the sum over their discs, at most 1
+/// (where two overlap within one cell this is a little more than the part inside either).
+SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
+                         const Region& region, std::span<const Vec2> foci_m, double focal_radius_m);
 
 /// Sums add, peaks are the larger one.
 SurfaceSums combine(const SurfaceSums& a, const SurfaceSums& b);

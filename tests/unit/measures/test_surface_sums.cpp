@@ -131,3 +131,22 @@ TEST_CASE("a NaN in the frame shows in the sums", "[surface_sums]") {
     u[static_cast<std::size_t>(100 * thesis_domain.ny + 100)] = std::nan("");
     CHECK(std::isnan(sums_of_slabs(u, thesis_domain, {0, 100, 256}, {}).u2));
 }
+
+TEST_CASE("the focal region of several foci is that of each", "[surface_sums]") {
+    const Domain& d = thesis_domain;
+    const std::vector<double> u = realistic_frame(d);
+    const View2<const double> all(u.data(), d.nx, d.ny);
+    const Region region = measured_region(d);
+    const std::vector<Vec2> apart = {{20e-3, 0.0}, {-11e-3, 7e-3}};
+    const SurfaceSums both = surface_sums(all, 0, d, region, apart, 3e-3);
+    const SurfaceSums first = surface_sums(all, 0, d, region, apart[0], 3e-3),
+                      second = surface_sums(all, 0, d, region, apart[1], 3e-3);
+    CHECK(both.focal_u2 == Approx(first.focal_u2 + second.focal_u2).epsilon(1e-13));
+    CHECK(both.focal_weight == Approx(first.focal_weight + second.focal_weight).epsilon(1e-13));
+    CHECK(both.u2 == first.u2);
+    const std::vector<Vec2> twice = {apart[0], apart[0]};
+    const SurfaceSums same = surface_sums(all, 0, d, region, twice, 3e-3);
+    // Cells at the rim count up to twice their part, those inside once.
+    CHECK(same.focal_weight >= first.focal_weight);
+    CHECK(same.focal_weight < 1.3 * first.focal_weight);
+}
