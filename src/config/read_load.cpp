@@ -1,20 +1,10 @@
 #include "config/read_case.hpp"
+#include "config/read_footprint.hpp"
 
 #include <array>
 
 namespace shearwake {
 namespace {
-
-Footprint read_footprint(Reader reader) {
-    static const std::array<std::string, 1> shapes = {"gaussian"};
-    GaussianFootprint footprint;
-    const bool known = !reader.has("shape") || reader.find_choice("shape", shapes).has_value();
-    if (!reader.has("shape")) reader.missing("shape");
-    if (!known) return footprint; // its other keys are another shape's
-    footprint.fwhm_m = reader.number("fwhm_mm", Range::between(0.01, 1000.0));
-    reader.finish();
-    return footprint;
-}
 
 Carrier read_carrier(Reader& reader) {
     static const std::array<std::string, 2> carriers = {"averaged", "resolved"};
@@ -32,8 +22,20 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                const TextLoader& load_text) {
     if (reader.empty()) return {};
     Load load;
-    load.peak_Pa = reader.number("peak_Pa", Range::above(0.0));
-    load.footprint = read_footprint(reader.table("footprint"));
+    const auto peak_Pa = reader.find_number("peak_Pa", Range::above(0.0));
+    const FootprintAndPeak read = read_footprint(reader.table("footprint"));
+    load.footprint = read.footprint;
+    load.peak_Pa = peak_Pa.value_or(read.peak_Pa.value_or(1.0));
+    if (read.gives_peak && reader.has("peak_Pa"))
+        reader.error("peak_Pa", "and load.footprint.pressure_Pa_m are both given; one of them says "
+                                "it all");
+    if (!read.gives_peak && !reader.has("peak_Pa")) {
+        if (std::holds_alternative<ArrayFootprint>(load.footprint))
+            reader.error("peak_Pa", "is missing (or load.footprint.pressure_Pa_m, the strength of "
+                                    "the array's pistons)");
+        else
+            reader.missing("peak_Pa");
+    }
     load.carrier = read_carrier(reader);
     Reader modulation = reader.table("modulation");
     load.modulation = read_modulation(modulation, medium, other_kinds, load_text);

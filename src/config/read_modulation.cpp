@@ -131,6 +131,19 @@ Trajectory read_trajectory(Reader& reader, std::string_view kind, const PathCont
     return trajectory;
 }
 
+/// Simultaneous foci about the place that moves.
+std::vector<Vec2> read_foci_m(Reader& reader) {
+    const auto foci_m = reader.find_points("foci_mm");
+    if (!foci_m) return {};
+    if (foci_m->empty()) reader.error("foci_mm", "must hold a focus");
+    for (std::size_t i = 0; i < foci_m->size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if ((*foci_m)[i] == (*foci_m)[j])
+                reader.error("foci_mm",
+                             fmt::format("has its foci {} and {} at the same place", j + 1, i + 1));
+    return *foci_m;
+}
+
 void settle_other_kinds(Reader& reader, std::string_view kind, OtherKinds other_kinds) {
     for (const KindKey& other : kind_keys) {
         if (holds_word(other.kinds, kind)) continue;
@@ -169,6 +182,7 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
     }
     modulation.kind = *kind;
     modulation.trajectory = read_trajectory(reader, *kind, {medium, load_text});
+    modulation.foci_m = read_foci_m(reader);
     auto& gains = modulation.envelope.gains;
     if (holds_word(amplitude_modulated, *kind)) gains.push_back(read_am_gain(reader));
     gains.insert(gains.end(), more_gains.begin(), more_gains.end());

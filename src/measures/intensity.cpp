@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace shearwake {
 
@@ -16,10 +17,21 @@ double impulse_N_s(const Load& load, double until_s) {
     const double steps = std::ceil(std::max(fewest_steps, steps_a_period * highest_Hz * end));
     const double dt = end / steps;
     // amplitude() and not force_N(): the end of the path is known here, once.
-    double sum = 0.5 * (amplitude(load, 0.0) + amplitude(load, end));
+    // Steering changes an array's force slowly: straight between these times.
+    constexpr int pieces = 64;
+    std::vector<double> times;
+    for (int i = 0; i <= pieces; ++i)
+        times.push_back(end * i / pieces);
+    const std::vector<double> areas = force_areas_m2(load, times);
+    const auto area = [&](double n) {
+        const double at = n / steps * pieces, piece = std::min(std::floor(at), pieces - 1.0);
+        const auto i = static_cast<std::size_t>(piece);
+        return areas[i] + (areas[i + 1] - areas[i]) * (at - piece);
+    };
+    double sum = 0.5 * (areas.front() * amplitude(load, 0.0) + areas.back() * amplitude(load, end));
     for (double n = 1.0; n < steps; n += 1.0)
-        sum += amplitude(load, n * dt);
-    return load.peak_Pa * spectrum(load.footprint, 0.0, 0.0) * sum * dt;
+        sum += area(n) * amplitude(load, n * dt);
+    return load.peak_Pa * sum * dt;
 }
 
 } // namespace shearwake

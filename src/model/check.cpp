@@ -50,14 +50,18 @@ double loaded_s(const Case& c) {
     return std::min(c.time.duration_s(), off_time_s(c.load.modulation.trajectory));
 }
 
-/// Calls f(t, focus) along the path while the load is on, both ends included.
+/// Calls f(t, focus) for every focus along the path while the load is on, both ends included.
 template <class F>
 void along_path(const Case& c, F f) {
     const double end_s = loaded_s(c);
     const double step_s = std::max(c.time.interval_s, end_s / most_samples);
+    const auto at = [&](double t_s) {
+        for (const Vec2& focus : foci(c.load.modulation, t_s))
+            f(t_s, focus);
+    };
     for (double n = 0.0; n * step_s < end_s; ++n)
-        f(n * step_s, position(c.load.modulation.trajectory, n * step_s));
-    f(end_s, position(c.load.modulation.trajectory, end_s));
+        at(n * step_s);
+    at(end_s);
 }
 
 void check_focus_resolution(const Case& c, Notes& notes) {

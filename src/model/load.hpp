@@ -1,26 +1,13 @@
 #pragma once
 
+#include "model/footprint.hpp"
 #include "model/modulation.hpp"
 
+#include <span>
 #include <variant>
+#include <vector>
 
 namespace shearwake {
-
-/// Unit-peak Gaussian of radiation pressure; sigma = FWHM / (2 sqrt(2 ln 2)).
-struct GaussianFootprint {
-    double fwhm_m = 0.0;
-    bool operator==(const GaussianFootprint&) const = default;
-};
-using Footprint = std::variant<GaussianFootprint>;
-
-/// Pressure over the peak at distance (x, y) from the focus.
-double pressure(const Footprint& footprint, double x_m, double y_m);
-/// Its two-dimensional Fourier transform, integral of pressure e^{-i k.x} dx dy [m^2].
-double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m);
-/// Full width at half maximum [m].
-double fwhm_m(const Footprint& footprint);
-/// The |k| beyond which the spectrum stays below `fraction` of its largest value [rad/m].
-double bandwidth_rad_m(const Footprint& footprint, double fraction);
 
 /// The cycle-averaged pressure acts: c(t) = 1.
 struct AveragedCarrier {
@@ -34,7 +21,9 @@ struct ResolvedCarrier {
 using Carrier = std::variant<AveragedCarrier, ResolvedCarrier>;
 
 /// Normal traction p(x, y, t) = peak G(x - x_f(t), y - y_f(t)) e(t) c(t) [Pa], positive into the
-/// tissue, from t = 0 to off_time_s.
+/// tissue, from t = 0 to off_time_s. Of n foci at a time each has a share 1/n of the peak. An
+/// array's G changes with its focus, and peak is what it reaches with a single focus straight below
+/// it.
 struct Load {
     double peak_Pa = 0.0;
     Footprint footprint;
@@ -45,6 +34,9 @@ struct Load {
 
 /// e(t) c(t) at time t, also past the end of the path.
 double amplitude(const Load& load, double t_s);
+
+/// Force over peak_Pa without e(t) c(t), at each of these ascending times [m^2].
+std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s);
 
 /// The force of the whole footprint at time t [N]; 0 before t = 0 and after the path has ended.
 double force_N(const Load& load, double t_s);

@@ -141,17 +141,35 @@ void put_gain(TomlText& t, const Gain& gain) {
                gain);
 }
 
+void put_array(TomlText& t, const ArrayFootprint& array) {
+    t.put("footprint", "array");
+    t.put("columns", array.columns);
+    t.put("rows", array.rows);
+    t.put("pitch_m", array.pitch_m);
+    t.put("radius_m", array.radius_m);
+    t.put("distance_m", array.distance_m);
+    t.put("center_m", array.center_m);
+    t.put("frequency_Hz", array.frequency_Hz);
+    t.put("sound_speed_m_s", array.sound_speed_m_s);
+    t.put("missing", std::vector<double>(array.missing.begin(), array.missing.end()));
+    t.put("phase_levels", static_cast<std::ptrdiff_t>(array.phase_levels));
+    t.put("update_rate_Hz", array.update_rate_Hz);
+    t.put("reach_m", array.reach_m);
+}
+
 } // namespace
 
 void put_load(TomlText& t, const Load& load) {
     t.table("load");
     t.put("peak_Pa", load.peak_Pa);
-    std::visit(
-        [&](const GaussianFootprint& g) {
-            t.put("footprint", "gaussian");
-            t.put("fwhm_m", g.fwhm_m);
-        },
-        load.footprint);
+    std::visit(overloaded{
+                   [&](const GaussianFootprint& g) {
+                       t.put("footprint", "gaussian");
+                       t.put("fwhm_m", g.fwhm_m);
+                   },
+                   [&](const ArrayFootprint& array) { put_array(t, array); },
+               },
+               load.footprint);
     std::visit(overloaded{
                    [&](const AveragedCarrier&) { t.put("carrier", "averaged"); },
                    [&](const ResolvedCarrier& c) {
@@ -162,6 +180,15 @@ void put_load(TomlText& t, const Load& load) {
                load.carrier);
     t.table("load.modulation");
     t.put("kind", load.modulation.kind);
+    if (!load.modulation.foci_m.empty()) {
+        std::vector<double> xs, ys;
+        for (const Vec2& p : load.modulation.foci_m) {
+            xs.push_back(p.x);
+            ys.push_back(p.y);
+        }
+        t.put("foci_x_m", xs);
+        t.put("foci_y_m", ys);
+    }
     for (const Mover& mover : load.modulation.trajectory.parts)
         put_mover(t, mover);
     for (const Gain& gain : load.modulation.envelope.gains)

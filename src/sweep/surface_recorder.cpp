@@ -89,9 +89,9 @@ void SurfaceRecorder::begin(const Slab& slab) {
 
 void SurfaceRecorder::frame(const Frame& frame) {
     const auto n = static_cast<std::size_t>(frame.number);
-    const Vec2 focus = position(case_.load.modulation.trajectory, case_.time.frame_s(frame.number));
+    const std::vector<Vec2> places = foci(case_.load.modulation, case_.time.frame_s(frame.number));
     depths_[frame.depth].frames[n] = surface_sums(frame.u_z_m, slab_.x_start, case_.domain, region_,
-                                                  focus, case_.measure.focal_radius_m);
+                                                  places, case_.measure.focal_radius_m);
     if (frame.depth == 0) add_to_traces(frame);
     if (frame.depth == 0 && frame.number == instant_) {
         instant_held_ = true;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace shearwake {
@@ -43,7 +42,8 @@ public:
     FieldSpectra(const Case& c, const TransferKey& key, const SlabShare& share,
                  std::ptrdiff_t most_frames, AlignedVector<Complex>& memory)
         : case_(c), time_(key.time), share_(share), per_frame_(samples_per_frame(c, key.time)),
-          coarse_(key.time.samples / per_frame_), load_(c, key.time),
+          coarse_(key.time.samples / per_frame_),
+          load_(c, key.time, share.ky_start, share.ky_count),
           backward_(coarse_, Direction::backward),
           lines_(static_cast<std::size_t>(coarse_ * lines_together)), spectra_(memory) {
         const auto needed = static_cast<std::size_t>(most_frames * plane());
@@ -78,6 +78,8 @@ private:
         std::fill_n(line, coarse_, Complex(0.0));
         if (2 * kx == nx || 2 * global_ky == ny) return; // Nyquist modes carry no load
 
+        const Complex pattern = load_.factor(kx, global_ky);
+        if (pattern == 0.0) return;
         const auto load = load_.line(kx, global_ky);
         const std::ptrdiff_t samples = time_.samples, frequencies = samples / 2 + 1;
         const Complex* h = h_row.data() + std::min(kx, nx - kx) * frequencies;
@@ -92,12 +94,8 @@ private:
         }
         backward_.execute(line);
 
-        const double dkx = 2.0 * std::numbers::pi / case_.domain.extent_x_m();
-        const double dky = 2.0 * std::numbers::pi / case_.domain.extent_y_m();
-        const double mode_x = static_cast<double>(2 * kx < nx ? kx : kx - nx);
-        const double scale =
-            case_.load.peak_Pa *
-            spectrum(case_.load.footprint, mode_x * dkx, static_cast<double>(global_ky) * dky) /
+        const Complex scale =
+            case_.load.peak_Pa * pattern /
             (case_.domain.extent_x_m() * case_.domain.extent_y_m() * static_cast<double>(samples));
         for (std::ptrdiff_t n = 0; n < coarse_; ++n)
             line[n] *= scale;
@@ -140,7 +138,8 @@ Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
     Estimate e;
     // The program itself, spectra, H, the load's phases, the plane that is transformed.
     e.memory_per_rank_B = 60e6 + batch + (kept ? table : 0.0) + points * sizeof(double) / ranks +
-                          static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex);
+                          static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex) +
+                          LoadSpectrum::memory_B(c, key.time, ky_count);
     // Seconds per point and time sample, per point and frame, and per layer and frequency, as
     // `shearwake bench layered` finds them on one core of a 2020s server.
     e.seconds = depths * points *

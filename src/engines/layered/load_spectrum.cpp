@@ -22,7 +22,10 @@ double band_Hz(const Load& load) {
         carrier = resolved->frequency_Hz;
     const double scan = bandwidth_rad_m(load.footprint, 1e-6) *
                         greatest_speed_m_s(load.modulation.trajectory) / two_pi;
-    return scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier;
+    // A focus that is set anew so often jumps: a little of it lies above that rate.
+    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
+    const double update = array && scan > 0.0 ? array->update_rate_Hz : 0.0;
+    return scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier + update;
 }
 
 } // namespace
@@ -78,34 +81,33 @@ std::vector<double> roll_off(const TimeTransform& time) {
     return factors;
 }
 
-LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time)
-    : nx_(c.domain.nx), ny_(c.domain.ny), samples_(time.samples),
+LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
+                           std::ptrdiff_t ky_count)
+    : nx_(c.domain.nx), ny_(c.domain.ny), samples_(time.samples), ky_start_(ky_start),
+      ky_count_(ky_count), dkx_rad_m_(two_pi / c.domain.extent_x_m()),
+      dky_rad_m_(two_pi / c.domain.extent_y_m()), pattern_(c.load, c.time.duration_s()),
       forward_(time.samples, Direction::forward), roll_off_(roll_off(time)),
       weighted_(static_cast<std::size_t>(time.samples)),
       buffer_(static_cast<std::size_t>(time.samples)) {
     const auto n = static_cast<std::size_t>(samples_);
     const std::vector<double> weights = sample_weights(c, time);
-    std::vector<Vec2> focus(n);
     for (std::size_t i = 0; i < n; ++i) {
         const double t = static_cast<double>(i) * time.step_s;
         weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.load, t);
-        // From the corner of the grid, where the transform has its origin.
-        focus[i] =
-            position(c.load.modulation.trajectory, t) - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
     }
-    y_rests_ =
-        std::all_of(focus.begin(), focus.end(), [&](Vec2 p) { return p.y == focus.front().y; });
+    // From the corner of the grid, where the transform has its origin.
+    std::vector<Vec2> origin = origins_of_samples(c, time);
+    for (Vec2& place : origin)
+        place = place - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
+    y_rests_ = !pattern_.changes() && std::all_of(origin.begin(), origin.end(),
+                                                  [&](Vec2 p) { return p.y == origin.front().y; });
 
-    const double dkx = two_pi / c.domain.extent_x_m(), dky = two_pi / c.domain.extent_y_m();
-    const auto signed_mode = [](std::ptrdiff_t i, std::ptrdiff_t count) {
-        return static_cast<double>(2 * i < count ? i : i - count);
-    };
     x_phases_.resize(static_cast<std::size_t>(nx_) * n);
     for (std::ptrdiff_t i = 0; i < nx_; ++i) {
         Complex* line = x_phases_.data() + static_cast<std::size_t>(i) * n;
-        const double kx = signed_mode(i, nx_) * dkx;
+        const double kx = kx_rad_m(i);
         for (std::size_t t = 0; t < n; ++t)
-            line[t] = weighted_[t] * std::polar(1.0, -kx * focus[t].x);
+            line[t] = weighted_[t] * std::polar(1.0, -kx * origin[t].x);
         if (!y_rests_) continue;
         forward_.execute(line);
         for (std::size_t m = 0; m < n; ++m)
@@ -114,7 +116,79 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time)
     const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
     for (std::size_t j = 0; j < modes; ++j)
         for (std::size_t t = 0; t < (y_rests_ ? 1 : n); ++t)
-            y_phases_.push_back(std::polar(1.0, -static_cast<double>(j) * dky * focus[t].y));
+            y_phases_.push_back(
+                std::polar(1.0, -static_cast<double>(j) * dky_rad_m_ * origin[t].y));
+}
+
+double LoadSpectrum::kx_rad_m(std::ptrdiff_t kx) const {
+    return static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_;
+}
+
+/// Also computes the states of a changing pattern.
+std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTransform& time) {
+    std::vector<Vec2> origins;
+    std::vector<double> held_s; // of the states
+    for (std::ptrdiff_t i = 0; i < samples_; ++i) {
+        const double at_s = pattern_.held_s(static_cast<double>(i) * time.step_s);
+        if (!pattern_.changes()) {
+            pattern_.set(at_s);
+            origins.push_back(pattern_.origin_m());
+            continue;
+        }
+        const Trajectory& trajectory = c.load.modulation.trajectory;
+        if (held_s.empty() || position(trajectory, at_s) != position(trajectory, held_s.back()))
+            held_s.push_back(at_s);
+        state_of_.push_back(held_s.size() - 1);
+    }
+    if (!pattern_.changes()) return origins;
+    const auto last = [&](double dk, std::ptrdiff_t nyquist) {
+        return std::min(nyquist - 1, static_cast<std::ptrdiff_t>(pattern_.band_rad_m() / dk));
+    };
+    last_kx_ = last(dkx_rad_m_, nx_ / 2);
+    rows_there_ =
+        std::clamp<std::ptrdiff_t>(last(dky_rad_m_, ny_ / 2) + 1 - ky_start_, 0, ky_count_);
+    states_ = held_s.size();
+    const std::ptrdiff_t width = 2 * last_kx_ + 1;
+    changing_.resize(static_cast<std::size_t>(rows_there_ * width) * states_);
+    std::vector<double> kx;
+    for (std::ptrdiff_t mode = -last_kx_; mode <= last_kx_; ++mode)
+        kx.push_back(static_cast<double>(mode) * dkx_rad_m_);
+    std::vector<Complex> spectra(kx.size());
+    std::vector<Vec2> of_states;
+    for (std::size_t s = 0; s < states_; ++s) {
+        pattern_.set(held_s[s]);
+        of_states.push_back(pattern_.origin_m());
+        for (std::ptrdiff_t row = 0; row < rows_there_; ++row) {
+            pattern_.spectra(static_cast<double>(ky_start_ + row) * dky_rad_m_, kx, spectra);
+            for (std::ptrdiff_t i = 0; i < width; ++i)
+                changing_[static_cast<std::size_t>(row * width + i) * states_ + s] =
+                    spectra[static_cast<std::size_t>(i)];
+        }
+    }
+    for (const std::size_t s : state_of_)
+        origins.push_back(of_states[s]);
+    return origins;
+}
+
+Complex LoadSpectrum::factor(std::ptrdiff_t kx, std::ptrdiff_t ky) const {
+    const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
+    if (pattern_.changes())
+        return std::abs(mode) <= last_kx_ && ky - ky_start_ < rows_there_ ? 1.0 : 0.0;
+    Complex spectrum;
+    const double k = kx_rad_m(kx);
+    pattern_.spectra(static_cast<double>(ky) * dky_rad_m_, {&k, 1}, {&spectrum, 1});
+    return spectrum;
+}
+
+double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count) {
+    const LoadPattern pattern(c.load, c.time.duration_s());
+    if (!pattern.changes()) return 0.0;
+    const auto modes = [&](double extent_m, double most) {
+        return std::min(most, pattern.band_rad_m() / two_pi * extent_m + 1.0);
+    };
+    const double states = std::ceil(c.time.duration_s() / time.step_s) + 1.0;
+    return sizeof(Complex) * states * modes(c.domain.extent_y_m(), static_cast<double>(ky_count)) *
+           2.0 * modes(c.domain.extent_x_m(), 0.5 * static_cast<double>(c.domain.nx));
 }
 
 std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
@@ -124,14 +198,21 @@ std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky
         const Complex phase = y_phases_[static_cast<std::size_t>(ky)];
         for (std::size_t t = 0; t < n; ++t)
             buffer_[t] = phase * x[t];
-    } else {
-        const Complex* y = y_phases_.data() + static_cast<std::size_t>(ky) * n;
-        for (std::size_t t = 0; t < n; ++t)
-            buffer_[t] = x[t] * y[t];
-        forward_.execute(buffer_.data());
-        for (std::size_t m = 0; m < n; ++m)
-            buffer_[m] *= roll_off_[m];
+        return buffer_;
     }
+    const Complex* y = y_phases_.data() + static_cast<std::size_t>(ky) * n;
+    for (std::size_t t = 0; t < n; ++t)
+        buffer_[t] = x[t] * y[t];
+    if (pattern_.changes()) {
+        const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
+        const std::ptrdiff_t at = (ky - ky_start_) * (2 * last_kx_ + 1) + mode + last_kx_;
+        const Complex* g = changing_.data() + static_cast<std::size_t>(at) * states_;
+        for (std::size_t t = 0; t < n; ++t)
+            buffer_[t] *= g[state_of_[t]];
+    }
+    forward_.execute(buffer_.data());
+    for (std::size_t m = 0; m < n; ++m)
+        buffer_[m] *= roll_off_[m];
     return buffer_;
 }
 

@@ -4,6 +4,7 @@
 #include "fft/aligned.hpp"
 #include "fft/line_transform.hpp"
 #include "model/case.hpp"
+#include "model/load_pattern.hpp"
 
 #include <complex>
 #include <span>
@@ -33,17 +34,31 @@ std::vector<double> sample_weights(const Case& c, const TimeTransform& time);
 std::vector<double> roll_off(const TimeTransform& time);
 
 /// Time transforms of w_n e^{-decay t_n} e(t_n) c(t_n) e^{-i k . (x_f(t_n) - corner)}, the load at
-/// wave vector k without footprint and peak, seen from the grid's corner, times the roll-off.
-/// Not collective.
+/// wave vector k over its peak, seen from the grid's corner, times the roll-off: without the
+/// pattern on the skin where that is always the same, with it where it changes. For ky_count rows
+/// of wave vectors from ky_start on. Not collective.
 class LoadSpectrum {
 public:
-    LoadSpectrum(const Case& c, const TimeTransform& time);
+    LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
+                 std::ptrdiff_t ky_count);
 
     /// All `samples` frequencies in FFT order. Valid until the next call.
     std::span<const std::complex<double>> line(std::ptrdiff_t kx, std::ptrdiff_t ky);
 
+    /// What a line is to be multiplied with [m^2]: the spectrum of a pattern that is always the
+    /// same. Zero: the line need not be asked for.
+    std::complex<double> factor(std::ptrdiff_t kx, std::ptrdiff_t ky) const;
+
+    /// Bytes that the changing pattern of a case takes, 0 if it does not change.
+    static double memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count);
+
 private:
-    std::ptrdiff_t nx_, ny_, samples_;
+    std::vector<Vec2> origins_of_samples(const Case& c, const TimeTransform& time);
+    double kx_rad_m(std::ptrdiff_t kx) const;
+
+    std::ptrdiff_t nx_, ny_, samples_, ky_start_, ky_count_;
+    double dkx_rad_m_, dky_rad_m_;
+    LoadPattern pattern_;
     LineTransform forward_;
     std::vector<double> roll_off_;
     bool y_rests_ = false;
@@ -51,6 +66,12 @@ private:
     AlignedVector<std::complex<double>> x_phases_; // (kx, sample): transformed if y rests
     std::vector<std::complex<double>> y_phases_;   // (ky, sample), or (ky) if y rests
     AlignedVector<std::complex<double>> buffer_;
+    // A changing pattern: which of its states each sample has; spectra (ky, kx, state) of this
+    // rank's rows and of |kx| and ky up to these modes, beyond which there is nothing.
+    std::vector<std::size_t> state_of_;
+    std::size_t states_ = 0;
+    std::ptrdiff_t last_kx_ = 0, rows_there_ = 0;
+    AlignedVector<std::complex<double>> changing_;
 };
 
 } // namespace shearwake

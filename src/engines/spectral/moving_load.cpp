@@ -19,6 +19,13 @@ std::array<Sample, 3> samples_at(std::ptrdiff_t n) {
     return {{{n - 1, 1.0 / 12.0}, {n, 10.0 / 12.0}, {n + 1, 1.0 / 12.0}}};
 }
 
+/// (re + i im) times the complex number beside it in the shape.
+void multiply(const Lanes* shape, Lanes& re, Lanes& im) {
+    const Lanes product = shape[0] * re - shape[1] * im;
+    im = shape[0] * im + shape[1] * re;
+    re = product;
+}
+
 } // namespace
 
 double WaveVectors::kx_rad_m(std::ptrdiff_t i) const {
@@ -69,59 +76,103 @@ double WaveVectors::largest_k_rad_m() const {
 }
 
 MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
-    : case_(c), vectors_(vectors), step_s_(step_s) {
-    shape_.resize(static_cast<std::size_t>(vectors.pencils() * lane_count));
-    auto value = shape_.begin();
-    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
-        for (std::ptrdiff_t i = 0; i < vectors.blocks() * lane_count; ++i)
-            *value++ = vectors.is_there(i)
-                           ? spectrum(c.load.footprint, vectors.kx_rad_m(i), vectors.ky_rad_m(row))
-                           : 0.0;
+    : case_(c), vectors_(vectors), step_s_(step_s),
+      pattern_(c.load, c.time.duration_s() + 2.0 * step_s) {
+    if (!pattern_.changes()) put_shape(shape_);
+}
+
+/// Of the pattern as it is set now.
+void MovingLoad::put_shape(Shape& shape) const {
+    const std::ptrdiff_t count = vectors_.blocks() * lane_count;
+    shape.assign(static_cast<std::size_t>(4 * vectors_.pencils() * lane_count), 0.0);
+    std::vector<double> kx;
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+        kx.push_back(vectors_.kx_rad_m(i));
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+        kx.push_back(-vectors_.kx_rad_m(i));
+    std::vector<Complex> spectra(kx.size());
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        if (std::abs(vectors_.ky_rad_m(row)) > pattern_.band_rad_m()) continue;
+        pattern_.spectra(vectors_.ky_rad_m(row), kx, spectra);
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+            if (!vectors_.is_there(i)) continue;
+            double* lane = shape.data() + i % lane_count +
+                           4 * lane_count * (row * vectors_.blocks() + i / lane_count);
+            const Complex plus = spectra[static_cast<std::size_t>(i)],
+                          minus = spectra[static_cast<std::size_t>(count + i)];
+            lane[0] = plus.real();
+            lane[lane_count] = plus.imag();
+            lane[2 * lane_count] = minus.real();
+            lane[3 * lane_count] = minus.imag();
+        }
+    }
+}
+
+/// Steps share two of their three samples with the one before: those move over.
+void MovingLoad::reuse(std::ptrdiff_t first_step) {
+    for (std::size_t s = 0; s < loads_.size(); ++s)
+        for (std::size_t from = s + 1; from < loads_.size(); ++from)
+            if (loads_[from].step == first_step + static_cast<std::ptrdiff_t>(s))
+                std::swap(loads_[s], loads_[from]);
+}
+
+void MovingLoad::place(Sampled& load, std::ptrdiff_t step) {
+    load.step = step;
+    pattern_.set(pattern_.held_s(static_cast<double>(step) * step_s_));
+    if (pattern_.changes()) put_shape(load.shape);
+    const Vec2 origin = pattern_.origin_m() - Vec2{case_.domain.x_m(0), case_.domain.y_m(0)};
+    load.x.resize(static_cast<std::size_t>(vectors_.blocks() * lane_count));
+    load.y.resize(static_cast<std::size_t>(vectors_.rows()));
+    for (std::size_t i = 0; i < load.x.size(); ++i)
+        load.x[i] = std::polar(1.0, -vectors_.kx_rad_m(static_cast<std::ptrdiff_t>(i)) * origin.x);
+    for (std::size_t j = 0; j < load.y.size(); ++j)
+        load.y[j] = std::polar(1.0, -vectors_.ky_rad_m(static_cast<std::ptrdiff_t>(j)) * origin.y);
 }
 
 void MovingLoad::sample(std::ptrdiff_t n) {
-    const Trajectory& trajectory = case_.load.modulation.trajectory;
-    const double off_s = off_time_s(trajectory);
+    const double off_s = off_time_s(case_.load.modulation.trajectory);
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
     const auto samples = samples_at(n);
+    reuse(samples.front().step);
     for (std::size_t s = 0; s < samples.size(); ++s) {
         const double t_s = static_cast<double>(samples[s].step) * step_s_;
         Sampled& load = loads_[s];
+        if (load.step != samples[s].step) place(load, samples[s].step);
         // At a path's end the load is a step down: half of it counts at the very time.
         const double on = t_s < off_s - 0.5 * step_s_   ? 1.0
                           : t_s < off_s + 0.5 * step_s_ ? 0.5
                                                         : 0.0;
         load.amplitude_Pa =
             on * samples[s].weight * case_.load.peak_Pa * amplitude(case_.load, t_s) / area_m2;
-        const Vec2 focus =
-            position(trajectory, t_s) - Vec2{case_.domain.x_m(0), case_.domain.y_m(0)};
-        load.x.resize(static_cast<std::size_t>(vectors_.blocks() * lane_count));
-        load.y.resize(static_cast<std::size_t>(vectors_.rows()));
-        for (std::size_t i = 0; i < load.x.size(); ++i)
-            load.x[i] =
-                std::polar(1.0, -vectors_.kx_rad_m(static_cast<std::ptrdiff_t>(i)) * focus.x);
-        for (std::size_t j = 0; j < load.y.size(); ++j)
-            load.y[j] =
-                std::polar(1.0, -vectors_.ky_rad_m(static_cast<std::ptrdiff_t>(j)) * focus.y);
     }
 }
 
 void MovingLoad::put(std::ptrdiff_t row, std::ptrdiff_t block, Lanes* surface) const {
-    const Lanes g = lanes(shape_.data())[row * vectors_.blocks() + block];
-    Lanes plus_x{}, plus_y{}, minus_x{}, minus_y{};
+    const std::ptrdiff_t pencil = 4 * (row * vectors_.blocks() + block);
+    Lanes sum[parts] = {};
     for (const Sampled& load : loads_) {
         const Complex y = load.amplitude_Pa * load.y[static_cast<std::size_t>(row)];
         Lanes re, im;
         load_ascending(load.x.data() + block * lane_count, re, im);
-        plus_x += re * y.real() - im * y.imag();
-        plus_y += re * y.imag() + im * y.real();
-        minus_x += re * y.real() + im * y.imag();
-        minus_y += re * y.imag() - im * y.real();
+        Lanes plus_x = re * y.real() - im * y.imag(), plus_y = re * y.imag() + im * y.real();
+        Lanes minus_x = re * y.real() + im * y.imag(), minus_y = re * y.imag() - im * y.real();
+        if (pattern_.changes()) {
+            const Lanes* g = lanes(load.shape.data()) + pencil;
+            multiply(g, plus_x, plus_y);
+            multiply(g + 2, minus_x, minus_y);
+        }
+        sum[plus_re] += plus_x;
+        sum[plus_im] += plus_y;
+        sum[minus_re] += minus_x;
+        sum[minus_im] += minus_y;
     }
-    surface[plus_re] = g * plus_x;
-    surface[plus_im] = g * plus_y;
-    surface[minus_re] = g * minus_x;
-    surface[minus_im] = g * minus_y;
+    if (!pattern_.changes()) {
+        const Lanes* g = lanes(shape_.data()) + pencil;
+        multiply(g, sum[plus_re], sum[plus_im]);
+        multiply(g + 2, sum[minus_re], sum[minus_im]);
+    }
+    for (std::ptrdiff_t part = 0; part < parts; ++part)
+        surface[part] = sum[part];
 }
 
 } // namespace shearwake

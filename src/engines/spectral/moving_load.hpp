@@ -3,6 +3,7 @@
 #include "engines/spectral/lanes.hpp"
 #include "fft/slab_transform.hpp"
 #include "model/case.hpp"
+#include "model/load_pattern.hpp"
 
 #include <array>
 #include <complex>
@@ -56,15 +57,24 @@ public:
     void put(std::ptrdiff_t row, std::ptrdiff_t block, Lanes* surface) const;
 
 private:
+    /// The pattern's spectrum at kx and -kx, re and im: four lanes for each pencil.
+    using Shape = AlignedVector<double>;
     struct Sampled {
         std::vector<std::complex<double>> x, y;
         double amplitude_Pa = 0.0;
+        std::ptrdiff_t step = -1;
+        Shape shape; // empty while the pattern is always the same
     };
+    void put_shape(Shape& shape) const;
+    void reuse(std::ptrdiff_t first_step);
+    void place(Sampled& load, std::ptrdiff_t step);
+
     const Case& case_;
     WaveVectors vectors_;
     double step_s_;
+    LoadPattern pattern_;
     std::array<Sampled, 3> loads_;
-    AlignedVector<double> shape_; // the footprint's spectrum, lanes of each pencil
+    Shape shape_; // of a pattern that is always the same
 };
 
 } // namespace shearwake

@@ -78,8 +78,11 @@ TEST_CASE("a mistake in the load stands in its place", "[config][load]") {
          "job.toml:14:11: error: load.peak_Pa must be above 0, and is 0"},
         {"peak_Pa = 100.0", "peak_kPa = 0.1",
          "job.toml:14:1: error: load.peak_kPa is unknown; peak is given in Pa here: peak_Pa"},
-        {"shape = \"gaussian\", fwhm_mm = 3.0", "shape = \"array\", pitch_mm = 10",
-         "job.toml:15:23: error: load.footprint.shape must be \"gaussian\", and is \"array\""},
+        {"shape = \"gaussian\", fwhm_mm = 3.0", "shape = \"disc\", radius_mm = 10",
+         "job.toml:15:23: error: load.footprint.shape must be one of \"gaussian\" or \"array\", "
+         "and "
+         "is \"disc\""},
+        {"peak_Pa = 100.0\n", "", "job.toml:13:1: error: load.peak_Pa is missing"},
         {", fwhm_mm = 3.0", "", "job.toml:15:13: error: load.footprint.fwhm_mm is missing"},
         {"footprint = {", "carrier = \"resolvd\"\nfootprint = {",
          "job.toml:15:11: error: load.carrier must be one of \"averaged\" or \"resolved\", and is "
