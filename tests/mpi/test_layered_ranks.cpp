@@ -58,6 +58,17 @@ TEST_CASE("frames are the same on any number of ranks", "[mpi]") {
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // the requirement
 }
 
+TEST_CASE("an array's moving focus is the same on any number of ranks", "[mpi]") {
+    Case c = small_case();
+    c.load.footprint = ArrayFootprint{.reach_m = 0.02};
+    c.measure.depths_m = {0.0};
+    c.medium.base = Base::rigid;
+    c.medium.layers.back().thickness_m = 8e-3;
+    c.time.frames = 20;
+    if (GENERATE(false, true)) c.solver = SpectralOptions{};
+    CHECK(worst_frame(c, Comm::world()) < 1e-12); // each wave vector is one rank's, the same way
+}
+
 TEST_CASE("the stepping engine's frames are the same on any number of ranks", "[mpi]") {
     Case c = small_case();
     c.medium.base = Base::rigid;

@@ -1,0 +1,36 @@
+"""Paths from files, with the real program."""
+import unittest
+
+from program import ProgramTest, changed, without_reference
+
+CSV = ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }',
+       'path = { shape = "csv", file = "paths/hook.csv" }')
+
+
+class Loads(ProgramTest):
+    def write_points(self, text, folder="."):
+        (self.folder / folder / "paths").mkdir(parents=True)
+        (self.folder / folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
+
+    def test_points_are_looked_for_beside_the_job(self):
+        self.write_points("x_mm,y_mm\n-14,0\n0,0\n0,8\n", folder="elsewhere")
+        self.write_job(changed(CSV), name="elsewhere/job.toml")
+        self.shearwake("check", "elsewhere/job.toml", ranks=2)
+        self.write_job(changed(CSV))
+        said = self.shearwake("check", "job.toml", ranks=2, expect=3).said
+        self.says(said, "error: load.modulation.path.file cannot be used", "paths/hook.csv")
+
+    def test_a_case_is_what_the_file_holds(self):
+        def ids(text):
+            (self.folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
+            said = self.shearwake("plan", "job.toml").said
+            return [line for line in said.splitlines() if "am_frequency_Hz" in line]
+        self.write_points("")
+        self.write_job(without_reference(CSV))
+        first = ids("x_mm,y_mm\n-14,0\n0,0\n0,8\n")
+        self.assertEqual(first, ids("# the same in m\nx_m,y_m\n-0.014,0\n0,0\n0,0.008\n"))
+        self.assertNotEqual(first, ids("x_mm,y_mm\n-14,0\n0,0\n0,9\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
