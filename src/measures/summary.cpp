@@ -228,8 +228,8 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     } else if (const std::string none = no_focus_reason(c.measure, c.time, off_time_s(trajectory));
                !none.empty()) {
         note = none;
-    } else if (!has_constant_velocity(trajectory)) {
-        note = "the focus does not run straight on at one speed: the wake has no single angle";
+    } else if (!has_constant_velocity(trajectory) || c.load.modulation.foci_m.size() > 1) {
+        note = "no single focus that runs straight on at one speed: the wake has no single angle";
     } else if (c.medium.layers.empty()) {
         note = "no layer";
     } else {

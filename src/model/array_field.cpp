@@ -1,5 +1,7 @@
 #include "model/array_field.hpp"
 
+#include "base/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -180,6 +182,10 @@ Patch ArrayField::pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const {
     };
     const std::ptrdiff_t i0 = index(middle_m.x - first_m.x) - reach_,
                          j0 = index(middle_m.y - first_m.y) - reach_;
+    const std::ptrdiff_t last_x = (array_.columns - 1) * per_pitch_,
+                         last_y = (array_.rows - 1) * per_pitch_;
+    if (std::min({i0 - last_x, j0 - last_y}) < -half_ || std::max(i0, j0) + 2 * reach_ > half_)
+        throw Error("an array's pattern further off than its table of offsets reaches");
     Patch patch;
     patch.side = 2 * reach_ + 1;
     patch.spacing_m = spacing_m_;

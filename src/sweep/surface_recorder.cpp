@@ -237,11 +237,12 @@ void SurfaceRecorder::fit_mach(const std::vector<double>& instant) {
     const Trajectory& trajectory = case_.load.modulation.trajectory;
     const double t_s = case_.time.frame_s(instant_);
     const std::string none = no_focus_reason(case_.measure, case_.time, off_time_s(trajectory));
-    if (!none.empty() || !has_constant_velocity(trajectory)) {
+    if (!none.empty() || !has_constant_velocity(trajectory) ||
+        case_.load.modulation.foci_m.size() > 1) {
         mach_ = MachFit{};
         mach_->reason =
             none.empty()
-                ? "the focus does not run straight on at one speed: the wake has no single angle"
+                ? "no single focus that runs straight on at one speed: the wake has no single angle"
                 : none;
         return;
     }

@@ -1,4 +1,6 @@
 #include "model/array_field.hpp"
+
+#include "base/error.hpp"
 #include "model/load_pattern.hpp"
 
 #include <catch2/catch.hpp>
@@ -84,6 +86,13 @@ TEST_CASE("a steered pattern is the sum of all pistons", "[array]") {
         CHECK(patch.values[static_cast<std::size_t>(i * patch.side + j)] ==
               Approx(expected).epsilon(0).margin(1e-12));
     }
+}
+
+TEST_CASE("a pattern beyond what was asked for is refused", "[array]") {
+    const ArrayField field(board(), 0.02);
+    const Vec2 near = {0.02, -0.02}, far = {0.0, 0.05};
+    CHECK_NOTHROW(field.pattern(near, {&near, 1}));
+    CHECK_THROWS_AS(field.pattern(far, {&far, 1}), Error);
 }
 
 TEST_CASE("an array's samples and spectrum are a Fourier pair", "[array]") {
