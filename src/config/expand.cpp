@@ -148,7 +148,9 @@ private:
     bool is_idle_in_reference(const std::string& key, const std::string& kind) const {
         if (!key.starts_with(modulation_prefix)) return false;
         const std::string_view name = std::string_view(key).substr(modulation_prefix.size());
-        return key == kind_key || std::get<TableNode>(reference_->value).find(name) ||
+        // What stands in the reference replaces all that is below it too.
+        const std::string_view whole = name.substr(0, name.find_first_of(".["));
+        return key == kind_key || std::get<TableNode>(reference_->value).find(whole) ||
                !has_meaning(name, kind);
     }
 

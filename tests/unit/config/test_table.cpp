@@ -100,3 +100,19 @@ TEST_CASE("a mistake in the table stands in its place", "[config][table]") {
     CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more + "\n")) ==
           Texts{finding});
 }
+
+TEST_CASE("what a reference replaces whole is not swept in it", "[config][table]") {
+    const std::string gain = "am_frequency_Hz = 500.0\n[[load.modulation.envelope]]\nshape = "
+                             "\"sine\"\nfrequency_Hz = 600\n";
+    const Plan plan = read_job(plain_with("am_frequency_Hz = 500.0\n", gain) +
+                                   "[sweep]\n\"load.modulation.envelope[1].frequency_Hz\" = [600, "
+                                   "700]\n[table]\nreference = { kind = \"STM\", envelope = [] }\n",
+                               "job.toml")
+                          .plan;
+    REQUIRE(plan.cases.size() == 3);
+    CHECK(plan.cases[2].is_reference);
+    CHECK(plan.cases[2].settings.empty());
+    CHECK(plan.cases[2].physics.load.modulation.envelope == Envelope{});
+    CHECK(plan.cases[0].reference_id == plan.cases[2].id);
+    CHECK(plan.cases[1].reference_id == plan.cases[2].id);
+}
