@@ -127,6 +127,13 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
             "at {:.4g} ms the focus is at [{:.4g}, {:.4g}] mm, {:.4g} mm from the edge, which "
             "is less than the sponge and two focus widths, {:.4g} mm: the wake is cut off",
             milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
+    const auto* array = std::get_if<ArrayFootprint>(&c.load.footprint);
+    if (array && room_m >= margin_m && room_m < array->reach_m)
+        notes.add(Severity::warning, "load.footprint",
+                  "side lobes of the array are kept up to {:.4g} mm from the focus, which comes "
+                  "within {:.4g} mm of the edge: there they press on the other side; a larger "
+                  "domain or reach_mm = {:.0f} would avoid it",
+                  milli(array->reach_m), milli(room_m), std::floor(milli(room_m)));
 }
 
 /// Shear waves cross the domain about as fast as in the fastest layer that is no mere film.

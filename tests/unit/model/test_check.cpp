@@ -194,3 +194,24 @@ TEST_CASE("volumes are for the engine that keeps them", "[check]") {
     c.record.volume_fields = {VolumeField::u, VolumeField::strain, VolumeField::stress};
     CHECK(check(c).empty());
 }
+
+TEST_CASE("side lobes that reach over the edge are a warning", "[check]") {
+    Case c = good_case();
+    // The path comes within 33.75 mm of the edges along y, and within 34 mm along x.
+    c.load.footprint = ArrayFootprint{.reach_m = 0.033};
+    CHECK(check(c).empty());
+    c.load.footprint = ArrayFootprint{.reach_m = 0.04};
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "load.footprint");
+    CHECK(has(only_remark(c).message, "within 33.75 mm of the edge"));
+    CHECK(has(only_remark(c).message, "reach_mm = 33 would avoid it"));
+}
+
+TEST_CASE("every one of several foci must lie in the domain", "[check]") {
+    Case c = good_case();
+    c.load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
+    const auto remarks = check(c);
+    CHECK(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
+        return remark.severity == Severity::error && has(remark.message, "leaves the domain");
+    }));
+}

@@ -10,10 +10,10 @@ TEST_CASE("a square gain is up for its share of each period", "[envelope]") {
     const SquareGain square{.frequency_Hz = 100.0, .duty = 0.3, .depth = 0.8, .edge_s = 0.0002};
     const double period = GENERATE(0.0, 1.0, 7.0) * 0.01;
     const auto at = [&](double t) { return gain({{square}}, period + t); };
-    CHECK(at(0.0001) == Approx(0.2 + 0.8 * 0.5).epsilon(1e-9)); // half of the rise
+    CHECK(at(0.0001) == Approx(0.2 + 0.8 * 0.5).epsilon(1e-12)); // half of the rise
     CHECK(at(0.0003) == Approx(1.0).epsilon(1e-14));
     CHECK(at(0.0029) == Approx(1.0).epsilon(1e-14));
-    CHECK(at(0.0031) == Approx(0.2 + 0.8 * 0.5).epsilon(1e-9)); // half of the fall
+    CHECK(at(0.0031) == Approx(0.2 + 0.8 * 0.5).epsilon(1e-12)); // half of the fall
     CHECK(at(0.0033) == Approx(0.2).epsilon(1e-13));
     CHECK(at(0.0099) == Approx(0.2).epsilon(1e-13));
 }
@@ -23,7 +23,7 @@ TEST_CASE("rise and fall of a square gain leave its mean alone", "[envelope]") {
     double sum = 0.0; // rectangles of 1 us: their corners lie on the edges' ends
     for (int n = 0; n < 10000; ++n)
         sum += gain({{square}}, (n + 0.5) * 1e-6);
-    CHECK(sum / 10000 == Approx(0.3).epsilon(1e-9));
+    CHECK(sum / 10000 == Approx(0.3).epsilon(1e-12));
 }
 
 TEST_CASE("a window lets the load through between its times", "[envelope]") {
