@@ -11,7 +11,8 @@ namespace {
 /// A 3 mm focus at 5 m/s for 14 ms over 96 x 72 mm.
 Case scan() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{5.0});
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.from_m = {-29e-3, 0.0};
+    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    std::get<Line>(travel.path.shape).from_m = {-29e-3, 0.0};
     c.domain = {96, 72, 1e-3, 0.0};
     c.time = {140, 100e-6};
     c.measure.depths_m = {0.0, 4e-3};
