@@ -81,6 +81,135 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
     return result;
 }
 
+/// What of the whole plane decides how steps are made.
+struct Variety {
+    bool density = false, viscosity = false, lambda = false;
+    double inertia = 0.0; // that one solve a step would add, relative to the tissue's
+
+    /// Whether only the true operator will do.
+    bool must_iterate() const { return density || viscosity || lambda; }
+};
+
+std::size_t point_of(const DepthMesh& mesh, const StrainPoint& p) {
+    return p.element * static_cast<std::size_t>(mesh.degree + 1) + static_cast<std::size_t>(p.node);
+}
+
+/// Gives the background the least of each node.
+Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh, Background& b) {
+    Variety variety;
+    for (const Gathered& g : gathered) {
+        const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
+        const std::size_t at = point_of(mesh, g.where);
+        variety.density |= greatest.density_kg_m3 > least.density_kg_m3 * (1.0 + 1e-9);
+        variety.viscosity |= greatest.viscosity_Pa_s > least.viscosity_Pa_s;
+        variety.lambda |= greatest.lambda_Pa > one_lambda * least.lambda_Pa;
+        b.density_kg_m3[at] = least.density_kg_m3;
+        b.mu_accurate_Pa[at] = b.mu_stable_Pa[at] = least.mu_Pa;
+        b.viscosity_Pa_s[at] = least.viscosity_Pa_s;
+    }
+    return variety;
+}
+
+std::string iteration_note(const Variety& variety, std::size_t points, std::size_t of,
+                           bool iterates) {
+    return fmt::format(
+        "{} of {} strain points vary laterally; {}: {}", points, of,
+        iterates ? "conjugate gradients on the true operator" : "one background solve a step",
+        variety.density     ? "the density varies"
+        : variety.viscosity ? "the viscosity varies"
+        : variety.lambda    ? "the compressional stiffness varies"
+                         : fmt::format("one solve a step would add {:.2g} of the tissue's inertia",
+                                       variety.inertia));
+}
+
+/// Fills a variation with the cells that matter.
+class CellCollector {
+public:
+    CellCollector(const DepthMesh& mesh, const VerticalOperator& vertical, const Variety& variety,
+                  double k_max_rad_m, double step_s, LateralVariation& v)
+        : mesh_(mesh), vertical_(vertical), variety_(variety), k_max_rad_m_(k_max_rad_m),
+          step_s_(step_s), v_(v) {}
+
+    void add(const Gathered& g, std::ptrdiff_t rows, std::ptrdiff_t ny) {
+        LateralVariation::Point point;
+        point.first = v_.cells;
+        v_.strain_points.push_back(g.where);
+        for (std::ptrdiff_t i = 0; i < rows; ++i) {
+            const Material* row = g.all.data() + i * ny;
+            std::ptrdiff_t begin = 0, end = ny;
+            while (begin < end && !matters(g, row[begin]))
+                ++begin;
+            while (end > begin && !matters(g, row[end - 1]))
+                --end;
+            if (begin == end) continue;
+            point.runs.push_back({i, begin, end, v_.cells - point.first});
+            v_.cells += static_cast<std::size_t>(end - begin);
+            for (std::ptrdiff_t j = begin; j < end; ++j)
+                add_cell(g, row[j]);
+        }
+        point.cells = v_.cells - point.first;
+        v_.points.push_back(std::move(point));
+    }
+
+private:
+    /// What the forces of the background are made of.
+    Material base(const Gathered& g) const {
+        Material base = g.extremes.least;
+        base.lambda_Pa = v_.background.force_lambda_Pa[point_of(mesh_, g.where)];
+        base.viscosity_Pa_s = v_.background.theta_s[g.where.element] * base.mu_Pa;
+        return base;
+    }
+    bool matters(const Gathered& g, Material m) const {
+        if (differs(m, base(g))) return true;
+        // A body's mu lowers its lambda a little: the layer's is not the least then, everywhere,
+        // which matters only where lambda is implicit.
+        if (!variety_.lambda) m.lambda_Pa = g.extremes.least.lambda_Pa;
+        return v_.iterates && differs(m, g.extremes.least);
+    }
+    double stable_mu_Pa(const Gathered& g, double mu_Pa) const {
+        return vertical_.stabilised_mu_Pa(g.where.element, mu_Pa, k_max_rad_m_, step_s_);
+    }
+    void add_cell(const Gathered& g, const Material& m) {
+        const Material &least = g.extremes.least, forces = base(g);
+        const double weight = 0.5 * mesh_.length_m(g.where.element) *
+                              mesh_.rule.weights[static_cast<std::size_t>(g.where.node)];
+        v_.lambda.push_back(weight * (m.lambda_Pa - forces.lambda_Pa));
+        v_.mu.push_back(weight * (m.mu_Pa - forces.mu_Pa));
+        v_.viscosity.push_back(weight * (m.viscosity_Pa_s - forces.viscosity_Pa_s));
+        if (!v_.iterates) return;
+        v_.implicit_mu.push_back(weight *
+                                 (stable_mu_Pa(g, m.mu_Pa) - stable_mu_Pa(g, least.mu_Pa) +
+                                  0.5 * (m.viscosity_Pa_s - least.viscosity_Pa_s) / step_s_));
+        v_.implicit_lambda.push_back(
+            variety_.lambda ? weight * stabilising_lambda * (m.lambda_Pa - least.lambda_Pa) : 0.0);
+        if (variety_.density)
+            v_.implicit_mass.push_back(weight * (m.density_kg_m3 - least.density_kg_m3) /
+                                       (step_s_ * step_s_));
+    }
+
+    const DepthMesh& mesh_;
+    const VerticalOperator& vertical_;
+    Variety variety_;
+    double k_max_rad_m_, step_s_;
+    LateralVariation& v_;
+};
+
+/// Greatest over the points: what one solve a step would add to the tissue's inertia.
+double added_inertia(const std::vector<Gathered>& gathered, const VerticalOperator& vertical,
+                     double k_load_rad_m, double k_max_rad_m, double step_s) {
+    double inertia = 0.0;
+    for (const Gathered& g : gathered) {
+        const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
+        const double stable_mu_Pa =
+            vertical.stabilised_mu_Pa(g.where.element, greatest.mu_Pa, k_max_rad_m, step_s);
+        const double added_Pa = std::max(0.0, stable_mu_Pa - greatest.mu_Pa / 12.0) +
+                                (greatest.mu_Pa - least.mu_Pa) / 12.0;
+        inertia =
+            std::max(inertia, added_Pa * std::pow(k_load_rad_m * step_s, 2) / least.density_kg_m3);
+    }
+    return inertia;
+}
+
 } // namespace
 
 LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
@@ -100,109 +229,33 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
             reflection(stiffest)));
 
     // What the background must bear, and whether iterations are needed.
-    const auto nodes = static_cast<std::size_t>(mesh.degree + 1);
-    const double k_load = bandwidth_rad_m(c.load.footprint, 0.5);
-    bool viscosity_varies = false, lambda_varies = false;
-    double inertia = 0.0;
-    const auto index = [&](const StrainPoint& p) {
-        return p.element * nodes + static_cast<std::size_t>(p.node);
-    };
-    for (const Gathered& g : gathered) {
-        const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
-        const std::size_t at = index(g.where);
-        v.density_varies |= greatest.density_kg_m3 > least.density_kg_m3 * (1.0 + 1e-9);
-        viscosity_varies |= greatest.viscosity_Pa_s > least.viscosity_Pa_s;
-        lambda_varies |= greatest.lambda_Pa > one_lambda * least.lambda_Pa;
-        v.background.density_kg_m3[at] = least.density_kg_m3;
-        v.background.mu_accurate_Pa[at] = v.background.mu_stable_Pa[at] = least.mu_Pa;
-        v.background.viscosity_Pa_s[at] = least.viscosity_Pa_s;
-    }
+    Variety variety = take_least(gathered, mesh, v.background);
     const VerticalOperator vertical(mesh, v.background);
-    const double k_max = vectors.largest_k_rad_m();
-    for (const Gathered& g : gathered) {
-        const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
-        const double added =
-            std::max(0.0,
-                     vertical.stabilised_mu_Pa(g.where.element, greatest.mu_Pa, k_max, step_s) -
-                         greatest.mu_Pa / 12.0) +
-            (greatest.mu_Pa - least.mu_Pa) / 12.0;
-        inertia = std::max(inertia, added * std::pow(k_load * step_s, 2) / least.density_kg_m3);
-    }
-    const bool must = v.density_varies || viscosity_varies || lambda_varies;
-    v.iterates =
-        must || options.method == SpectralMethod::iterative ||
-        (options.method == SpectralMethod::automatic && inertia > tolerated_inertia(options));
-    v.notes.push_back(fmt::format(
-        "{} of {} strain points vary laterally; {}: {}", gathered.size(), mesh.elements() * nodes,
-        v.iterates ? "conjugate gradients on the true operator" : "one background solve a step",
-        v.density_varies   ? "the density varies"
-        : viscosity_varies ? "the viscosity varies"
-        : lambda_varies
-            ? "the compressional stiffness varies"
-            : fmt::format("one solve a step would add {:.2g} of the tissue's inertia", inertia)));
+    const double k_max_rad_m = vectors.largest_k_rad_m();
+    variety.inertia = added_inertia(gathered, vertical, bandwidth_rad_m(c.load.footprint, 0.5),
+                                    k_max_rad_m, step_s);
+    v.density_varies = variety.density;
+    v.iterates = variety.must_iterate() || options.method == SpectralMethod::iterative ||
+                 (options.method == SpectralMethod::automatic &&
+                  variety.inertia > tolerated_inertia(options));
+    v.notes.push_back(iteration_note(variety, gathered.size(),
+                                     mesh.elements() * static_cast<std::size_t>(mesh.degree + 1),
+                                     v.iterates));
 
     for (const Gathered& g : gathered) {
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
-        const std::size_t at = index(g.where);
-        v.background.lambda_Pa[at] = lambda_varies ? least.lambda_Pa : greatest.lambda_Pa;
-        v.background.force_lambda_Pa[at] =
-            std::min(v.background.force_lambda_Pa[at], v.background.lambda_Pa[at]);
-        v.background.theta_s[g.where.element] =
-            std::min(v.background.theta_s[g.where.element], least.viscosity_Pa_s / least.mu_Pa);
-        if (!v.iterates) v.background.mu_stable_Pa[at] = greatest.mu_Pa;
+        Background& b = v.background;
+        const std::size_t at = point_of(mesh, g.where);
+        b.lambda_Pa[at] = variety.lambda ? least.lambda_Pa : greatest.lambda_Pa;
+        b.force_lambda_Pa[at] = std::min(b.force_lambda_Pa[at], b.lambda_Pa[at]);
+        b.theta_s[g.where.element] =
+            std::min(b.theta_s[g.where.element], least.viscosity_Pa_s / least.mu_Pa);
+        if (!v.iterates) b.mu_stable_Pa[at] = greatest.mu_Pa;
     }
-    const auto stable = [&](const Gathered& g, double mu_Pa) {
-        return vertical.stabilised_mu_Pa(g.where.element, mu_Pa, k_max, step_s);
-    };
     together(team, [&] {
-        for (const Gathered& g : gathered) {
-            const Material& least = g.extremes.least;
-            const std::size_t at = index(g.where);
-            Material base = least; // of the forces
-            base.lambda_Pa = v.background.force_lambda_Pa[at];
-            base.viscosity_Pa_s = v.background.theta_s[g.where.element] * least.mu_Pa;
-            const double weight = 0.5 * mesh.length_m(g.where.element) *
-                                  mesh.rule.weights[static_cast<std::size_t>(g.where.node)];
-            LateralVariation::Point point;
-            point.first = v.cells;
-            v.strain_points.push_back(g.where);
-            const double floor = stable(g, least.mu_Pa);
-            for (std::ptrdiff_t i = 0; i < vectors.share().x_count; ++i) {
-                const auto* row = g.all.data() + i * c.domain.ny;
-                const auto matters = [&](Material m) {
-                    if (differs(m, base)) return true;
-                    // A body's mu lowers its lambda a little: the layer's is not the least then,
-                    // everywhere, which matters only where lambda is implicit.
-                    if (!lambda_varies) m.lambda_Pa = least.lambda_Pa;
-                    return v.iterates && differs(m, least);
-                };
-                std::ptrdiff_t begin = 0, end = c.domain.ny;
-                while (begin < end && !matters(row[begin]))
-                    ++begin;
-                while (end > begin && !matters(row[end - 1]))
-                    --end;
-                if (begin == end) continue;
-                point.runs.push_back({i, begin, end, v.cells - point.first});
-                v.cells += static_cast<std::size_t>(end - begin);
-                for (std::ptrdiff_t j = begin; j < end; ++j) {
-                    const Material& m = row[j];
-                    v.lambda.push_back(weight * (m.lambda_Pa - base.lambda_Pa));
-                    v.mu.push_back(weight * (m.mu_Pa - base.mu_Pa));
-                    v.viscosity.push_back(weight * (m.viscosity_Pa_s - base.viscosity_Pa_s));
-                    if (!v.iterates) continue;
-                    v.implicit_mu.push_back(
-                        weight * (stable(g, m.mu_Pa) - floor +
-                                  0.5 * (m.viscosity_Pa_s - least.viscosity_Pa_s) / step_s));
-                    v.implicit_lambda.push_back(
-                        lambda_varies ? weight * 0.26 * (m.lambda_Pa - least.lambda_Pa) : 0.0);
-                    if (v.density_varies)
-                        v.implicit_mass.push_back(weight * (m.density_kg_m3 - least.density_kg_m3) /
-                                                  (step_s * step_s));
-                }
-            }
-            point.cells = v.cells - point.first;
-            v.points.push_back(std::move(point));
-        }
+        CellCollector collector(mesh, vertical, variety, k_max_rad_m, step_s, v);
+        for (const Gathered& g : gathered)
+            collector.add(g, vectors.share().x_count, c.domain.ny);
     });
     return v;
 }
