@@ -203,7 +203,8 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
         double share = nan;
         if (trouble.empty()) {
             const double duration_s = dt * static_cast<double>(trace->u_m.size());
-            share = std::pow(band_rms(trace->u_m, dt, band.low_Hz, band.high_Hz) /
+            const double low_Hz = std::max(band.low_Hz, 1.0 / duration_s);
+            share = std::pow(band_rms(trace->u_m, dt, low_Hz, std::max(low_Hz, band.high_Hz)) /
                                  band_rms(trace->u_m, dt, 1.0 / duration_s, 0.5 / dt),
                              2);
         }

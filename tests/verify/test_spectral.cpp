@@ -79,6 +79,19 @@ TEST_CASE("spectral converges to layered as the step is halved", "[verify]") {
     }
 }
 
+TEST_CASE("a load that goes out between two steps costs no order", "[verify]") {
+    Case c = required_case();
+    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    travel.path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
+    Case exact = c;
+    exact.solver = LayeredOptions{.time_step_s = 3.125e-6};
+    const double at_25 = difference(with_step(c, 25e-6), exact).first;
+    const double at_12 = difference(with_step(c, 12.5e-6), exact).first;
+    CAPTURE(at_25, at_12);
+    CHECK(at_25 < 1e-3); // as while it lasts
+    CHECK(std::log2(at_25 / at_12) > 1.8);
+}
+
 TEST_CASE("spectral is stable at any step and in layers of any contrast", "[verify]") {
     Case c = required_case();
     c.medium.layers.insert(c.medium.layers.begin(), c.medium.layers[0]);

@@ -1,5 +1,6 @@
 #include "engines/spectral/depth_mesh.hpp"
 
+#include "engines/spectral/mesh_pieces.hpp"
 #include "engines/spectral/time_step.hpp"
 
 #include <algorithm>
@@ -73,34 +74,35 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
                                           greatest_speed_m_s(c.load.modulation.trajectory) / 1.4);
     double next_m =
         std::clamp(calm_m, std::min(1.0, longest.first) * short_m, longest.first * short_m);
-    enum class Waves { resolved, absorbed };
-    const auto fill = [&](std::size_t l, double thickness_m, Waves waves) {
-        const double c_s_m_s = c.medium.layers[l].c_s_m_s;
-        double cap = thickness_m;
-        if (waves == Waves::resolved)
-            cap = std::min(20.0 * per_degree * c_s_m_s / std::max(omega, 1.0),
-                           longest.all * short_m * c_s_m_s / top_speed_m_s);
-        if (options.longest_element_m > 0.0) cap = std::min(cap, options.longest_element_m);
+    const auto fill = [&](std::size_t layer, double thickness_m, double longest_m) {
+        const double cap = options.longest_element_m > 0.0
+                               ? std::min(longest_m, options.longest_element_m)
+                               : longest_m;
         double left_m = thickness_m;
         while (left_m > 1e-12 * thickness_m) {
             double h = std::min(std::min(next_m, cap), left_m);
             // No sliver at the interface: what is left is shared evenly.
             if (left_m < 1.6 * h) h = left_m < 1.05 * h ? left_m : 0.5 * left_m;
             mesh.ends_m.push_back(mesh.ends_m.back() + h);
-            mesh.layers.push_back(l);
+            mesh.layers.push_back(layer);
             left_m -= h;
             next_m = std::max(next_m, 1.5 * h);
         }
     };
-    const std::size_t last = c.medium.layers.size() - 1;
-    const bool endless = c.medium.base == Base::half_space;
-    for (std::size_t l = 0; l < last + (endless ? 0 : 1); ++l)
-        fill(l, c.medium.layers[l].thickness_m, Waves::resolved);
-    if (endless) {
+    double depth_m = 0.0;
+    for (const Layer& layer : c.medium.layers)
+        depth_m += layer.thickness_m;
+    if (c.medium.base == Base::half_space) {
         mesh.bottom = absorbing_bottom(c, options);
-        fill(last, mesh.bottom->clear_m, Waves::resolved);
-        fill(last, mesh.bottom->depth_m, Waves::absorbed);
+        depth_m += mesh.bottom->clear_m;
     }
+    for (const MeshPiece& piece : mesh_pieces(c, depth_m, 0.02 * short_m, degree, omega)) {
+        const double c_s_m_s = c.medium.layers[piece.layer].c_s_m_s;
+        fill(piece.layer, piece.bottom_m - piece.top_m,
+             std::min({piece.longest_m, 20.0 * per_degree * c_s_m_s / std::max(omega, 1.0),
+                       longest.all * short_m * c_s_m_s / top_speed_m_s}));
+    }
+    if (mesh.bottom) fill(c.medium.layers.size() - 1, mesh.bottom->depth_m, mesh.bottom->depth_m);
     return mesh;
 }
 

@@ -129,6 +129,21 @@ void MovingLoad::place(Sampled& load, std::ptrdiff_t step) {
         load.y[j] = std::polar(1.0, -vectors_.ky_rad_m(static_cast<std::ptrdiff_t>(j)) * origin.y);
 }
 
+namespace {
+
+/// What a sample of a load that goes out counts, so that the sum of samples has the integral and
+/// the first moment of the load up to its end, anywhere between two steps.
+double share_before(double end_steps, std::ptrdiff_t step) {
+    const double last = std::floor(end_steps + 1e-9);
+    const double after = end_steps - last, at = static_cast<double>(step);
+    const double next = 0.5 * after * after - 1.0 / 12.0;
+    if (at < last) return 1.0;
+    if (at == last) return 0.5 + after - next;
+    return at == last + 1.0 ? next : 0.0;
+}
+
+} // namespace
+
 void MovingLoad::sample(std::ptrdiff_t n) {
     const double off_s = off_time_s(case_.load.modulation.trajectory);
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
@@ -138,12 +153,8 @@ void MovingLoad::sample(std::ptrdiff_t n) {
         const double t_s = static_cast<double>(samples[s].step) * step_s_;
         Sampled& load = loads_[s];
         if (load.step != samples[s].step) place(load, samples[s].step);
-        // At a path's end the load is a step down: half of it counts at the very time.
-        const double on = t_s < off_s - 0.5 * step_s_   ? 1.0
-                          : t_s < off_s + 0.5 * step_s_ ? 0.5
-                                                        : 0.0;
-        load.amplitude_Pa =
-            on * samples[s].weight * case_.load.peak_Pa * amplitude(case_.load, t_s) / area_m2;
+        load.amplitude_Pa = share_before(off_s / step_s_, samples[s].step) * samples[s].weight *
+                            case_.load.peak_Pa * amplitude(case_.load, t_s) / area_m2;
     }
 }
 

@@ -196,6 +196,9 @@ void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot, Observer&
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(stepper, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
+            const std::size_t level =
+                element * static_cast<std::size_t>(mesh_.degree) + static_cast<std::size_t>(node);
+            if (level >= mesh_.clear_levels()) return; // within the absorber
             const bool second = node == 0 && element > 0;
             const bool first = node == mesh_.degree && element + 1 < mesh_.elements();
             if (!second)
@@ -204,10 +207,7 @@ void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot, Observer&
             find_strain(stepper, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // its other side comes next
-            give_level(snapshot,
-                       element * static_cast<std::size_t>(mesh_.degree) +
-                           static_cast<std::size_t>(node),
-                       observer);
+            give_level(snapshot, level, observer);
         }
     }
 }

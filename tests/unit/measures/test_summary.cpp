@@ -204,7 +204,7 @@ TEST_CASE("the spectrum is that of the trace at the origin, else of the first", 
 
 TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     Case c = thesis_case();
-    c.measure.bands = {{100.0, 500.0}, {500.0, 1000.0}, {0.0, 2e4}};
+    c.measure.bands = {{100.0, 500.0}, {500.0, 1000.0}, {0.0, 1e4}, {0.0, 2e4}};
     TraceSeries trace = tone_at({}, 300);
     const TraceSeries other = tone_at({}, 800);
     for (std::size_t i = 0; i < trace.u_m.size(); ++i)
@@ -213,6 +213,7 @@ TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     // Tones of finite length leak past their bands' edges, 200 Hz away and more.
     CHECK(find(columns, "share_100_500_1").value == Approx(0.8).margin(0.02));
     CHECK(find(columns, "share_500_1000_1").value == Approx(0.2).margin(0.02));
+    CHECK(find(columns, "share_0_10000_1").value == Approx(1.0)); // of all above 1/T
     CHECK(find(columns, "share_0_20000_1").note == "frames every 50 us do not carry 20000 Hz");
 }
 
