@@ -82,6 +82,8 @@ def impulse_words(sweep, name):
 
 
 def figures(sweep, folder):
+    if len(layout.groups(sweep)) > style.CURVES:
+        return []  # they are small multiples and heat maps
     made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
     made.append(strength_figure(sweep, folder))
     made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]

@@ -1,5 +1,5 @@
 """How the cases of a sweep are laid out: x, one group a curve, and the references."""
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -81,6 +81,49 @@ def case_label(sweep, case):
         return ", ".join([name, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
+
+
+def swept_cases(sweep):
+    """Whole or not: a cell of a heat map stands for a case that has no result, too."""
+    return [c for c in sweep.cases if not c.is_reference]
+
+
+def values_of(sweep, key):
+    """Every value of a key: sorted numbers, or words in the order of the plan."""
+    values = list(dict.fromkeys(c.settings[key] for c in swept_cases(sweep) if key in c.settings))
+    return sorted(values) if all(map(is_number, values)) else values
+
+
+def axes(sweep):
+    """The keys that vary on their own, x first. One that follows another (zip) is no axis."""
+    kept, cases = [], swept_cases(sweep)
+    for key in dict.fromkeys([sweep.x, *sweep.series_keys, *sweep.swept_keys]):
+        if not key or len(values_of(sweep, key)) < 2:
+            continue
+        follows = any(len({(str(c.settings.get(other)), str(c.settings.get(key))) for c in cases})
+                      == len({str(c.settings.get(other)) for c in cases}) for other in kept)
+        if not follows:
+            kept.append(key)
+    return kept
+
+
+def evenly(items, most):
+    """At most so many, the first and the last among them."""
+    if len(items) <= most:
+        return list(items)
+    picks = np.unique(np.round(np.linspace(0, len(items) - 1, most)).astype(int))
+    return [items[i] for i in picks]
+
+
+def few(sweep, most=40):
+    """The same sweep, of more than `most` cases a few that are spread evenly over it."""
+    if len(ordinary(sweep)) <= most:
+        return sweep
+    chosen = evenly(groups(sweep), 3)
+    values = set(evenly(x_values(sweep), 24 // len(chosen)))
+    kept = {c.id for g in chosen for c in g.cases if c.settings.get(sweep.x) in values}
+    kept |= {sweep.by_id(i).reference_id for i in kept}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept])
 
 
 def references(sweep, group):

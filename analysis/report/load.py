@@ -33,6 +33,7 @@ class Case:
     series: dict = field(default_factory=dict)  # name -> values over time, at the surface
     spectrum: tuple = ()  # frequency_Hz, amplitude_m at the trace nearest to the centre
     trace_at_m: tuple = (math.nan, math.nan)
+    traces: list = field(default_factory=list)  # ((x_m, y_m), u_z_m over time), as recorded
 
     @property
     def whole(self):
@@ -62,8 +63,11 @@ class Sweep:
     cases: list
     job_text: str
 
+    def __post_init__(self):
+        self.index = {c.id: c for c in self.cases}
+
     def by_id(self, case_id):
-        return next((c for c in self.cases if c.id == case_id), None)
+        return self.index.get(case_id)
 
     def reference_of(self, case):
         """The whole reference of a case, or None."""
@@ -89,6 +93,7 @@ def read_trace(file, case):
     nearest = int(np.argmin(np.hypot(x, y)))
     case.trace_at_m = (float(x[nearest]), float(y[nearest]))
     case.spectrum = (group["frequency"][()], group["amplitude"][nearest])
+    case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, group["u_z"][()])]
 
 
 def read_case(case):
@@ -126,6 +131,31 @@ def surface(case, time=-1):
             return (float(group["time"][time]), group["x"][()], group["y"][()],
                     group["u_z"][time, 0])
     except (OSError, KeyError, ValueError, IndexError):
+        return None
+
+
+def surface_times(case):
+    """When the kept surfaces are; empty without any."""
+    try:
+        with h5py.File(case.path, "r") as file:
+            return file["surface/time"][()]
+    except (OSError, KeyError, ValueError):
+        return np.empty(0)
+
+
+def mean_square(case):
+    """Time-averaged u_z^2 at the surface over the settled frames: x_m, y_m, m2(x, y); None unless
+    every frame is kept, since a few snapshots are no average."""
+    try:
+        with h5py.File(case.path, "r") as file:
+            group, frames = file["surface"], len(case.series["time"])
+            if len(group["time"]) != frames or frames < 2:
+                return None
+            time = group["time"][()]
+            settled = np.flatnonzero(time >= case.setting("measure", "settled_after_s", default=0.0))
+            total = sum(group["u_z"][n, 0].astype(float) ** 2 for n in settled)
+            return group["x"][()], group["y"][()], total / len(settled)
+    except (OSError, KeyError, ValueError, ZeroDivisionError):
         return None
 
 

@@ -1,42 +1,69 @@
 #!/usr/bin/env python3
 """Figures and one self-contained HTML page from a folder that `shearwake run` filled.
 
-Usage: report.py DIR    writes DIR/report/*.png and DIR/report/index.html
+Usage: report.py DIR    writes DIR/report/index.html and each figure as .png and .pdf
 Needs numpy, h5py and matplotlib. Exit 0: done; 1: a figure could not be drawn; 6: no such folder.
 """
 import sys
 import traceback
 from pathlib import Path
 
+import fig_frequency
+import fig_heat
+import fig_intensity
 import fig_measures
+import fig_multiples
 import fig_spectra
+import fig_spectrogram
 import fig_surface
 import fig_time
 import layout
 from load import NoPlan, load
 from page import page
+from player import player
 
 ENVIRONMENT = 6  # as the program's own exit code for files that are missing
 
 
-def parts():
-    """What is drawn, in the order of the page."""
-    return [("measures", fig_measures.figures), ("time courses", fig_time.figures),
-            ("surface", fig_surface.figures), ("spectra", fig_spectra.figures)]
+def of_all():
+    """Figures in which every case has its point or its cell, in the order of the page."""
+    return [("heat maps", fig_heat.figures), ("small multiples", fig_multiples.figures),
+            ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures)]
+
+
+def of_few():
+    """Figures in which a case has a panel or a line of its own: of a large sweep only a few."""
+    return [("surface", fig_surface.figures), ("intensity", fig_intensity.figures),
+            ("time courses", fig_time.figures), ("spectra", fig_spectra.figures),
+            ("spectrograms", fig_spectrogram.figures)]
+
+
+def attempt(name, problems, draw, *arguments):
+    """What `draw` returns; when it fails, nothing and a sentence: the rest is worth having."""
+    try:
+        return draw(*arguments)
+    except Exception as error:
+        traceback.print_exc()
+        problems.append(f"The figures of the {name} could not be drawn: {error}")
+        return None
 
 
 def draw_all(sweep, folder):
-    """The figures, and a sentence for each part that could not be drawn."""
+    """The figures, the moving surface, and a sentence for each part that could not be drawn."""
     figures, problems = [], []
     if not layout.ordinary(sweep):
-        return figures, problems
-    for name, draw in parts():
-        try:
-            figures += draw(sweep, folder)
-        except Exception as error:  # the rest of the page is worth having
-            traceback.print_exc()
-            problems.append(f"The figures of the {name} could not be drawn: {error}")
-    return figures, problems
+        return figures, "", problems
+    for name, draw in of_all():
+        figures += attempt(name, problems, draw, sweep, folder) or []
+    some = layout.few(sweep)
+    drawn, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
+    for name, draw in of_few():
+        for figure in attempt(name, problems, draw, some, folder) or []:
+            if some is not sweep:
+                figure.caption += (f" From {drawn} of {every} cases, spread evenly over the sweep; "
+                                   "the table has all.")
+            figures.append(figure)
+    return figures, attempt("moving surface", problems, player, some) or "", problems
 
 
 def write_report(directory):
@@ -44,11 +71,11 @@ def write_report(directory):
     sweep = load(directory)
     folder = Path(directory) / "report"
     folder.mkdir(exist_ok=True)
-    for old in folder.glob("*.png"):
+    for old in [*folder.glob("*.png"), *folder.glob("*.pdf")]:
         old.unlink()
-    figures, problems = draw_all(sweep, folder)
+    figures, moving, problems = draw_all(sweep, folder)
     path = folder / "index.html"
-    path.write_text(page(sweep, figures, folder, problems), encoding="utf-8")
+    path.write_text(page(sweep, figures, folder, problems, moving), encoding="utf-8")
     return path, problems
 
 

@@ -15,6 +15,7 @@ PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
 DIVERGING = "RdBu_r"
 DIRECT_LABELS = 8  # up to so many lines are told apart by a legend, more by a colour bar
+CURVES = 8  # up to so many curves share a panel; more become heat maps and small multiples
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9.5, "axes.labelsize": 9.5, "axes.titlesize": 9.5,
@@ -23,7 +24,7 @@ plt.rcParams.update({
     "text.color": INK, "axes.labelcolor": INK, "xtick.color": "#444444", "ytick.color": "#444444",
     "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.axisbelow": True,
     "legend.frameon": False, "lines.linewidth": 1.6, "axes.unicode_minus": True,
-    "mathtext.default": "regular", "axes.formatter.useoffset": False,
+    "pdf.fonttype": 42, "mathtext.default": "regular", "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-4, 5), "axes.formatter.use_mathtext": True,
 })
 
@@ -78,5 +79,7 @@ def label_right(axes, labels):
 
 
 def save(figure, path):
+    """The PNG of the page and, beside it, the same as PDF: lines are vectors there."""
     figure.savefig(path, dpi=DPI, facecolor="white")
+    figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
     plt.close(figure)

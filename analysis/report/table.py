@@ -4,7 +4,7 @@ import math
 
 from words import number
 
-MEASURES = [
+MEASURES = [  # and every share_..._1
     "eta_at_1", "eta_period_1", "eta_period_over_reference_1", "ipr_at_1", "ipr_period_1",
     "ipr_abs_period_mm2", "participation_period_mm2", "peak_um", "focal_rms_um",
     "focal_rms_over_reference_1", "impulse_mN_ms", "peak_frequency_Hz", "rms_40_400_um",
@@ -37,7 +37,7 @@ def note(case):
 def numeric_cell(amount):
     if amount is None or math.isnan(amount):
         return '<td class="n empty">–</td>'
-    return f'<td class="n" title="{amount:.9g}">{number(amount)}</td>'
+    return f'<td class="n" data-v="{amount:.9g}" title="{amount:.9g}">{number(amount)}</td>'
 
 
 def setting_cell(case, key):
@@ -52,15 +52,16 @@ def head(columns):
     for column in columns:
         kind = "" if column in ("id", "reference", "status") else ' class="n"'
         words = html.escape(column).replace("_", "_<wbr>").replace(".", ".<wbr>")
-        cells += f'<th scope="col"{kind}>{words}</th>'
+        cells += f'<th scope="col"{kind}><button type="button">{words}</button></th>'
     return f"<thead><tr>{cells}</tr></thead>"
 
 
 def table(sweep):
     """The table and, below it, the notes that its last column numbers."""
     keys = sweep.swept_keys
-    measures = [m for m in MEASURES
-                if any(RATIOS.get(m, m) in c.scalars for c in sweep.cases)]
+    held = dict.fromkeys(name for c in sweep.cases for name in c.scalars)
+    measures = [m for m in MEASURES if RATIOS.get(m, m) in held]
+    measures += [name for name in held if name.startswith("share_")]
     notes, rows = {}, []
     for case in sweep.cases:
         words = note(case)
@@ -78,7 +79,8 @@ def table(sweep):
         kind = ' class="reference"' if case.is_reference else ""
         rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
     columns = ["id", "reference", *keys, *measures, "wall_s", "status", "note"]
-    body = (f'<div class="scroll" tabindex="0"><table>{head(columns)}'
+    body = ('<p class="counts">A heading sorts by its column, once more the other way round.</p>'
+            f'<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     return body + (f'<ol class="notes">{listed}</ol>' if notes else "")

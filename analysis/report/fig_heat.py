@@ -1,0 +1,181 @@
+"""Heat maps of a measure over two swept keys; a panel for each value of the others."""
+import math
+from itertools import product
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import layout
+import style
+import table
+from figure import Figure
+from words import axis_label, key_name, listed, number, value_text
+
+PANELS = 12
+COLUMNS = 3
+WRITTEN = 60  # up to so many cells carry their number
+LEAST = 3  # values along both keys: fewer are better drawn as curves
+
+MEASURES = [
+    ("eta_period_1", "Reconstruction efficiency", "efficiency η, period reading (1)"),
+    ("eta_period_over_reference_1", "Efficiency relative to {reference}", "η / η of {reference} (1)"),
+    ("focal_rms_um", "Strength at the focus", "focal rms (µm)"),
+    ("focal_rms_over_reference_1", "Strength relative to {reference}",
+     "focal rms / {reference} (1)"),
+    ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
+    ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
+    ("peak_frequency_Hz", "Dominant frequency at the centre", "frequency (Hz)"),
+]
+
+
+def band_measures(sweep):
+    """Shares of the centre's energy in the bands that the job asked for."""
+    found = dict.fromkeys(name for c in layout.ordinary(sweep) for name in c.scalars
+                          if name.startswith("share_"))
+    for name in found:
+        low, high = name.split("_")[1:3]
+        yield (name, f"Share of the energy within {low} to {high} Hz", "share of the energy (1)")
+
+
+def plane(sweep):
+    """x, y and the keys of the panels; None when curves say it better."""
+    keys = layout.axes(sweep)
+    if len(keys) < 2:
+        return None
+    counts = {k: len(layout.values_of(sweep, k)) for k in keys}
+    x = sweep.x if sweep.x in keys else keys[0]
+    y = max((k for k in keys if k != x), key=counts.get)
+    enough = counts[x] >= LEAST and counts[y] >= LEAST
+    if not enough and len(layout.groups(sweep)) <= style.CURVES:
+        return None
+    return x, y, [k for k in keys if k not in (x, y)]
+
+
+def panels(sweep, others):
+    """Combinations of the other keys that occur, and how many there are."""
+    every = list(product(*(layout.values_of(sweep, k) for k in others)))
+    there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(sweep)}
+    every = [values for values in every if values in there]
+    return layout.evenly(every, PANELS), len(every)
+
+
+def cells(sweep, column, x, y, others, values):
+    """Numbers (y, x) of one panel, and which cells have a case without result."""
+    xs, ys = layout.values_of(sweep, x), layout.values_of(sweep, y)
+    found, failed = np.full((len(ys), len(xs)), math.nan), np.zeros((len(ys), len(xs)), bool)
+    for case in layout.swept_cases(sweep):
+        own = case.settings
+        if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
+            continue
+        place = ys.index(own[y]), xs.index(own[x])
+        found[place] = table.value(sweep, case, column)
+        failed[place] = not case.whole
+    return found, failed
+
+
+def scale(grids, relative):
+    """Colours from the smallest to the largest; a ratio with values on both sides of one has its
+    pale middle there."""
+    every = np.concatenate([g[np.isfinite(g)] for g in grids])
+    if relative and every.min() < 1.0 < every.max():
+        reach = max(1e-3, np.abs(every - 1.0).max())
+        return plt.Normalize(1.0 - reach, 1.0 + reach), plt.get_cmap(style.DIVERGING)
+    low, high = every.min(), every.max()
+    if high - low <= 1e-12 * abs(high):
+        low, high = low - 0.5 * abs(low or 1.0), high + 0.5 * abs(high or 1.0)
+    if low > 0 and high > 30 * low:
+        return plt.matplotlib.colors.LogNorm(low, high), style.sequential_map()
+    return plt.Normalize(low, high), style.sequential_map()
+
+
+def ticks(axis, key, sweep, room):
+    values = layout.values_of(sweep, key)
+    every = max(1, math.ceil(len(values) / room))
+    words = [number(float(v), 3) if layout.is_number(v) else str(v) for v in values]
+    axis.set_ticks(range(0, len(values), every), words[::every])
+    longest = max(map(len, words))
+    if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
+        axis.set_tick_params(rotation=35)
+        for label in axis.get_ticklabels():
+            label.set_horizontalalignment("right")
+
+
+def draw(axes, grid, failed, norm, colours, written):
+    axes.imshow(grid, origin="lower", aspect="auto", norm=norm, cmap=colours,
+                interpolation="nearest")
+    for row, column in np.argwhere(~np.isfinite(grid)):
+        mark = "xxxx" if failed[row, column] else "////"
+        axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
+                                     edgecolor="#9a9a9a", hatch=mark, linewidth=0))
+    if written:
+        for (row, column), value in np.ndenumerate(grid):
+            if np.isfinite(value):
+                red, green, blue, _ = colours(norm(value))
+                dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
+                axes.text(column, row, number(value, 3), ha="center", va="center", fontsize=8,
+                          color="white" if dark else style.INK)
+    axes.grid(False)
+
+
+def heat_figure(sweep, folder, measure, plan):
+    column, title, label = measure
+    x, y, others = plan
+    shown, of = panels(sweep, others)
+    every = [cells(sweep, column, x, y, others, v) for v in shown]
+    grids = [g for g, _ in every]
+    if not any(np.isfinite(g).any() for g in grids):
+        return None
+    reference = layout.reference_name(layout.all_references(sweep))
+    title, label = title.format(reference=reference), label.format(reference=reference)
+    norm, colours = scale(grids, column in table.RATIOS)
+    columns = min(COLUMNS, len(shown))
+    rows = math.ceil(len(shown) / columns)
+    height = 3.6 if rows == 1 and columns == 1 else 2.1
+    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.8 + height * rows))
+    for axes, values, (grid, failed) in zip(made.flat, shown, every):
+        draw(axes, grid, failed, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
+        words = [value_text(k, v) for k, v in zip(others, values)]
+        if len(others) == 1:
+            words[0] = f"{key_name(others[0])} {words[0]}"
+        axes.set_title(", ".join(words), loc="left", fontsize=9)
+    for axes in made.flat[len(shown):]:
+        axes.set_visible(False)
+    for i in range(len(shown)):
+        made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
+    ticks(made[0, 0].xaxis, x, sweep, 15 // columns + 1)
+    ticks(made[0, 0].yaxis, y, sweep, 12 if rows == 1 else 8)
+    figure.supxlabel(axis_label(x), fontsize=9.5)
+    figure.supylabel(axis_label(y), fontsize=9.5)
+    bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
+                          label=label, aspect=30, pad=0.02)
+    bar.outline.set_visible(False)
+    bar.ax.grid(False)
+    name = "heat_" + column
+    style.save(figure, folder / (name + ".png"))
+    head = f"{title} over {key_name(x)} and {key_name(y)}"
+    return Figure(name, head, caption(every, others, len(shown), of), head + ", as colours")
+
+
+def caption(every, others, shown, of):
+    text = "A cell is a case; the cells stand at equal distances, whatever their values."
+    if others:
+        text += f" A panel for each {listed(map(key_name, others))}, one colour scale for all."
+    if shown < of:
+        text += f" {shown} of {of} panels are drawn, spread evenly; the table has all."
+    failed = sum(int(f.sum()) for _, f in every)
+    empty = sum(int((~np.isfinite(g)).sum()) for g, _ in every) - failed
+    if failed:
+        text += f" Crossed: {failed} without a result, listed under the table."
+    if empty:
+        text += f" Hatched: {empty} without this reading or not swept; the reason is in the table."
+    return text
+
+
+def figures(sweep, folder):
+    plan = plane(sweep)
+    if plan is None:
+        return []
+    measures = [*MEASURES, *band_measures(sweep)]
+    return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]

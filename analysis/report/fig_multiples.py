@@ -1,0 +1,102 @@
+"""Curves in small multiples, where so many keys are swept that one panel cannot hold them."""
+import math
+
+import matplotlib.pyplot as plt
+
+import fig_curves
+import layout
+import style
+import table
+from figure import Figure
+from words import axis_label, key_name, listed, value_text
+
+PANELS = 9
+COLUMNS = 3
+MEASURES = [("eta_period_1", "Reconstruction efficiency", "efficiency η (1)"),
+            ("focal_rms_um", "Strength at the focus", "focal rms (µm)")]
+
+
+def split(sweep):
+    """The key that colours tell apart and those of the panels; None when nothing is left."""
+    others = [k for k in layout.axes(sweep) if k != sweep.x]
+    if len(others) < 2 or not sweep.x:
+        return None
+    colour = min(others, key=lambda k: len(layout.values_of(sweep, k)))
+    return colour, [k for k in others if k != colour]
+
+
+def curves(sweep, colour, others):
+    """(values of the panel's keys) -> value of the colour's key -> cases in the order of x."""
+    found = {}
+    for case in layout.ordinary(sweep):
+        panel = tuple(case.settings.get(k, "") for k in others)
+        found.setdefault(panel, {}).setdefault(case.settings.get(colour, ""), []).append(case)
+    for lines in found.values():
+        for cases in lines.values():
+            cases.sort(key=lambda c: layout.x_position(sweep, c))
+    every = list(found.items())
+    if all(layout.is_number(v) for panel, _ in every for v in panel):
+        every.sort(key=lambda item: item[0])
+    return every
+
+
+def curve_figure(sweep, folder, measure, plan):
+    column, title, label = measure
+    colour, others = plan
+    every = curves(sweep, colour, others)
+    shown = layout.evenly(every, PANELS)
+    if not any(math.isfinite(c.value(column)) for c in layout.ordinary(sweep)):
+        return None
+    values = layout.evenly(layout.values_of(sweep, colour), style.CURVES)
+    ordered = all(map(layout.is_number, values))
+    colours = ([style.sequential(i / max(1, len(values) - 1)) for i in range(len(values))]
+               if ordered else style.distinct(len(values)))
+    columns = min(COLUMNS, len(shown))
+    rows = math.ceil(len(shown) / columns)
+    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
+                                layout="constrained", figsize=(style.WIDTH_in, 1.3 + 1.75 * rows))
+    for axes, (panel, lines) in zip(made.flat, shown):
+        for value, line in zip(values, colours):
+            cases = lines.get(value, [])
+            axes.plot([layout.x_position(sweep, c) for c in cases],
+                      [table.value(sweep, c, column) for c in cases], color=line, linewidth=1.3,
+                      marker="o", markersize=2.5)
+        words = [value_text(k, v) for k, v in zip(others, panel)]
+        if len(others) == 1:
+            words[0] = f"{key_name(others[0])} {words[0]}"
+        axes.set_title(", ".join(words), loc="left", fontsize=9)
+    for axes in made.flat[len(shown):]:
+        axes.set_visible(False)
+    for i in range(len(shown)):
+        made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
+    if layout.is_numeric(sweep):
+        if layout.is_logarithmic(layout.x_values(sweep)):
+            made[0, 0].set_xscale("log")
+    else:
+        fig_curves.set_x_axis(made[0, 0], sweep)
+        made[0, 0].set_xlabel("")
+    figure.supxlabel(axis_label(sweep.x), fontsize=9.5)
+    figure.supylabel(label, fontsize=9.5)
+    handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=value_text(colour, v))
+               for v, c in zip(values, colours)]
+    figure.legend(handles=handles, title=key_name(colour), loc="upper center",
+                  ncol=min(len(handles), 4))
+    strip = (0.3 + 0.2 * math.ceil(len(handles) / 4)) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
+    name = "multiples_" + column
+    style.save(figure, folder / (name + ".png"))
+    head = f"{title} against {key_name(sweep.x)}"
+    text = (f"A panel for each {listed(map(key_name, others))}, a colour for each "
+            f"{key_name(colour)}; period reading, the same axes everywhere.")
+    if len(shown) < len(every):
+        text += f" {len(shown)} of {len(every)} panels are drawn, spread evenly."
+    if len(values) < len(layout.values_of(sweep, colour)):
+        text += f" {len(values)} of {len(layout.values_of(sweep, colour))} values are drawn."
+    return Figure(name, head, text, head + ", one line a value")
+
+
+def figures(sweep, folder):
+    plan = split(sweep)
+    if plan is None or len(layout.groups(sweep)) <= style.CURVES:
+        return []
+    return [f for m in MEASURES if (f := curve_figure(sweep, folder, m, plan))]

@@ -1,0 +1,104 @@
+"""Spectrograms of u at the trace points: when which frequency is there."""
+import math
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import layout
+import style
+from figure import Figure
+from words import number
+
+SHOWN_Hz = 1000.0
+CASES, POINTS = 4, 3
+FLOOR_dB = -40.0
+WINDOWS = 3.0  # so many in a run: a compromise between time and frequency
+LEAST = 32  # samples in a run: fewer are no spectrogram
+
+
+def spectrogram(u, interval_s, window):
+    """Times in s, frequencies in Hz, amplitude of u (frequency, time): Hann windows without their
+    means. They may begin before the load did, since nothing moved then, but end within the run."""
+    shape = np.hanning(window + 2)[1:-1]
+    before = window // 2
+    u = np.concatenate([np.zeros(before), u])
+    starts = np.arange(0, len(u) - window + 1, max(1, (len(u) - window) // 200))
+    parts = np.stack([u[s: s + window] for s in starts])
+    parts = (parts - parts.mean(axis=1, keepdims=True)) * shape
+    padded = max(4 * window, 512)  # a smooth picture
+    amplitude = 2.0 * np.abs(np.fft.rfft(parts, n=padded, axis=1)).T / shape.sum()
+    times = (starts - before + 0.5 * (window - 1) + 1.0) * interval_s
+    return times, np.fft.rfftfreq(padded, interval_s), amplitude
+
+
+def chosen(sweep):
+    """The reference, then cases from the first to the last curve."""
+    found = layout.groups(sweep)
+    picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, CASES - 1)]
+    references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
+    cases = {c.id: c for c in references + layout.evenly(picks, CASES - len(references))}
+    return [c for c in cases.values() if c.traces and len(c.series["time"]) >= LEAST]
+
+
+def points(case):
+    """Trace points: the nearest to the centre, then those farther away."""
+    return sorted(case.traces, key=lambda trace: math.hypot(*trace[0]))[:POINTS]
+
+
+def compute(case):
+    time = case.series["time"]
+    interval_s = float(time[1] - time[0])
+    window = max(8, round(len(time) / WINDOWS))
+    return [(at, *spectrogram(u, interval_s, window)) for at, u in points(case)]
+
+
+def figures(sweep, folder):
+    cases = chosen(sweep)
+    if not cases:
+        return []
+    every = [compute(c) for c in cases]
+    peaks = {c.id: max(a.max() for _, _, _, a in row) for c, row in zip(cases, every)}
+    if not min(peaks.values()) > 0:
+        return []
+    columns = max(map(len, every))
+    if columns == 1:  # two beside each other
+        cells = [(c, *row[0]) for c, row in zip(cases, every)]
+        columns = min(2, len(cells))
+    else:
+        cells = [(c, *cell) for c, row in zip(cases, every) for cell in row]
+    rows = math.ceil(len(cells) / columns)
+    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
+    for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
+        level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
+        image = axes.pcolormesh(1e3 * times, frequency, level, vmin=FLOOR_dB, vmax=0.0,
+                                cmap=style.sequential_map(), shading="gouraud", rasterized=True)
+        axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
+        axes.grid(False)
+        place = "" if columns == 1 or len(points(case)) == 1 else (
+            f" at ({number(1e3 * at[0])}, {number(1e3 * at[1])}) mm")
+        axes.set_title(layout.case_label(sweep, case) + place, loc="left", fontsize=8.5)
+    for axes in made.flat[len(cells):]:
+        axes.set_visible(False)
+    for i in range(len(cells)):
+        made.flat[i].tick_params(labelbottom=i + columns >= len(cells))
+    figure.supxlabel("time (ms)", fontsize=9.5)
+    figure.supylabel("frequency (Hz)", fontsize=9.5)
+    bar = figure.colorbar(image, ax=list(made.flat), aspect=30, pad=0.02, extend="min",
+                          label="amplitude of $u_z$ (dB)")
+    bar.outline.set_visible(False)
+    bar.ax.grid(False)
+    style.save(figure, folder / "spectrograms.png")
+    time = cases[0].series["time"]
+    length_s = max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0])
+    text = ("Amplitude of u over time and frequency; 0 dB is the largest of each case over its "
+            "points. Each moment is seen through a Hann window of "
+            f"{number(1e3 * length_s, 3)} ms, which separates nothing closer than about "
+            f"{number(2.0 / length_s, 2)} Hz; its mean is left out.")
+    where = {at for case in cases for at, _ in points(case)}
+    if len(where) == 1:
+        x, y = where.pop()
+        text += f" At ({number(1e3 * x)}, {number(1e3 * y)}) mm."
+    return [Figure("spectrograms", "Spectrograms at the trace points", text,
+                   "Amplitude of the displacement over time and frequency, a panel a case")]
