@@ -18,7 +18,8 @@ LEAST = 3  # values along both keys: fewer are better drawn as curves
 
 MEASURES = [
     ("eta_period_1", "Reconstruction efficiency", "efficiency η, period reading (1)"),
-    ("eta_period_over_reference_1", "Efficiency relative to {reference}", "η / η of {reference} (1)"),
+    ("eta_period_over_reference_1", "Efficiency relative to {reference}",
+     "η / η of {reference} (1)"),
     ("focal_rms_um", "Strength at the focus", "focal rms (µm)"),
     ("focal_rms_over_reference_1", "Strength relative to {reference}",
      "focal rms / {reference} (1)"),

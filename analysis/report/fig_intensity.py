@@ -67,10 +67,10 @@ def figures(sweep, folder):
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "intensity.png")
-    text = ("Root of the time-averaged intensity, the mean of u² over the settled frames, one colour "
-            "scale for all; dashed: the path that was drawn.")
+    text = ("Root of the time-averaged intensity, the mean of u² over the settled frames, one "
+            "colour scale for all; dashed: the path that was drawn.")
     if any(s is not None for s in shares):
-        text += (" Sharpness: the share of the energy, averaged over time, that lies within one FWHM "
-                 "of the path.")
+        text += (" Sharpness: the share of the energy, averaged over time, that lies within one "
+                 "FWHM of the path.")
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity of the surface seen from above")]

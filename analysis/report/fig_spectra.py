@@ -45,35 +45,93 @@ def draw_case(axes, sweep, case, factor, colour, **look):
                   transform=axes.get_xaxis_transform())
 
 
-def figures(sweep, folder):
-    cases = [c for c in layout.ordinary(sweep) if c.spectrum]
+def plain_of(sweep, case):
+    """What a case is compared with: its reference, or the STM of a sweep over the modulation; a
+    reference or an STM is so itself. None without any."""
+    if reference := sweep.reference_of(case):
+        return reference
+    if case.is_reference or kind_of(case) == "STM":
+        return case
+    same = {k: v for k, v in case.settings.items() if "modulation" not in k or "speed_m_s" in k}
+    return next((c for c in layout.ordinary(sweep) if kind_of(c) == "STM"
+                 and all(c.settings.get(k) == v for k, v in same.items())), None)
+
+
+def kind_of(case):
+    return case.setting("load", "modulation", "kind", default="")
+
+
+def largest(case):
+    return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and case.spectrum else 0.0
+
+
+def rows_of(sweep):
+    """Panels with a spectrum in them: (title, cases, reference or None)."""
     rows = [(title, [c for c in drawn if c.spectrum], reference)
             for title, drawn, reference in layout.rows(sweep)]
-    rows = [row for row in rows if row[1]]
-    if not cases or not rows:
-        return []
-    colours = fig_time.colours_by_x(sweep, cases)
+    return [row for row in rows if row[1]]
+
+
+def draw_rows(sweep, rows, label, factor_of, path):
+    """One panel a row, all of one scale; `factor_of(case)` turns metres into what it shows."""
+    colours = fig_time.colours_by_x(sweep, [c for _, drawn, _ in rows for c in drawn])
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
-    unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
     height = 3.4 if len(rows) == 1 else 2.3
-    figure, made = plt.subplots(len(rows), 1, sharex=True, squeeze=False, layout="constrained",
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
+                                layout="constrained",
                                 figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        for low, high in bands(drawn):
+            axes.axvspan(low, min(high, SHOWN_Hz), color="#f3f3f3", zorder=0, linewidth=0)
         if reference and reference.spectrum:
             frequency, amplitude = spectrum(reference)
-            axes.plot(frequency, factor * amplitude, color="black", linewidth=1.8)
+            axes.plot(frequency, factor_of(reference) * amplitude, color="black", linewidth=1.8)
         for case in drawn:
-            draw_case(axes, sweep, case, factor, colours[case.id], linewidth=1.3 if few else 0.9)
+            draw_case(axes, sweep, case, factor_of(case), colours[case.id],
+                      linewidth=1.3 if few else 0.9)
         axes.set_xlim(0.0, min(SHOWN_Hz, drawn[0].spectrum[0][-1]))
         axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(f"amplitude of $u_z$ ({unit})")
+        axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     made[-1, 0].set_xlabel("frequency (Hz)")
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
-    style.save(figure, folder / "spectra.png")
-    return [Figure("spectra", spectra_title(cases), caption(sweep, cases), "Amplitude spectra of "
+    style.save(figure, path)
+
+
+def bands(cases):
+    """The bands of `measure.bands_Hz` that all these cases share, in Hz; one alone is shaded."""
+    edges = {tuple(c.setting("measure", "bands_Hz", default=())) for c in cases}
+    return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
+
+
+def relative_figure(sweep, folder, rows):
+    """Over the largest amplitude of plain STM; None where a case has nothing to compare with."""
+    drawn = [c for _, cases, _ in rows for c in cases]
+    plain = {c.id: plain_of(sweep, c) for c in drawn}
+    if not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn):
+        return None
+    name = layout.reference_name(list(plain.values()))
+    draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)",
+              lambda case: 1.0 / largest(plain.get(case.id, case)), folder / "spectra_relative.png")
+    text = (f"The spectra above, each over the largest amplitude of {name} in the same conditions: "
+            "what a modulation leaves of the strength, and where it puts it.")
+    return Figure("spectra_relative", f"Spectra relative to {name}", text,
+                  f"Amplitude spectra over the largest amplitude of {name}, one line a case")
+
+
+def figures(sweep, folder):
+    cases = [c for c in layout.ordinary(sweep) if c.spectrum]
+    rows = rows_of(sweep)
+    if not cases or not rows:
+        return []
+    unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
+    draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", lambda _: factor,
+              folder / "spectra.png")
+    made = [Figure("spectra", spectra_title(cases), caption(sweep, cases), "Amplitude spectra of "
                    "the displacement at one point, one line a case")]
+    relative = relative_figure(sweep, folder, rows)
+    return made + [relative] if relative else made
 
 
 def spectra_title(cases):
@@ -106,6 +164,9 @@ def caption(sweep, cases):
                  "passage, and their heights the phase that the modulation has just then.")
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
         text += f" Ticks on the axis: each case's own {key_name(sweep.x)}."
+    if bands(cases):
+        low, high = bands(cases)[0]
+        text += f" Grey: {number(low)} to {number(high)} Hz, the band of the table's share."
     if any(reference for _, _, reference in layout.rows(sweep)):
         text += f" Black: {layout.reference_name(layout.all_references(sweep))}."
     return text

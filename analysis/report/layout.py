@@ -29,11 +29,10 @@ def is_numeric(sweep):
 
 def group_keys(sweep):
     """The keys that tell curves apart; other swept keys join when x alone leaves doubles."""
-    keys = [k for k in sweep.series_keys if k != sweep.x]
+    vary = [k for k in axes(sweep) if k != sweep.x]
+    keys = [k for k in vary if k in sweep.series_keys]
     seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
-    if len(set(seen)) < len(seen):
-        keys += [k for k in sweep.swept_keys if k != sweep.x and k not in keys]
-    return keys
+    return vary if len(set(seen)) < len(seen) else keys
 
 
 def groups(sweep):

@@ -152,7 +152,8 @@ def mean_square(case):
             if len(group["time"]) != frames or frames < 2:
                 return None
             time = group["time"][()]
-            settled = np.flatnonzero(time >= case.setting("measure", "settled_after_s", default=0.0))
+            after_s = case.setting("measure", "settled_after_s", default=0.0)
+            settled = np.flatnonzero(time >= after_s)
             total = sum(group["u_z"][n, 0].astype(float) ** 2 for n in settled)
             return group["x"][()], group["y"][()], total / len(settled)
     except (OSError, KeyError, ValueError, ZeroDivisionError):

@@ -19,10 +19,6 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "analysis" / "report"))
 
-import fig_frequency  # noqa: E402
-import fig_heat  # noqa: E402
-import fig_intensity  # noqa: E402
-import fig_spectrogram  # noqa: E402
 import layout  # noqa: E402
 import load  # noqa: E402
 import report  # noqa: E402
@@ -199,7 +195,8 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_every_figure_is_a_picture_and_inside_the_page(self):
         names = {"eta", "strength", "ipr_abs", "participation", "ipr", "frequency", "eta_time",
-                 "ipr_abs_time", "ipr_time", "surface", "spectra", "spectrograms"}
+                 "ipr_abs_time", "ipr_time", "surface", "spectra", "spectra_relative",
+                 "spectrograms"}
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.png")}, names)
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.pdf")}, names)
         self.assertEqual(len(self.page.images), len(names))
@@ -271,7 +268,7 @@ class ReportTest(unittest.TestCase):
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it holds another case", page.data)
         self.assertIn("not computed", page.data)
-        self.assertEqual(len(page.images), 12)
+        self.assertEqual(len(page.images), 13)
 
     def test_all_measures_empty_still_make_a_page(self):
         folder = Folder(self.root)
@@ -290,7 +287,7 @@ class ReportTest(unittest.TestCase):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
-        self.assertEqual(len(Page(folder.report()).images), 12)
+        self.assertEqual(len(Page(folder.report()).images), 13)
 
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
@@ -303,7 +300,7 @@ class ReportTest(unittest.TestCase):
         groups = layout.groups(load.load(self.root))
         self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
-        self.assertEqual(len(page.images), 13)  # a snapshot for each series
+        self.assertEqual(len(page.images), 14)  # a snapshot for each series
 
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)
