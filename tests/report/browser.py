@@ -1,0 +1,146 @@
+"""A headless chromium, driven through the DevTools protocol over a pipe: no package beyond it.
+
+    with Browser() as browser:
+        page = browser.open(path, width=390, height=844)
+        page.run("document.title")
+"""
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+
+TIMEOUT_s = 60.0  # of one answer: a loaded machine takes seconds to start a browser
+
+
+def find():
+    return shutil.which("chromium") or shutil.which("chromium-browser")
+
+
+class Browser:
+    def __enter__(self):
+        self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        to_browser, self.out = os.pipe()
+        self.into, from_browser = os.pipe()
+
+        def as_3_and_4():  # where --remote-debugging-pipe reads and writes
+            reading, writing = os.dup(to_browser), os.dup(from_browser)
+            os.dup2(reading, 3)
+            os.dup2(writing, 4)
+
+        self.process = subprocess.Popen(
+            [find(), "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+             "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "about:blank"],
+            preexec_fn=as_3_and_4, close_fds=False, stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self.number, self.buffer, self.events = 0, b"", []
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.send("Browser.close")
+            self.process.wait(10)
+        except (OSError, RuntimeError, subprocess.TimeoutExpired):
+            self.process.kill()
+            self.process.wait()
+        os.close(self.out)
+        os.close(self.into)
+        self.profile.cleanup()
+
+    def message(self, until):
+        """The next message; they end with a zero byte."""
+        while b"\0" not in self.buffer:
+            ready, _, _ = select.select([self.into], [], [], max(0.0, until - time.monotonic()))
+            part = os.read(self.into, 1 << 20) if ready else b""
+            if not part:
+                raise RuntimeError("the browser is silent" if not ready else "the browser ended")
+            self.buffer += part
+        first, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(first)
+
+    def send(self, method, session=None, **parameters):
+        """The answer to one command; events that come before it are kept."""
+        self.number += 1
+        command = {"id": self.number, "method": method, "params": parameters}
+        if session:
+            command["sessionId"] = session
+        data = json.dumps(command).encode() + b"\0"
+        while data:
+            data = data[os.write(self.out, data):]
+        until = time.monotonic() + TIMEOUT_s
+        while True:
+            answer = self.message(until)
+            if answer.get("id") == self.number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error'].get('message')}")
+                return answer.get("result", {})
+            self.events.append(answer)
+
+    def wait_for(self, name):
+        until = time.monotonic() + TIMEOUT_s
+        while not any(event.get("method") == name for event in self.events):
+            self.events.append(self.message(until))
+
+    def open(self, path, width, height, dark=False):
+        target = self.send("Target.createTarget", url="about:blank")["targetId"]
+        session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        page = Page(self, session)
+        for domain in ("Page", "Runtime", "Network"):
+            page.send(domain + ".enable")
+        page.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=1, mobile=width < 700)
+        if dark:
+            page.send("Emulation.setEmulatedMedia",
+                      features=[{"name": "prefers-color-scheme", "value": "dark"}])
+        self.events.clear()
+        page.send("Page.navigate", url=path.resolve().as_uri())
+        self.wait_for("Page.loadEventFired")
+        return page
+
+
+class Page:
+    def __init__(self, browser, session):
+        self.browser, self.session = browser, session
+
+    def send(self, method, **parameters):
+        return self.browser.send(method, self.session, **parameters)
+
+    def run(self, script):
+        """The value of an expression; what it throws is raised."""
+        answer = self.send("Runtime.evaluate", expression=script, returnByValue=True,
+                           awaitPromise=True)
+        if "exceptionDetails" in answer:
+            raise RuntimeError(str(answer["exceptionDetails"]))
+        return answer["result"].get("value")
+
+    def press(self, key, code):
+        """One key, as a person presses it; Enter carries its text."""
+        text = {"text": "\r"} if key == "Enter" else {}
+        for kind in ("keyDown", "keyUp"):
+            self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key,
+                      windowsVirtualKeyCode=code, **(text if kind == "keyDown" else {}))
+
+    def errors(self):
+        """Exceptions of scripts and messages of console.error since the page was opened."""
+        self.run("1")  # what came before it has arrived
+        found = [str(e["params"]["exceptionDetails"]) for e in self.browser.events
+                 if e.get("method") == "Runtime.exceptionThrown"]
+        return found + [str(e["params"]["args"]) for e in self.browser.events
+                        if e.get("method") == "Runtime.consoleAPICalled"
+                        and e["params"]["type"] == "error"]
+
+    def requests(self):
+        """Addresses that the page asked for, itself and what it holds inside left out."""
+        self.run("1")
+        urls = [e["params"]["request"]["url"] for e in self.browser.events
+                if e.get("method") == "Network.requestWillBeSent"]
+        return [url for url in urls if not url.startswith(("data:", "file:"))]
+
+    def screenshot(self, path, whole=True):
+        shot = self.send("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        path.write_bytes(base64.b64decode(shot["data"]))
