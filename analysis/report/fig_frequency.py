@@ -52,9 +52,7 @@ def draw_frequencies(axes, sweep, curves):
                   linestyle="-" if numeric else "none")
     labels = fig_curves.reference_lines(axes, sweep, curves, "peak_frequency_Hz", "--")
     axes.set_ylabel("dominant frequency (Hz)")
-    axes.margins(y=0.12)
-    fig_curves.widen(axes, 0.1)
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
     style.label_right(axes, labels)
 
 

@@ -178,5 +178,6 @@ def figures(sweep, folder):
     plan = plane(sweep)
     if plan is None:
         return []
-    measures = [*MEASURES, *band_measures(sweep)]
+    many = len(layout.groups(sweep)) > style.CURVES  # else curves show the others
+    measures = [*(MEASURES if many else MEASURES[:4]), *band_measures(sweep)]
     return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]

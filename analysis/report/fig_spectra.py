@@ -90,9 +90,9 @@ def draw_rows(sweep, rows, label, factor_of, path):
             draw_case(axes, sweep, case, factor_of(case), colours[case.id],
                       linewidth=1.3 if few else 0.9)
         axes.set_xlim(0.0, min(SHOWN_Hz, drawn[0].spectrum[0][-1]))
-        axes.set_ylim(bottom=0.0)
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
+    made[0, 0].set_ylim(bottom=0.0)  # once all are there: it ends the choice of the upper end
     made[-1, 0].set_xlabel("frequency (Hz)")
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)

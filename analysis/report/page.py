@@ -32,7 +32,7 @@ def counts(sweep):
 
 def picture(figure, folder):
     data = base64.b64encode((folder / (figure.name + ".png")).read_bytes()).decode("ascii")
-    return (f'<h2>{escape(figure.title)}</h2><figure id="{escape(figure.name)}">'
+    return (f'<h2 id="{escape(figure.name)}">{escape(figure.title)}</h2><figure>'
             f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
             f'src="data:image/png;base64,{data}"></div>'
             f"<figcaption>{escape(figure.caption)}</figcaption>"
@@ -97,6 +97,16 @@ def body(figures, folder, moving):
     return parts
 
 
+def contents(figures, moving):
+    """Links to everything on a long page."""
+    links = [(f.name, f.title) for f in figures]
+    if moving:
+        links.append(("player", "The surface over time"))
+    links.append(("table", "All cases"))
+    items = "".join(f'<li><a href="#{escape(n)}">{escape(t)}</a></li>' for n, t in links)
+    return f"<details><summary>On this page</summary><ul>{items}</ul></details>"
+
+
 def page(sweep, figures, folder, problems, moving=""):
     lone = "" if sweep.x or not layout.ordinary(sweep) else (
         "<p>Nothing is swept, so there are no curves against a swept key.</p>")
@@ -106,8 +116,9 @@ def page(sweep, figures, folder, problems, moving=""):
         f"<title>{escape(sweep.title)}</title><style>{beside('page.css')}</style></head><body>",
         f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>',
         f'<p class="counts">{escape(counts(sweep))}</p>'
-        '<p class="hint">Figures and the table scroll sideways.</p></header><main>', lone,
+        '<p class="hint">Figures and the table scroll sideways.</p>',
+        contents(figures, moving), "</header><main>", lone,
         trouble(sweep, problems), *body(figures, folder, moving),
-        "<h2>All cases</h2>", table.table(sweep), "</main><footer>",
+        '<h2 id="table">All cases</h2>', table.table(sweep), "</main><footer>",
         job(sweep), provenance(sweep), "</footer>",
         f'<script>{beside("page.js")}</script></body></html>\n'])

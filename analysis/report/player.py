@@ -175,7 +175,7 @@ def player(sweep):
     data = json.dumps({"times": times, "panels": [p.data() for p in panels]})
     last = len(times) - 1
     return (
-        '<h2>The surface over time</h2><figure class="player" id="player">'
+        '<h2 id="player">The surface over time</h2><figure class="player">'
         '<div class="controls"><button type="button" class="play">Play</button>'
         f'<input type="range" min="0" max="{last}" value="{last}" step="1" '
         'aria-label="moment"><output>' + f"{number(times[-1])} ms</output></div>"

@@ -27,8 +27,8 @@ ENVIRONMENT = 6  # as the program's own exit code for files that are missing
 
 def of_all():
     """Figures in which every case has its point or its cell, in the order of the page."""
-    return [("heat maps", fig_heat.figures), ("small multiples", fig_multiples.figures),
-            ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures)]
+    return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+            ("heat maps", fig_heat.figures), ("small multiples", fig_multiples.figures)]
 
 
 def of_few():
