@@ -47,7 +47,9 @@ def scale(shots):
     for s in shots:
         focus, _, _ = wake.focus_at(s.case, s.t_s)
         radius = AWAY * 1e3 * s.case.setting("measure", "focal_radius_m")
-        far = np.hypot(s.x_mm[:, None] - focus[0], s.y_mm[None, :] - focus[1]) > radius
+        far = np.ones(s.u_um.shape, dtype=bool)
+        for x, y in focus + wake.offsets_mm(s.case):
+            far &= np.hypot(s.x_mm[:, None] - x, s.y_mm[None, :] - y) > radius
         outside.append(np.nanmax(np.abs(s.u_um[far])) if far.any() else 0.0)
     end, peak = max(outside), max(np.nanmax(np.abs(s.u_um)) for s in shots)
     if not end > 0.0:

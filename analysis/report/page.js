@@ -41,8 +41,8 @@ for (const player of document.querySelectorAll(".player")) {
     data.panels.forEach((panel, i) => {
       const now = Math.max(0, panel.times.filter(t => t <= time + 1e-9).length - 1);
       drawings[i].querySelector("image").setAttribute("href", panel.pictures[now]);
-      drawings[i].querySelector("circle").setAttribute("cx", panel.focus[now][0]);
-      drawings[i].querySelector("circle").setAttribute("cy", panel.focus[now][1]);
+      drawings[i].querySelector(".foci").setAttribute(
+        "transform", "translate(" + panel.focus[now].join(" ") + ")");
     });
   };
   const stop = () => { clearInterval(timer); timer = null; button.textContent = "Play"; };

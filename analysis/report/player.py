@@ -18,6 +18,7 @@ import fig_surface
 import layout
 import load
 import style
+import wake
 from words import number
 
 CASES = 4
@@ -93,7 +94,7 @@ class Panel:
         x, y = 1e3 * series["focus_x"], 1e3 * series["focus_y"]
         at = [self.place(x[n], y[n]) for n in
               (int(np.argmin(np.abs(time - s.t_s))) for s in self.shots)]
-        path = [self.place(*p) for p in layout.evenly(list(zip(x, y)), 120)]
+        path = [self.place(*p) for p in layout.evenly(list(zip(x, y)), 1500)]
         return at, path
 
     def data(self):
@@ -106,6 +107,9 @@ class Panel:
         (left, top), (right, bottom) = self.place(x0, y1), self.place(x1, y0)
         at, path = self.focus()
         radius = 1e3 * self.shots[0].case.setting("measure", "focal_radius_m") * self.scale
+        discs = "".join(f'<circle class="focus" r="{radius:.2f}" cx="{self.scale * x:.2f}" '
+                        f'cy="{-self.scale * y:.2f}"/>'
+                        for x, y in wake.offsets_mm(self.shots[0].case))
         marks = []
         for x in MaxNLocator(6).tick_values(x0, x1):
             if x0 <= x <= x1:
@@ -126,7 +130,7 @@ class Panel:
             f'<image x="{left}" y="{top}" width="{right - left:.2f}" height="{bottom - top:.2f}" '
             f'preserveAspectRatio="none" href="{self.pictures[-1]}"/>'
             f'<polyline class="path" points="{line}"/>'
-            f'<circle class="focus" r="{radius:.2f}" cx="{at[-1][0]}" cy="{at[-1][1]}"/>'
+            f'<g class="foci" transform="translate({at[-1][0]} {at[-1][1]})">{discs}</g>'
             f'<rect class="frame" x="{left}" y="{top}" width="{right - left:.2f}" '
             f'height="{bottom - top:.2f}"/><g class="axis">{"".join(marks)}'
             f'<text x="{(left + right) / 2:.0f}" y="{bottom + 33:.0f}" text-anchor="middle">x (mm)'

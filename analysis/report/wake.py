@@ -8,6 +8,13 @@ import style
 LINE = "#111111"
 
 
+def offsets_mm(case):
+    """Of simultaneous foci from the place that moves; one focus stands on it."""
+    x = case.setting("load", "modulation", "foci_x_m", default=[0.0])
+    y = case.setting("load", "modulation", "foci_y_m", default=[0.0])
+    return 1e3 * np.column_stack([x, y])
+
+
 def focus_at(case, t_s):
     """Focus in mm and unit direction of motion (None at rest) at a time of the run."""
     time = case.series["time"]
@@ -36,12 +43,14 @@ def front_length(case, focus, path, angle_deg):
 def draw_theory(axes, case, t_s, width=1.0):
     """Path travelled, focal disc and Mach lines; True when there were lines to draw."""
     focus, direction, path = focus_at(case, t_s)
-    if len(path) > 1 and np.ptp(path, axis=0).max() > 0:
-        axes.plot(*path.T, color=LINE, linewidth=0.7 * width, linestyle=(0, (1, 2)))
     radius = 1e3 * case.setting("measure", "focal_radius_m")
     around = np.linspace(0.0, 2.0 * np.pi, 100)
-    axes.plot(focus[0] + radius * np.cos(around), focus[1] + radius * np.sin(around), color=LINE,
-              linewidth=1.0 * width, path_effects=style.halo(1.8 * width))
+    for offset in offsets_mm(case):
+        if len(path) > 1 and np.ptp(path, axis=0).max() > 0:
+            axes.plot(*(path + offset).T, color=LINE, linewidth=0.7 * width, linestyle=(0, (1, 2)))
+        x, y = focus + offset
+        axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
+                  linewidth=1.0 * width, path_effects=style.halo(1.8 * width))
     angle = case.value("mach_angle_theory_deg")
     if direction is None or math.isnan(angle):
         return False

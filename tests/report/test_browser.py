@@ -93,7 +93,7 @@ class BrowserTest(unittest.TestCase):
                 page = self.open(width)
                 self.assertEqual(page.run('document.querySelector("output").textContent'), "4 ms")
                 focus = """Array.from(document.querySelectorAll(".player circle"),
-                    c => Number(c.getAttribute("cx")))"""
+                    c => c.getBoundingClientRect().left + scrollX)"""
                 picture = 'document.querySelector(".player image").getAttribute("href")'
                 late, shown = page.run(focus), page.run(picture)
                 page.run('document.querySelector(".player input").focus()')

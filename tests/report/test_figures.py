@@ -182,6 +182,18 @@ class SharpnessTest(unittest.TestCase):
         self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 0.75)
         square[37, 20] = 4.0  # 7 mm beyond its end
         self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 0.375)
+        case.physics["domain"] = {"sponge_m": 0.0145}  # takes x above 15.5 mm, |y| above 5.5 mm
+        self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 1.0)
+
+    def test_simultaneous_foci_draw_a_path_each(self):
+        case = load.Case(case_id(1), {}, False, "", Path("none"))
+        case.series = {"focus_x": np.array([0.0, 0.01]), "focus_y": np.zeros(2)}
+        case.physics = {"load": {"fwhm_m": 0.002, "modulation": {"foci_x_m": [0.0, 0.0],
+                                                                 "foci_y_m": [0.005, -0.005]}}}
+        x, y = 1e-3 * np.arange(-20, 31), 1e-3 * np.arange(-20, 21)
+        near = fig_intensity.along(case, 0.0025, x, y)
+        self.assertTrue(near[25, 13] and near[25, 27])  # 2 mm beside each line
+        self.assertFalse(near[25, 20])  # the place between them
 
 
 if __name__ == "__main__":
