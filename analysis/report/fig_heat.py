@@ -168,7 +168,7 @@ def caption(every, others, shown, of):
     failed = sum(int(f.sum()) for _, f in every)
     empty = sum(int((~np.isfinite(g)).sum()) for g, _ in every) - failed
     if failed:
-        text += f" Crossed: {failed} without a result, listed under the table."
+        text += f" Crossed: {failed} without a result, listed above."
     if empty:
         text += f" Hatched: {empty} without this reading or not swept; the reason is in the table."
     return text

@@ -8,6 +8,7 @@ import sys
 import traceback
 from pathlib import Path
 
+import fig_drive
 import fig_frequency
 import fig_heat
 import fig_intensity
@@ -21,6 +22,7 @@ import layout
 from load import NoPlan, load
 from page import page
 from player import player
+from words import counted
 
 ENVIRONMENT = 6  # as the program's own exit code for files that are missing
 
@@ -33,9 +35,9 @@ def of_all():
 
 def of_few():
     """Figures in which a case has a panel or a line of its own: of a large sweep only a few."""
-    return [("surface", fig_surface.figures), ("intensity", fig_intensity.figures),
-            ("time courses", fig_time.figures), ("spectra", fig_spectra.figures),
-            ("spectrograms", fig_spectrogram.figures)]
+    return [("drive", fig_drive.figures), ("surface", fig_surface.figures),
+            ("intensity", fig_intensity.figures), ("time courses", fig_time.figures),
+            ("spectra", fig_spectra.figures), ("spectrograms", fig_spectrogram.figures)]
 
 
 def attempt(name, problems, draw, *arguments):
@@ -55,6 +57,10 @@ def draw_all(sweep, folder):
         return figures, "", problems
     for name, draw in of_all():
         figures += attempt(name, problems, draw, sweep, folder) or []
+    missing = sum(not case.whole for case in sweep.cases)
+    for figure in figures:
+        if missing and not figure.name.startswith("heat_"):  # these mark them themselves
+            figure.caption += f" {counted(missing, 'case')} without a result: listed above."
     some = layout.few(sweep)
     drawn, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
     for name, draw in of_few():

@@ -194,8 +194,8 @@ class WholeSweepTest(unittest.TestCase):
         cls.page = Page(cls.text)
 
     def test_every_figure_is_a_picture_and_inside_the_page(self):
-        names = {"eta", "strength", "ipr_abs", "participation", "ipr", "frequency", "eta_time",
-                 "ipr_abs_time", "ipr_time", "surface", "spectra", "spectra_relative",
+        names = {"eta", "strength", "ipr_abs", "participation", "ipr", "frequency", "drive",
+                 "eta_time", "ipr_abs_time", "ipr_time", "surface", "spectra", "spectra_relative",
                  "spectrograms"}
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.png")}, names)
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.pdf")}, names)
@@ -265,29 +265,30 @@ class ReportTest(unittest.TestCase):
         self.assertEqual(page.column("eta_period_1")[-1]["text"], "–")
         self.assertIn("eta_period_1: no period <fits>", page.data)
         self.assertIn("1 of 4 cases have no period reading", page.data)
+        self.assertIn("4 cases without a result", page.data)
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it holds another case", page.data)
         self.assertIn("not computed", page.data)
-        self.assertEqual(len(page.images), 13)
+        self.assertEqual(len(page.images), 14)
 
     def test_all_measures_empty_still_make_a_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars=dict.fromkeys(SCALARS, math.nan), snapshot=False)
         images = len(Page(folder.report()).images)
-        self.assertEqual(images, 5)  # three over time, spectra, spectrograms
+        self.assertEqual(images, 6)  # drive, three over time, spectra, spectrograms
 
     def test_a_lone_case_has_no_curves(self):
         folder = Folder(self.root, x="", swept=())
         folder.add({})
         page = Page(folder.report())
-        self.assertEqual(len(page.images), 6)
+        self.assertEqual(len(page.images), 7)
         self.assertIn("Nothing is swept", page.data)
 
     def test_x_may_be_words(self):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
-        self.assertEqual(len(Page(folder.report()).images), 13)
+        self.assertEqual(len(Page(folder.report()).images), 14)
 
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
@@ -300,13 +301,13 @@ class ReportTest(unittest.TestCase):
         groups = layout.groups(load.load(self.root))
         self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
-        self.assertEqual(len(page.images), 14)  # a snapshot for each series
+        self.assertEqual(len(page.images), 15)  # a snapshot for each series
 
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)
         for f in range(1, 16):
             folder.add({AM: 50.0 * f}, snapshot=f < 3)
-        self.assertEqual(len(Page(folder.report()).images), 12)
+        self.assertEqual(len(Page(folder.report()).images), 13)
 
     def test_no_whole_case_is_said(self):
         folder = Folder(self.root)
