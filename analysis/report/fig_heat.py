@@ -129,7 +129,7 @@ def heat_figure(sweep, folder, measure, plan):
     reference = layout.reference_name(layout.all_references(sweep))
     title, label = title.format(reference=reference), label.format(reference=reference)
     norm, colours = scale(grids, column in table.RATIOS)
-    columns = min(COLUMNS, len(shown))
+    columns = 2 if len(shown) == 4 else min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,

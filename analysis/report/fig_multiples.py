@@ -51,7 +51,7 @@ def curve_figure(sweep, folder, measure, plan):
     ordered = all(map(layout.is_number, values))
     colours = ([style.sequential(i / max(1, len(values) - 1)) for i in range(len(values))]
                if ordered else style.distinct(len(values)))
-    columns = min(COLUMNS, len(shown))
+    columns = 2 if len(shown) == 4 else min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
                                 layout="constrained", figsize=(style.WIDTH_in, 1.3 + 1.75 * rows))

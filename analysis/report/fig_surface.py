@@ -13,6 +13,7 @@ from figure import Figure
 from words import counted, listed, number
 
 ROWS_OF_SERIES = 3  # at most so many series have a figure
+LEAST = 0.2
 AWAY = 4.0  # focal radii from the focus on: the wake
 
 
@@ -42,7 +43,8 @@ def chosen(sweep, group):
 
 
 def scale(shots):
-    """Where the colours end: the largest |u| away from the focus, so that the wake is seen."""
+    """Where the colours end: the largest |u| away from the focus, so that the wake is seen, and
+    LEAST of the peak or more, so that what is at the focus is."""
     outside = []
     for s in shots:
         focus, _, _ = wake.focus_at(s.case, s.t_s)
@@ -54,7 +56,7 @@ def scale(shots):
     end, peak = max(outside), max(np.nanmax(np.abs(s.u_um)) for s in shots)
     if not end > 0.0:
         return peak or 1.0
-    return min(peak, end)
+    return min(peak, max(end, LEAST * peak))
 
 
 def window(shots, end):
@@ -158,7 +160,8 @@ def caption(shots, any_lines, clipped):
             "focal disc; dotted: the path travelled.")
     if clipped:
         text += (f" The scale ends at the largest displacement beyond {number(AWAY)} focal radii "
-                 "from the focus, so that the wake can be seen; what exceeds it is clipped.")
+                 "from the focus, so that the wake can be seen, or at a fifth of the peak; what "
+                 "exceeds it is clipped.")
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
         text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at "

@@ -29,6 +29,8 @@ def is_numeric(sweep):
 
 def group_keys(sweep):
     """The keys that tell curves apart; other swept keys join when x alone leaves doubles."""
+    if sweep.told is not None:
+        return sweep.told
     vary = [k for k in axes(sweep) if k != sweep.x]
     keys = [k for k in vary if k in sweep.series_keys]
     seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
@@ -122,7 +124,8 @@ def few(sweep, most=40):
     values = set(evenly(x_values(sweep), 24 // len(chosen)))
     kept = {c.id for g in chosen for c in g.cases if c.settings.get(sweep.x) in values}
     kept |= {sweep.by_id(i).reference_id for i in kept}
-    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept])
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept],
+                   told=group_keys(sweep))  # what no longer varies is told all the same
 
 
 def references(sweep, group):

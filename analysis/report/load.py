@@ -62,6 +62,7 @@ class Sweep:
     series_keys: list
     cases: list
     job_text: str
+    told: list = None  # keys that tell curves apart; None: those that vary among these cases
 
     def __post_init__(self):
         self.index = {c.id: c for c in self.cases}

@@ -159,8 +159,8 @@ def thinned(cases):
 
 def caption(cases, shots, end):
     text = ("Displacement of the surface seen from above, one colour scale for all; circle: the "
-            f"focal disc; dotted: the path. The colours are clipped at ±{number(end, 2)} µm, the "
-            "largest displacement away from the focus.")
+            f"focal disc; dotted: the path. The colours end at ±{number(end, 2)} µm, so that the "
+            "wake can be seen; what exceeds it is clipped.")
     kept = max(len(load.surface_times(c)) for c in cases)
     if max(map(len, shots)) < kept:
         text += f" {max(map(len, shots))} of {kept} frames are on this page."

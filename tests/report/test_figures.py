@@ -107,6 +107,7 @@ class FolderTest(unittest.TestCase):
         shown = layout.values_of(some, AM)
         self.assertEqual((shown[0], shown[-1]), (50.0, 750.0))
         self.assertIs(layout.few(some), some)
+        self.assertEqual(layout.group_keys(some), layout.group_keys(sweep))
 
     def test_every_frame_makes_an_intensity_and_a_slider(self):
         folder = Folder(self.root)
