@@ -5,6 +5,7 @@ import numpy as np
 import fig_spectrogram
 import layout
 import style
+import wake
 from figure import Figure
 
 
@@ -13,11 +14,12 @@ def is_moving(case):
 
 
 def draw_place(axes, case):
-    """Coordinates that change; a line along x has one curve."""
-    time = 1e3 * case.series["time"]
+    """Coordinates that change, while the load lasts; a line along x has one curve."""
+    pressed = wake.last_pressed(case) + 1
+    time = 1e3 * case.series["time"][:pressed]
     for name, look in (("x", {"color": style.PALETTE[0]}),
                        ("y", {"color": style.PALETTE[1], "linestyle": "--"})):
-        place = 1e3 * case.series["focus_" + name]
+        place = 1e3 * case.series["focus_" + name][:pressed]
         if np.ptp(place) > 0:
             axes.plot(time, place, linewidth=1.3, label=name, **look)
 

@@ -16,7 +16,7 @@ REPEATED = 0.05  # of the width: a stretch of path that comes back so near is no
 
 def stretches(case, width_m):
     """(start, end) of every piece of the path between frames, of each focus; repeats once."""
-    path = np.column_stack([case.series["focus_x"], case.series["focus_y"]])
+    path = 1e-3 * wake.focus_at(case, case.series["time"][-1])[2]
     found = {}
     for offset in 1e-3 * wake.offsets_mm(case):
         for a, b in zip(path[:-1] + offset, path[1:] + offset):

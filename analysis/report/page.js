@@ -41,8 +41,9 @@ for (const player of document.querySelectorAll(".player")) {
     data.panels.forEach((panel, i) => {
       const now = Math.max(0, panel.times.filter(t => t <= time + 1e-9).length - 1);
       drawings[i].querySelector("image").setAttribute("href", panel.pictures[now]);
-      drawings[i].querySelector(".foci").setAttribute(
-        "transform", "translate(" + panel.focus[now].join(" ") + ")");
+      const foci = drawings[i].querySelector(".foci"), at = panel.focus[now];
+      foci.setAttribute("visibility", at ? "visible" : "hidden");  // hidden: the load has ended
+      if (at) foci.setAttribute("transform", "translate(" + at.join(" ") + ")");
     });
   };
   const stop = () => { clearInterval(timer); timer = null; button.textContent = "Play"; };

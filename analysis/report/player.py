@@ -88,14 +88,12 @@ class Panel:
                 round(TOP + self.scale * (self.extent[3] - y_mm), 2))
 
     def focus(self):
-        """Place of the focus at each moment, and the path until the end of the run."""
+        """Place of the focus at each moment, None once the load has ended; and the whole path."""
         case = self.shots[0].case
-        time, series = case.series["time"], case.series
-        x, y = 1e3 * series["focus_x"], 1e3 * series["focus_y"]
-        at = [self.place(x[n], y[n]) for n in
-              (int(np.argmin(np.abs(time - s.t_s))) for s in self.shots)]
-        path = [self.place(*p) for p in layout.evenly(list(zip(x, y)), 1500)]
-        return at, path
+        at = [None if wake.is_over(case, s.t_s) else self.place(*wake.focus_at(case, s.t_s)[0])
+              for s in self.shots]
+        path = wake.focus_at(case, case.series["time"][-1])[2]
+        return at, [self.place(*p) for p in layout.evenly(path, 1500)]
 
     def data(self):
         at, _ = self.focus()
@@ -110,6 +108,8 @@ class Panel:
         discs = "".join(f'<circle class="focus" r="{radius:.2f}" cx="{self.scale * x:.2f}" '
                         f'cy="{-self.scale * y:.2f}"/>'
                         for x, y in wake.offsets_mm(self.shots[0].case))
+        shown = ('visibility="hidden"' if at[-1] is None
+                 else f'transform="translate({at[-1][0]} {at[-1][1]})"')
         marks = []
         for x in MaxNLocator(6).tick_values(x0, x1):
             if x0 <= x <= x1:
@@ -130,7 +130,7 @@ class Panel:
             f'<image x="{left}" y="{top}" width="{right - left:.2f}" height="{bottom - top:.2f}" '
             f'preserveAspectRatio="none" href="{self.pictures[-1]}"/>'
             f'<polyline class="path" points="{line}"/>'
-            f'<g class="foci" transform="translate({at[-1][0]} {at[-1][1]})">{discs}</g>'
+            f'<g class="foci" {shown}>{discs}</g>'
             f'<rect class="frame" x="{left}" y="{top}" width="{right - left:.2f}" '
             f'height="{bottom - top:.2f}"/><g class="axis">{"".join(marks)}'
             f'<text x="{(left + right) / 2:.0f}" y="{bottom + 33:.0f}" text-anchor="middle">x (mm)'

@@ -15,11 +15,24 @@ def offsets_mm(case):
     return 1e3 * np.column_stack([x, y])
 
 
+def last_pressed(case):
+    """Number of the last frame with a force; a path that has ended presses no more."""
+    force = case.series.get("force")
+    pressed = np.flatnonzero(force) if force is not None else ()
+    return int(pressed[-1]) if len(pressed) else len(case.series["time"]) - 1
+
+
+def is_over(case, t_s):
+    """Whether the load has ended before this time."""
+    return int(np.argmin(np.abs(case.series["time"] - t_s))) > last_pressed(case) + 1
+
+
 def focus_at(case, t_s):
-    """Focus in mm and unit direction of motion (None at rest) at a time of the run."""
+    """Focus in mm and unit direction of motion (None at rest) at a time of the run, and the path
+    up to it; once the load has ended, as it was last."""
     time = case.series["time"]
     path = 1e3 * np.column_stack([case.series["focus_x"], case.series["focus_y"]])
-    now = int(np.argmin(np.abs(time - t_s)))
+    now = min(int(np.argmin(np.abs(time - t_s))), last_pressed(case))
     before = max(0, min(now, len(time) - 1) - 1)
     step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]
     length = float(np.hypot(*step))
@@ -41,18 +54,21 @@ def front_length(case, focus, path, angle_deg):
 
 
 def draw_theory(axes, case, t_s, width=1.0):
-    """Path travelled, focal disc and Mach lines; True when there were lines to draw."""
+    """Path travelled, focal disc and Mach lines; True when there were lines to draw. The disc and
+    the lines go when the load has ended."""
     focus, direction, path = focus_at(case, t_s)
     radius = 1e3 * case.setting("measure", "focal_radius_m")
     around = np.linspace(0.0, 2.0 * np.pi, 100)
     for offset in offsets_mm(case):
         if len(path) > 1 and np.ptp(path, axis=0).max() > 0:
             axes.plot(*(path + offset).T, color=LINE, linewidth=0.7 * width, linestyle=(0, (1, 2)))
+        if is_over(case, t_s):
+            continue
         x, y = focus + offset
         axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
                   linewidth=1.0 * width, path_effects=style.halo(1.8 * width))
     angle = case.value("mach_angle_theory_deg")
-    if direction is None or math.isnan(angle):
+    if direction is None or math.isnan(angle) or is_over(case, t_s):
         return False
     length = front_length(case, focus, path, angle)
     for line in fronts(focus, direction, angle, length):

@@ -175,7 +175,8 @@ class BandTest(unittest.TestCase):
 class SharpnessTest(unittest.TestCase):
     def test_it_is_the_energy_within_one_fwhm_of_the_path(self):
         case = load.Case(case_id(1), {}, False, "", Path("none"))
-        case.series = {"focus_x": np.array([0.0, 0.01]), "focus_y": np.zeros(2)}
+        case.series = {"time": np.array([0.0, 1.0]), "focus_x": np.array([0.0, 0.01]),
+                       "focus_y": np.zeros(2)}
         case.physics = {"load": {"fwhm_m": 0.002}}
         x, y = 1e-3 * np.arange(-20, 31), 1e-3 * np.arange(-20, 21)
         square = np.zeros((len(x), len(y)))
@@ -188,7 +189,8 @@ class SharpnessTest(unittest.TestCase):
 
     def test_simultaneous_foci_draw_a_path_each(self):
         case = load.Case(case_id(1), {}, False, "", Path("none"))
-        case.series = {"focus_x": np.array([0.0, 0.01]), "focus_y": np.zeros(2)}
+        case.series = {"time": np.array([0.0, 1.0]), "focus_x": np.array([0.0, 0.01]),
+                       "focus_y": np.zeros(2)}
         case.physics = {"load": {"fwhm_m": 0.002, "modulation": {"foci_x_m": [0.0, 0.0],
                                                                  "foci_y_m": [0.005, -0.005]}}}
         x, y = 1e-3 * np.arange(-20, 31), 1e-3 * np.arange(-20, 21)

@@ -337,6 +337,15 @@ class WordsTest(unittest.TestCase):
 
 
 class WakeTest(unittest.TestCase):
+    def test_a_path_that_has_ended_stays_where_it_last_pressed(self):
+        case = load.Case(case_id(1), {}, False, "", Path("none"))
+        case.series = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
+                       "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM are no end
+        focus, direction, path = wake.focus_at(case, 5.0)
+        self.assertEqual((focus[0], direction[0], len(path)), (2e3, 1.0, 3))
+        self.assertFalse(wake.is_over(case, 1.0) or wake.is_over(case, 3.0))
+        self.assertTrue(wake.is_over(case, 4.0))
+
     def test_fronts_open_behind_the_focus_at_the_angle(self):
         focus, direction = np.array([5.0, 1.0]), np.array([0.6, 0.8])
         for line in wake.fronts(focus, direction, 40.0, 7.0):
