@@ -42,12 +42,20 @@ struct BenchArguments {
     double contrast = 4.0; // of a body's shear stiffness; 1: no body
 };
 
+struct DiffArguments {
+    std::filesystem::path now, reference; // output folders, or tables (CSV)
+    std::vector<std::string> tolerances;  // COLUMN=RELATIVE
+    std::filesystem::path tolerance_file; // TOML; empty: none
+    std::filesystem::path json;           // where to write the differences; empty: nowhere
+};
+
 ExitCode check_command(const JobArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 ExitCode run_command(const RunArguments& arguments, const Comm& world);
 ExitCode status_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
 

@@ -87,6 +87,27 @@ void add_path_verb(CLI::App& app, Action& action, const std::string& name, const
         [=, &action] { action = [=](const Comm& world) { return command(*path, world); }; });
 }
 
+void add_diff(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<DiffArguments>();
+    CLI::App* verb = app.add_subcommand(
+        "diff", "a table against another, with tolerances; exit 5 when they differ");
+    verb->add_option("DIR", arguments->now, "output folder, or table (CSV)")->required();
+    verb->add_option("BASELINE", arguments->reference, "what it is compared with, likewise")
+        ->required();
+    verb->add_option("--tolerance", arguments->tolerances,
+                     "relative tolerance of a column (*: of all that are not named)")
+        ->type_name("COLUMN=REL")
+        ->allow_extra_args(false)
+        ->take_all();
+    verb->add_option("--tolerances", arguments->tolerance_file, "a file of tolerances (TOML)")
+        ->type_name("FILE");
+    verb->add_option("--json", arguments->json, "write every difference there as well")
+        ->type_name("FILE");
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return diff_command(*arguments, world); };
+    });
+}
+
 void add_bench(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<BenchArguments>();
     CLI::App* verb = app.add_subcommand(
@@ -148,6 +169,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
                   folder, reduce_command);
     add_path_verb(app, action, "report", "figures and one HTML page", "DIR", folder,
                   report_command);
+    add_diff(app, action);
     add_path_verb(app, action, "show", "one case in words", "CASE", "case file (HDF5)",
                   show_command);
     add_bench(app, action);

@@ -1,0 +1,64 @@
+#include "reduce/tolerance.hpp"
+
+#include "base/error.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+TEST_CASE("only the literal ipr is allowed more than the digits of a table", "[tolerance]") {
+    CHECK(default_tolerance("eta_at_1") == Tolerance{.relative = 1e-7});
+    CHECK(default_tolerance("ipr_abs_period_mm2") == default_tolerance("eta_at_1"));
+    CHECK(default_tolerance("ipr_period_mm2") == Tolerance{.relative = 1e-4});
+}
+
+TEST_CASE("a file gives tolerances by column, to all others, and what is ignored", "[tolerance]") {
+    const Tolerances read = read_tolerances("ignore = [\"mach_angle_deg\"]\n"
+                                            "[tolerance]\n"
+                                            "eta_at_1 = 1e-5\n"
+                                            "peak_um = { relative = 1e-3, absolute = 2 }\n"
+                                            "\"*\" = 1e-6\n",
+                                            "t.toml");
+    CHECK(read.of("eta_at_1") == Tolerance{.relative = 1e-5});
+    CHECK(read.of("peak_um") == Tolerance{.relative = 1e-3, .absolute = 2.0});
+    CHECK(read.of("ipr_at_1") == Tolerance{.relative = 1e-6});
+    CHECK(read.ignores("mach_angle_deg"));
+    CHECK(read.ignores("wall_s"));
+    CHECK(read.ignores("note"));
+    CHECK_FALSE(read.ignores("status"));
+}
+
+TEST_CASE("the command line changes the relative part of what a file says", "[tolerance]") {
+    Tolerances tolerances;
+    tolerances.named["peak_um"] = {.relative = 1e-3, .absolute = 2.0};
+    add_tolerance(tolerances, "peak_um=0.5");
+    add_tolerance(tolerances, "*=0");
+    CHECK(tolerances.of("peak_um") == Tolerance{.relative = 0.5, .absolute = 2.0});
+    CHECK(tolerances.of("eta_at_1") == Tolerance{.relative = 0.0});
+    const char* wrong = GENERATE("eta", "eta=", "=1", "eta=x", "eta=-1", "eta=inf", "eta=1e-3x");
+    CHECK_THROWS_WITH(add_tolerance(tolerances, wrong),
+                      Catch::Contains(wrong) && Catch::Contains("COLUMN=RELATIVE"));
+}
+
+TEST_CASE("every mistake in a file of tolerances is told with its place", "[tolerance]") {
+    const char* text = "[tolerances]\n"
+                       "[tolerance]\n"
+                       "a = -1\n"
+                       "b = \"x\"\n"
+                       "c = { relativ = 1 }\n"
+                       "d = { absolute = nan }\n";
+    try {
+        read_tolerances(text, "t.toml");
+        FAIL("it was read");
+    } catch (const UsageError& error) {
+        CHECK(error.code() == ExitCode::usage);
+        CHECK_THAT(error.what(),
+                   Catch::Contains("t.toml:1:") && Catch::Contains("tolerances is unknown") &&
+                       Catch::Contains("t.toml:3:") && Catch::Contains("t.toml:4:") &&
+                       Catch::Contains("c.relativ is unknown") && Catch::Contains("t.toml:6:"));
+    }
+    CHECK_THROWS_WITH(read_tolerances("ignore = [1]\n", "t.toml"),
+                      Catch::Contains("t.toml:1:") && Catch::Contains("list of columns"));
+    CHECK_THROWS_WITH(read_tolerances("tolerance = 1\n", "t.toml"), Catch::Contains("[tolerance]"));
+    CHECK_THROWS_WITH(read_tolerances("[tolerance\n", "t.toml"), Catch::Contains("no TOML"));
+}
