@@ -111,8 +111,8 @@ Differences compare(const TextTable& now, const TextTable& reference,
             found.missing_columns.push_back(name);
             continue;
         }
-        found.compared.push_back(name);
         const Column column{*there, i, tolerances.of(name), largest_of(reference, i)};
+        found.compared.push_back({name, column.tolerance});
         MovedColumn moved{name, column.tolerance, {}};
         for (const RowPair& pair : rows.pairs) {
             auto cell = moved_cell(now.rows[pair.now][column.now],

@@ -26,12 +26,18 @@ struct MovedColumn {
     std::vector<MovedCell> cells; // worst first
 };
 
+struct ComparedColumn {
+    std::string column;
+    Tolerance tolerance;
+};
+
 /// What differs between two tables.
 struct Differences {
     std::vector<MovedColumn> moved; // worst first
     std::vector<std::string> missing_cases, extra_cases, missing_columns, extra_columns;
-    std::vector<std::string> compared, not_compared; // columns
-    std::size_t cases = 0;                           // that both tables have
+    std::vector<ComparedColumn> compared;
+    std::vector<std::string> not_compared;
+    std::size_t cases = 0;             // that both tables have
     std::size_t cases_of_other_id = 0; // of them matched by their swept values: no difference
 
     bool none() const;

@@ -93,17 +93,18 @@ std::string json_text(const Differences& differences) {
                              {"change", cell.change},
                              {"over_tolerance", cell.over_tolerance},
                              {"words", change_text(cell, column.tolerance)}});
-        moved.push_back({{"column", column.column},
-                         {"relative_tolerance", column.tolerance.relative},
-                         {"cells", cells}});
+        moved.push_back({{"column", column.column}, {"cells", cells}});
     }
+    Json tolerances = Json::object(); // of every column compared
+    for (const ComparedColumn& compared : differences.compared)
+        tolerances[compared.column] = compared.tolerance.relative;
     const Json all = {{"equal", differences.none()},
                       {"moved", moved},
                       {"missing_columns", differences.missing_columns},
                       {"extra_columns", differences.extra_columns},
                       {"missing_cases", differences.missing_cases},
                       {"extra_cases", differences.extra_cases},
-                      {"compared", differences.compared},
+                      {"tolerances", tolerances},
                       {"not_compared", differences.not_compared},
                       {"cases", differences.cases},
                       {"cases_of_other_id", differences.cases_of_other_id}};

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+"""A night: runs the jobs anew, compares their tables with the baselines, keeps every number, writes
+one page and its JUnit XML. scripts/nightly builds the program and starts this."""
+import argparse
+import fcntl
+import os
+import socket
+import statistics
+import sys
+from datetime import datetime, timezone
+from pathlib import Path
+
+import junit
+import night
+import page
+from history import History
+from program import Program
+
+ROOT = Path(__file__).resolve().parents[2]
+SLOWER = 1.25  # over the median of the nights before: others on the machine cost less than that
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds, runs the jobs, compares "
+                                     "them with their baselines; exit 5 when one differs.")
+    parser.add_argument("jobs", nargs="*", metavar="JOB", help="name of a file in jobs/, or a path to one "
+                        "that ends in .toml (default: quickstart)")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
+                        help="history, runs, page (default: out/nightly)")
+    parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
+                        help="default: tests/baselines")
+    parser.add_argument("--ranks", type=int, default=2, metavar="N", help="of a run (default: 2)")
+    parser.add_argument("--hours", type=float, default=6.0, metavar="H", help="at most for a job (default: 6)")
+    parser.add_argument("--nights", type=int, default=60, metavar="N", help="shown on the page (default: 60)")
+    parser.add_argument("--no-bench", action="store_true", help="measure no speed")
+    parser.add_argument("--build-failed", metavar="LOG", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.ranks < 1 or chosen.nights < 1 or chosen.hours <= 0:
+        parser.error("--ranks, --nights and --hours want numbers above 0")
+    chosen.jobs = chosen.jobs or ["quickstart"]
+    return chosen
+
+
+def lock(folder):
+    """Held until the last process of this night has ended; None when another night is at work."""
+    handle = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(handle)
+        return None
+    return handle
+
+
+def speeds_of(program, results):
+    """Ratios, and of a job: the seconds of all its cases over the floor of engine layered."""
+    speeds, floor_s = program.speeds()
+    for result in results:
+        if floor_s and result.seconds:
+            speeds.append((f"{result.name}: its cases over the floor of layered", result.seconds / floor_s))
+    return speeds
+
+
+def slower_than_before(history, number, nights):
+    """Names of what is slower than in the nights before, of which there must be three."""
+    found = []
+    for name, values in history.speeds(nights[0][0]).items():
+        before = [v for n, v in values.items() if n != number]
+        if number in values and len(before) >= 3 and values[number] > SLOWER * statistics.median(before):
+            found.append(name)
+    return found
+
+
+def write(path, text):
+    part = path.with_name(path.name + ".part")
+    part.write_text(text, encoding="utf-8")
+    part.replace(path)
+
+
+def verdict_of(results):
+    for verdict in (night.DIFFERS, night.BROKEN, night.NO_BASELINE):
+        if any(r.verdict == verdict for r in results):
+            return verdict
+    return night.EQUAL
+
+
+def code_of(results):
+    """5 when one differs; else the first code that is not 0."""
+    codes = [r.code for r in results]
+    return 5 if 5 in codes else next((code for code in codes if code), 0)
+
+
+def broken_build(log, watched):
+    said = Path(log).read_text(encoding="utf-8", errors="replace")
+    return [night.Result(w, night.BROKEN, 1, "the build failed: " + night.last_words(said)) for w in watched]
+
+
+def the_night(chosen, watched, handle):
+    log = chosen.out / "nightly.log"
+    log.write_text("", encoding="utf-8")
+    program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), log, (handle,))
+    history = History(chosen.out / "history.sqlite")
+    started = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
+    git_id = "not built" if chosen.build_failed else program.git_id()
+    number = history.begin(started, git_id, socket.gethostname())
+    if chosen.build_failed:
+        results, speeds = broken_build(chosen.build_failed, watched), []
+    else:
+        results = [night.run_job(program, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]
+        speeds = [] if chosen.no_bench else speeds_of(program, results)
+    verdict = verdict_of(results)
+    history.finish(number, verdict, [(r.name, r.verdict, r.message) for r in results],
+                   [(r.name, *reading) for r in results for reading in r.readings], speeds)
+    nights = history.nights(chosen.nights)
+    slower = slower_than_before(history, number, nights)
+    junit.write(chosen.out / "junit.xml", results)
+    write(chosen.out / "index.html", page.page(verdict, results, history, nights, slower))
+    history.close()
+    return results, slower
+
+
+def main():
+    chosen = arguments()
+    chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
+    try:
+        watched = night.watched_jobs(chosen.jobs, ROOT, chosen.out, chosen.baselines)
+    except ValueError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    try:
+        chosen.out.mkdir(parents=True, exist_ok=True)
+        handle = lock(chosen.out)
+        if handle is None:
+            print(f"another night is at work in {chosen.out}; wait for its end, or take another --out",
+                  file=sys.stderr)
+            return 6
+        results, slower = the_night(chosen, watched, handle)
+    except OSError as problem:
+        print(f"the night cannot go on: {problem}", file=sys.stderr)
+        return 6
+    for result in results:
+        print(f"{result.name}: {page.SAY[result.verdict]}")
+        if result.message:
+            print("  " + result.message.strip().replace("\n", "\n  "))
+    for name in slower:
+        print(f"slower: {name}")
+    print(f"page:  {chosen.out / 'index.html'}\nJUnit: {chosen.out / 'junit.xml'}")
+    return code_of(results)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
