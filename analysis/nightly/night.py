@@ -35,7 +35,7 @@ class Result:
     message: str = ""
     differences: dict = field(default_factory=dict)  # as `shearwake diff --json` writes them
     readings: list = field(default_factory=list)
-    seconds: float | None = None  # of all cases
+    seconds: float | None = None  # of the median case
 
     @property
     def name(self):
@@ -82,7 +82,7 @@ def run_job(program, watched, ranks, limit_s):
     path = watched.table()
     if reduced.code != 0 or path is None:
         return Result(watched, BROKEN, reduced.code or 1, "reduce: " + last_words(reduced.said))
-    result = Result(watched, EQUAL, 0, readings=table.readings(path), seconds=table.seconds(path))
+    result = Result(watched, EQUAL, 0, readings=table.readings(path), seconds=table.median_seconds(path))
     if not watched.baseline.is_file():
         result.verdict, result.code = NO_BASELINE, 6
         result.message = f"there is no {watched.baseline}; next: scripts/update-baseline {watched.name}"

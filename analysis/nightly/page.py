@@ -121,8 +121,9 @@ def speed_section(history, nights, slower):
         return ""
     warning = f"<p class='bad'><b>slower</b>: {escape('; '.join(slower))}</p>" if slower else ""
     return ("<h2>Speed</h2><p class='small'>Times over those of the floor, which the same night's "
-            "<code>shearwake bench</code> measured on the same machine: 1 is the best that can be. A ratio a "
-            "quarter above the median of the nights before it is called slower; it fails no night.</p>"
+            "<code>shearwake bench</code> measured on the same machine: 1 is the best that can be. What is "
+            "two nights running a quarter above the median of the nights before is called slower; it fails no "
+            "night.</p>"
             f"{warning}<div class='charts'>{''.join(figures)}</div>")
 
 
@@ -133,6 +134,12 @@ def job_section(result, history, nights):
     return (f"<h2>{escape(result.name)}: {SAY[result.verdict]}</h2>{trouble}"
             f"{moved_table(result.differences)}{other_differences(result.differences)}"
             f"{trends(result, history, nights)}")
+
+
+def in_short(results):
+    """'quickstart differs from the baseline; mach-cone broke', or that all is well."""
+    parts = [f"{r.name} {SAY[r.verdict]}" for r in results if r.verdict != night.EQUAL]
+    return "; ".join(parts) or "everything is as in the baselines"
 
 
 def page(verdict, results, history, nights, slower):
@@ -146,7 +153,7 @@ def page(verdict, results, history, nights, slower):
     for number, started, git_id, host, said in reversed(nights):
         jobs = ", ".join(f"{name}: {v}" for name, v, _ in history.jobs(number))
         past.append(row([started.replace("T", " "), git_id, host, said, jobs]))
-    summary = "everything as in the baselines" if verdict == night.EQUAL else f"the night {verdict}"
+    summary = in_short(results)
     return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>shearwake: {escape(summary)}'
             f'</title><meta name="viewport" content="width=device-width"><style>{CSS}</style></head><body>'
             f"<h1>shearwake, the night of {escape(last[1][:10])}</h1>"

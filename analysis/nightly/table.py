@@ -1,6 +1,7 @@
 """Tables as `shearwake reduce` writes them: what is watched in them, and how cases are called."""
 import csv
 import math
+import statistics
 
 # Of the machine, not of the physics; as in analysis/reduce/tolerance.cpp.
 NOT_COMPARED = ("wall_s", "host", "hosts", "note")
@@ -53,8 +54,8 @@ def readings(path):
     return [(case, column, value) for (case, column), value in found.items()]
 
 
-def seconds(path):
-    """Of all cases together, or None."""
+def median_seconds(path):
+    """Of a case, or None. The first case of a medium is slower, and others may use the machine."""
     _, rows = read_rows(path)
-    each = [number(row.get("wall_s")) for row in rows]
-    return sum(each) if each and None not in each else None
+    each = [value for value in (number(row.get("wall_s")) for row in rows) if value is not None]
+    return statistics.median(each) if each else None

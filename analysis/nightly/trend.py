@@ -2,7 +2,7 @@
 import html
 import math
 
-WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 300, 92, 52, 16, 8, 8
+WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 300, 92, 56, 16, 8, 8
 # Okabe and Ito (2008), as in analysis/report/style.py.
 COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#666666", "#000000"]
 ALARM = "#D55E00"
@@ -71,7 +71,8 @@ def chart(series, nights, dates, band=None, alarms=(), words=""):
         parts.append(f'<rect x="{LEFT}" y="{scale.y(band):.1f}" width="{WIDTH - LEFT - RIGHT}" '
                      f'height="{max(1.0, scale.y(-band) - scale.y(band)):.1f}" class="band"/>')
     parts.append(f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}" class="axis"/>')
-    ticks = [(high, label(high, percent)), (low, label(low, percent))]
+    # A value that lies on the line of 0 is called 0: the tolerance's edge beside a larger change.
+    ticks = [(v, label(v, percent) if abs(v) > 0.01 * (high - low) else "0") for v in (high, low)]
     if percent and scale.y(low) - scale.y(0) > 11 and scale.y(0) - scale.y(high) > 11:
         ticks.append((0.0, "0"))
     parts += [f'<text x="{LEFT - 4}" y="{scale.y(v) + 3:.1f}" text-anchor="end">{t}</text>' for v, t in ticks]

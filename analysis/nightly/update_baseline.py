@@ -8,7 +8,7 @@ from pathlib import Path
 
 import night
 import table
-from program import Program
+from shearwake_program import Program
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -1,0 +1,217 @@
+"""scripts/nightly and scripts/update-baseline: nights that are equal, that differ, that are killed."""
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import unittest
+from xml.etree import ElementTree
+
+from program import LONG, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment, without_reference
+
+sys.path.insert(0, str(ROOT / "analysis" / "nightly"))
+
+import nightly  # noqa: E402
+from history import UNFINISHED, History  # noqa: E402
+
+TINY = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [400, 500]'), ("frames = true", ""))
+KILLED_WITHIN = """\
+import os, sys
+sys.path.insert(0, {modules!r})
+from history import History
+history = History({path!r})
+night = history.begin("2026-01-03T00:00:00", "git", "host")
+def readings():
+    yield "tiny", "case", "eta_1", 1.0
+    os.kill(os.getpid(), 9)
+history.finish(night, "equal", [("tiny", "equal", "")], readings(), [])
+"""
+
+
+class Nightly(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.nights = self.folder / "nights"
+        self.write_job(TINY, "tiny.toml")
+
+    def script(self, name, *words, expect=0, typed=""):
+        done = subprocess.run(self.words(name, *words), cwd=self.folder, env=self.environment(), input=typed,
+                              capture_output=True, encoding="utf-8", timeout=120, check=False)
+        said = done.stdout + done.stderr
+        self.assertEqual(done.returncode, expect, f"{name} {words}:\n{said}")
+        return said
+
+    def words(self, name, *words):
+        return [str(ROOT / "scripts" / name), *map(str, words), "--out", "nights", "--baselines", "baselines"]
+
+    @staticmethod
+    def environment():
+        return {**environment(), "SHEARWAKE": str(PROGRAM)}
+
+    def night(self, *words, expect=0, job="tiny.toml"):
+        return self.script("nightly", job, "--no-bench", "--ranks", "1", *words, expect=expect)
+
+    def first_baseline(self):
+        self.night(expect=6)
+        self.script("update-baseline", "tiny.toml", "--yes")
+
+    def page(self):
+        return (self.nights / "index.html").read_text(encoding="utf-8")
+
+    def junit(self):
+        """{test: its failure or error, or None}"""
+        root = ElementTree.parse(self.nights / "junit.xml").getroot()
+        tests = {(case.get("classname"), case.get("name")): next(iter(case), None)
+                 for case in root.iter("testcase")}
+        self.assertEqual(int(root.get("tests")), len(tests))
+        return tests
+
+    def ask(self, query):
+        with sqlite3.connect(self.nights / "history.sqlite") as file:
+            rows = file.execute(query).fetchall()
+        file.close()
+        return rows
+
+    def verdicts(self):
+        return [verdict for verdict, in self.ask("SELECT verdict FROM night ORDER BY id")]
+
+    def start_night(self, job):
+        process = subprocess.Popen(self.words("nightly", job, "--no-bench", "--ranks", "1"), cwd=self.folder,
+                                   env=self.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.STDOUT, start_new_session=True)
+        self.addCleanup(self._end, process)
+        cases = self.nights / "runs" / "long" / "cases"
+        self.wait_for(lambda: any(cases.glob("*.h5")), "a first case")
+        return process
+
+    def test_a_night_without_a_baseline_says_how_to_make_one(self):
+        self.says(self.night(expect=6), "has no baseline", "scripts/update-baseline tiny")
+        self.assertEqual(self.verdicts(), ["no baseline"])
+        self.assertEqual(self.junit()["tiny", "the sweep"].tag, "error")
+        said = self.script("update-baseline", "tiny.toml", expect=5, typed="n\n")
+        self.says(said, "3 cases", "left as it was")
+        self.assertFalse((self.folder / "baselines").exists())
+        self.script("update-baseline", "tiny.toml", typed="y\n")
+        header = (self.folder / "baselines" / "tiny.csv").read_text(encoding="utf-8").splitlines()[0]
+        self.assertIn("eta_period_1", header)
+        self.assertNotIn("wall_s", header)
+
+    def test_equal_nights_then_one_that_differs(self):
+        self.first_baseline()
+        self.says(self.night(), "tiny: equal to the baseline", "index.html")
+        self.night("--ranks", "2")  # other ranks, equal numbers
+        self.assertEqual(set(self.junit().values()), {None})
+        self.assertIn("everything is as in the baselines", self.page())
+
+        before = (self.folder / "baselines" / "tiny.csv").read_bytes()
+        self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
+        self.says(self.night(expect=5), "tiny: differs from the baseline", "peak_um", "+1 %")
+        self.assertEqual(self.verdicts(), ["no baseline", "equal", "equal", "differs"])
+        page, tests = self.page(), self.junit()
+        moved = page[page.index("What moved"):page.index("Every number")]
+        self.says(moved, "peak_um", "+1 %", "3 of 3")
+        self.assertNotIn("eta_period_1", moved)  # a ratio: the load's strength divides out
+        self.assertEqual(page.count("<svg"), len({column for column, in self.ask(
+            "SELECT DISTINCT column FROM reading")}))
+        self.assertNotIn("http", page)  # nothing is fetched
+        self.assertEqual(tests["tiny", "peak_um"].tag, "failure")
+        self.assertIsNone(tests["tiny", "eta_period_1"])
+        self.assertEqual(len(self.ask("SELECT * FROM reading WHERE column = 'peak_um'")), 4 * 3)
+
+        said = self.script("update-baseline", "tiny.toml", expect=5, typed="\n")
+        self.says(said, "peak_um", "+1 %", "[y/N]")
+        self.assertEqual((self.folder / "baselines" / "tiny.csv").read_bytes(), before)
+        self.says(self.script("update-baseline", "tiny.toml", "--yes"), "peak_um", "written")
+        self.night()
+        self.says(self.script("update-baseline", "tiny.toml"), "stands as it is")
+
+    def test_tolerances_beside_the_baseline_count(self):
+        self.first_baseline()
+        self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
+        (self.folder / "baselines" / "tiny.tolerances.toml").write_text('[tolerance]\n"*" = 0.02\n',
+                                                                        encoding="utf-8")
+        self.night()
+
+    def test_the_history_survives_a_killed_night(self):
+        self.first_baseline()
+        self.night()
+        kept = self.ask("SELECT * FROM reading ORDER BY night, job, case_name, column")
+        self.write_job(LONG, "long.toml")
+        process = self.start_night("long.toml")
+        os.kill(process.pid, signal.SIGKILL)  # its program works on: the folder is not free yet
+        process.wait()
+        self.says(self.night(expect=6), "another night is at work")
+        os.killpg(process.pid, signal.SIGKILL)
+        # The lock goes with the last process that holds it, a moment after the signal.
+        self.wait_for(lambda: self.lock_is_free(), "the lock")
+        self.assertEqual(self.verdicts(), ["no baseline", "equal", UNFINISHED])
+        self.assertEqual(self.ask("SELECT * FROM reading ORDER BY night, job, case_name, column"), kept)
+        self.night()
+        self.assertEqual(self.verdicts(), ["no baseline", "equal", UNFINISHED, "equal"])
+        self.assertIn(UNFINISHED, self.page())
+
+    def lock_is_free(self):
+        handle = nightly.lock(self.nights)
+        if handle is None:
+            return False
+        os.close(handle)
+        return True
+
+    def test_a_night_killed_while_it_is_written_is_not_there_in_part(self):
+        self.nights.mkdir()
+        path = self.nights / "history.sqlite"
+        history = History(path)
+        history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [],
+                       [("tiny", "case", "eta_1", 0.5)], [])
+        history.close()
+        script = KILLED_WITHIN.format(modules=str(ROOT / "analysis" / "nightly"), path=str(path))
+        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
+        self.assertEqual(done.returncode, -signal.SIGKILL)
+        self.assertEqual(self.verdicts(), ["equal", UNFINISHED])
+        self.assertEqual(self.ask("SELECT night, value FROM reading"), [(1, 0.5)])
+        self.assertEqual(self.ask("SELECT * FROM job"), [])
+
+    def test_a_job_that_breaks_is_told_and_the_others_go_on(self):
+        self.first_baseline()
+        self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
+        said = self.night("bad.toml", expect=3)
+        self.says(said, "tiny: equal", "bad: broke", "did you mean peak_Pa")
+        self.says(self.page(), "bad: broke", "did you mean peak_Pa")
+        self.assertEqual(self.junit()["bad", "the sweep"].tag, "error")
+        self.says(self.night("nothing", expect=2), "no such job", "quickstart")
+        (self.folder / "build.log").write_text("x.cpp:1: error: <no such thing>\n", encoding="utf-8")
+        self.says(self.night("--build-failed", "build.log", expect=1), "the build failed")
+        self.assertIn("&lt;no such thing&gt;", self.page())
+
+    def test_a_case_that_fails_makes_no_baseline(self):
+        self.first_baseline()
+        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")
+        self.says(self.night(expect=5), "missing case")
+        table = self.nights / "runs" / "tiny" / "tables" / "small.csv"
+        table.write_text(table.read_text(encoding="utf-8").replace("complete", "failed"), encoding="utf-8")
+        self.says(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not whole")
+
+    def test_speed_is_a_ratio_to_the_floor_of_the_same_night(self):
+        self.first_baseline()
+        self.script("nightly", "tiny.toml", "--ranks", "1")
+        speeds = dict(self.ask("SELECT name, ratio FROM speed"))
+        for name in ("layered: its time over that of its bare FFTW planes",
+                     "spectral: its time over that of bare FFTs", "spectral: its time over that of memory"):
+            self.assertGreater(speeds[name], 0.5)  # 1 is the floor; its own measurement is no better
+            self.assertIn(name, self.page())
+        self.assertIn("tiny: its median case over the floor of layered", speeds)
+
+    def test_slower_is_what_is_slower_two_nights_running(self):
+        self.nights.mkdir()
+        history = History(self.nights / "history.sqlite")
+        self.addCleanup(history.close)
+        said = []
+        for ratio in (2.0, 2.1, 1.9, 2.0, 4.0, 2.0, 3.0, 3.1):
+            number = history.begin("2026-01-02T00:00:00", "git", "host")
+            history.finish(number, "equal", [], [], [("layered", ratio)])
+            said.append(nightly.slower_than_before(history, number, history.nights(60)))
+        self.assertEqual(said, [[]] * 7 + [["layered"]])
+
+
+if __name__ == "__main__":
+    unittest.main()
