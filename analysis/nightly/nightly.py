@@ -5,6 +5,7 @@ import argparse
 import fcntl
 import os
 import socket
+import sqlite3
 import statistics
 import sys
 from datetime import datetime, timezone
@@ -141,6 +142,10 @@ def main():
         results, slower = the_night(chosen, watched, handle)
     except OSError as problem:
         print(f"the night cannot go on: {problem}", file=sys.stderr)
+        return 6
+    except sqlite3.Error as problem:
+        print(f"{chosen.out / 'history.sqlite'}: {problem}; if it is damaged, move it away: the next night "
+              "begins a new one", file=sys.stderr)
         return 6
     for result in results:
         print(f"{result.name}: {page.SAY[result.verdict]}")

@@ -17,7 +17,7 @@ h3 { font-size: 1rem; margin: 1.4rem 0 .4rem; } p { margin: .4rem 0; }
 .verdict.bad { border-color: #D55E00; }
 table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .7rem .25rem 0; text-align: left; border-bottom: 1px solid #e4e4e4;
-  vertical-align: top; }
+  vertical-align: top; } .moves td:nth-child(n + 3) { white-space: nowrap; }
 th { border-bottom: 1.5px solid #888; } td.bad, .bad b { color: #B34700; font-weight: 600; }
 pre { background: #f6f6f6; padding: .7rem; font-size: .8rem; overflow-x: auto; white-space: pre-wrap; }
 .scroll { overflow-x: auto; }
@@ -50,7 +50,7 @@ def moved_table(differences):
         lines.append(row([column["column"], cell["words"], cell["reference"] or "(empty)",
                           cell["now"] or "(empty)", cell["case"],
                           f"{len(column['cells'])} of {differences['cases']}"]))
-    return f'<h3>What moved, worst first</h3><div class="scroll"><table>{"".join(lines)}</table></div>'
+    return f'<h3>What moved, worst first</h3><div class="scroll"><table class="moves">{"".join(lines)}</table></div>'
 
 
 def other_differences(differences):

@@ -11,7 +11,9 @@ ALARM = "#D55E00"
 def label(value, percent):
     if value == 0:
         return "0"
-    return f"{100 * value:+.2g} %" if percent else f"{value:.3g}"
+    if not percent:
+        return f"{value:.3g}"
+    return f"{100 * value:+.2g} %" if abs(value) < 10 else f"{value:+.1g} x"
 
 
 def pieces(values, nights):

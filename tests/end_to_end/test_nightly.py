@@ -171,6 +171,14 @@ class Nightly(ProgramTest):
         self.assertEqual(self.ask("SELECT night, value FROM reading"), [(1, 0.5)])
         self.assertEqual(self.ask("SELECT * FROM job"), [])
 
+    def test_a_damaged_history_is_told_and_not_written_over(self):
+        self.nights.mkdir()
+        path = self.nights / "history.sqlite"
+        path.write_bytes(b"no database, " * 100)
+        before = path.read_bytes()
+        self.says(self.night(expect=6), "history.sqlite", "move it away")
+        self.assertEqual(path.read_bytes(), before)
+
     def test_a_job_that_breaks_is_told_and_the_others_go_on(self):
         self.first_baseline()
         self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
