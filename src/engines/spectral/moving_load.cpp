@@ -131,12 +131,12 @@ void MovingLoad::place(Sampled& load, std::ptrdiff_t step) {
 
 namespace {
 
-/// What a sample of a load that goes out counts, so that the sum of samples has the integral and
-/// the first moment of the load up to its end, anywhere between two steps.
+/// What a sample of a load that goes out counts: half at the very end, so that the sum of samples
+/// is the load's integral; and where that lies between two steps the first moment is kept as well.
 double share_before(double end_steps, std::ptrdiff_t step) {
     const double last = std::floor(end_steps + 1e-9);
     const double after = end_steps - last, at = static_cast<double>(step);
-    const double next = 0.5 * after * after - 1.0 / 12.0;
+    const double next = 0.5 * after * after;
     if (at < last) return 1.0;
     if (at == last) return 0.5 + after - next;
     return at == last + 1.0 ? next : 0.0;
