@@ -24,13 +24,18 @@ Complex* room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size) {
 } // namespace
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs)
+    : RunTransform(slabs, team, std::move(runs), {slabs.share().ky_start, slabs.share().ky_count}) {
+}
+
+RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                           Lines lines)
     : slabs_(slabs), team_(team), runs_(std::move(runs)),
-      begin_(runs_.empty() ? 0 : runs_.front().row),
-      end_(runs_.empty() ? 0 : runs_.back().row + 1) {
+      begin_(runs_.empty() ? 0 : runs_.front().row), end_(runs_.empty() ? 0 : runs_.back().row + 1),
+      mine_(lines), lines_reals_(slabs.lines_reals(lines.ky_count)) {
     const SlabShare& share = slabs.share();
     const double mine[4] = {
         static_cast<double>(share.x_start + begin_), static_cast<double>(share.x_start + end_),
-        static_cast<double>(share.ky_start), static_cast<double>(share.ky_count)};
+        static_cast<double>(lines.ky_start), static_cast<double>(lines.ky_count)};
     const std::vector<double> all = team.all_gather(std::span<const double>(mine));
     for (std::size_t at = 0; at < all.size(); at += 4)
         shares_.push_back({std::lround(all[at]), std::lround(all[at + 1]), std::lround(all[at + 2]),
@@ -87,13 +92,13 @@ void RunTransform::to_values_alone(const double* lines, double* values) const {
 void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdiff_t planes,
                             double* lines) const {
     SlabTransform::Work& w = *slabs_.work_;
-    const std::ptrdiff_t rows = end_ - begin_, stride = slabs_.lines_reals();
+    const std::ptrdiff_t rows = end_ - begin_, stride = lines_reals_;
     if (w.alone()) {
         for (std::ptrdiff_t p = 0; p < planes; ++p)
             to_lines_alone(values + static_cast<std::size_t>(p) * cells, lines + p * stride);
         return;
     }
-    const std::ptrdiff_t ky_count = slabs_.share().ky_count;
+    const std::ptrdiff_t ky_count = mine_.ky_count;
     std::vector<int> out, in;
     for (const Share& of : shares_) {
         out.push_back(static_cast<int>(planes * of.ky_count * rows));
@@ -130,13 +135,13 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
 void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double* values,
                              std::size_t cells) const {
     SlabTransform::Work& w = *slabs_.work_;
-    const std::ptrdiff_t rows = end_ - begin_, stride = slabs_.lines_reals();
+    const std::ptrdiff_t rows = end_ - begin_, stride = lines_reals_;
     if (w.alone()) {
         for (std::ptrdiff_t p = 0; p < planes; ++p)
             to_values_alone(lines + p * stride, values + static_cast<std::size_t>(p) * cells);
         return;
     }
-    const std::ptrdiff_t ky_count = slabs_.share().ky_count;
+    const std::ptrdiff_t ky_count = mine_.ky_count;
     std::vector<int> out, in;
     for (const Share& of : shares_) {
         out.push_back(static_cast<int>(planes * ky_count * of.rows()));

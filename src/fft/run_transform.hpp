@@ -19,8 +19,18 @@ struct RowRun {
 /// that has runs are transformed and sent. Its buffers are the SlabTransform's.
 class RunTransform {
 public:
-    /// `runs` of this rank's rows, ascending. Collective.
+    /// The ky of a rank, in the order of ranks.
+    struct Lines {
+        std::ptrdiff_t ky_start, ky_count;
+    };
+    /// `runs` of this rank's rows, ascending; lines of the ky that the SlabTransform gives it, or
+    /// of others, all ky being somebody's. Collective.
     RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs);
+    RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                 Lines lines);
+
+    /// Doubles from the lines of one plane to those of the next.
+    std::ptrdiff_t lines_reals() const { return lines_reals_; }
 
     /// Of `planes` planes at once: values of each `cells` doubles apart, lines lines_reals().
     /// Collective.
@@ -46,6 +56,8 @@ private:
     std::vector<RowRun> runs_;
     std::ptrdiff_t begin_ = 0, end_ = 0; // this rank's rows with runs, its own numbers
     std::vector<Share> shares_;          // by rank
+    Lines mine_;
+    std::ptrdiff_t lines_reals_;
 };
 
 } // namespace shearwake

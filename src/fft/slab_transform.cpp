@@ -58,7 +58,7 @@ void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
 
 SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
                              Planning planning)
-    : work_(std::make_unique<Work>()) {
+    : work_(std::make_unique<Work>()), planning_(planning) {
     fftw_mpi_init();
     const std::ptrdiff_t modes = ny / 2 + 1;
     const std::ptrdiff_t n[2] = {nx, modes};
@@ -142,8 +142,8 @@ std::ptrdiff_t SlabTransform::line_pitch() const {
     return work_->line_pitch;
 }
 
-std::ptrdiff_t SlabTransform::lines_reals() const {
-    return odd_lines(2 * share_.ky_count * work_->line_pitch);
+std::ptrdiff_t SlabTransform::lines_reals(std::ptrdiff_t lines) const {
+    return odd_lines(2 * lines * work_->line_pitch);
 }
 
 void SlabTransform::line_to_spectral(double* line) const {

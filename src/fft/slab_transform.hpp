@@ -40,6 +40,7 @@ public:
     SlabTransform& operator=(const SlabTransform&) = delete;
 
     const SlabShare& share() const { return share_; }
+    Planning planning() const { return planning_; }
     /// `plane` holds share().reals doubles, aligned as AlignedVector is.
     void to_physical(double* plane) const;
     void to_spectral(double* plane) const;
@@ -53,13 +54,15 @@ public:
     void line_to_spectral(double* line) const;
     void line_to_physical(double* line) const;
     std::ptrdiff_t line_pitch() const;
-    std::ptrdiff_t lines_reals() const;
+    std::ptrdiff_t lines_reals() const { return lines_reals(share_.ky_count); }
+    std::ptrdiff_t lines_reals(std::ptrdiff_t lines) const;
 
 private:
     friend class RunTransform;
     struct Work;
     std::unique_ptr<Work> work_;
     SlabShare share_;
+    Planning planning_;
 };
 
 } // namespace shearwake

@@ -56,7 +56,7 @@ Case bench_case(const BenchArguments& arguments) {
         .kind = "STM",
         .trajectory = {{Travel{{{-5e-3, 0.0}, {300e-3, 0.0}}, ConstantSpeed{7.0}}}},
         .envelope = {}};
-    c.domain = {grid.nx, grid.ny, 0.75e-3, 0.0};
+    c.domain = {grid.nx, grid.ny, 0.75e-3, 1e-3 * arguments.sponge_mm};
     c.time = {arguments.steps, 50e-6}; // a surface every step
     c.measure = {.at_s = c.time.duration_s(), .settled_after_s = 0.0, .focal_radius_m = 3e-3};
     c.solver = SpectralOptions{
@@ -124,7 +124,8 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
 void print(const Measured& m, const Case& c, double levels, double copies_B_s,
            const Estimate& estimate, int ranks) {
     constexpr std::array<const char*, phase_count> names = {
-        "FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "other"};
+        "FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge",
+        "other"};
     const double steps = static_cast<double>(m.statistics.steps);
     const double step_s = m.steps_s / steps;
     const double points = static_cast<double>(c.domain.nx * c.domain.ny) * levels;
@@ -181,9 +182,11 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
     const std::string body = arguments.contrast > 1.0
                                  ? fmt::format("a body {:g} times stiffer", arguments.contrast)
                                  : "no body";
-    fmt::print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}\n",
+    const std::string sponge =
+        arguments.sponge_mm > 0.0 ? fmt::format(", {:g} mm of sponge", arguments.sponge_mm) : "";
+    fmt::print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}{}\n",
                world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
-               m.statistics.steps, body);
+               m.statistics.steps, body, sponge);
     print(m, c, static_cast<double>(mesh.levels()), copies_B_s, estimate, world.size());
     return ExitCode::done;
 }

@@ -39,7 +39,8 @@ struct BenchArguments {
     // Of `spectral`:
     std::string grid = "256x192x25"; // points along x and y, levels
     int steps = 20;
-    double contrast = 4.0; // of a body's shear stiffness; 1: no body
+    double contrast = 4.0;  // of a body's shear stiffness; 1: no body
+    double sponge_mm = 0.0; // on each side
 };
 
 struct DiffArguments {

@@ -123,6 +123,9 @@ void add_bench(CLI::App& app, Action& action) {
                      "spectral: stiffness of the body over the layer's (4; 1: no body)")
         ->type_name("C")
         ->check(CLI::Range(1.0, 1e6));
+    verb->add_option("--sponge", arguments->sponge_mm, "spectral: absorbing margin, mm (0: none)")
+        ->type_name("MM")
+        ->check(CLI::Range(0.0, 60.0));
     verb->callback([=, &action] {
         action = [=](const Comm& world) { return bench_command(*arguments, world); };
     });

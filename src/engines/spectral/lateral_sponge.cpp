@@ -11,6 +11,7 @@ namespace shearwake {
 namespace {
 
 constexpr std::ptrdiff_t components = 3;
+constexpr std::ptrdiff_t together = 9; // planes that go from rank to rank at once
 
 /// The least viscosity over density within the uppermost `depth_m` [m^2/s].
 double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
@@ -26,14 +27,15 @@ double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
 
 /// Impulses T apart also send out waves of period T. So T is no longer than waves take through a
 /// quarter of the sponge or the width of the focus, nor than makes those lose 87 % of their
-/// amplitude within the sponge's width, omega^2 nu W/(2 c^3) = 2, unless the grid does not carry
-/// them anyway, c T = 2 spacings.
+/// amplitude within the sponge's width, omega^2 nu W/(2 c^3) = 2. Without any loss half of the
+/// focus' width is enough: of a pulse's energy 0.4 % comes back from 20 mm, as with shorter T, and
+/// 9 % where T is twice that.
 double interval_s(const Case& c, double speed_m_s) {
     const double width_m = c.domain.sponge_m;
+    const double focus_s = fwhm_m(c.load.footprint) / speed_m_s;
     const double nu = least_diffusivity_m2_s(c.medium, width_m);
     const double dies_s = std::numbers::pi * std::sqrt(nu * width_m / std::pow(speed_m_s, 3));
-    return std::min({0.25 * width_m / speed_m_s, fwhm_m(c.load.footprint) / speed_m_s,
-                     std::max(2.0 * c.domain.spacing_m / speed_m_s, dies_s)});
+    return std::min({0.25 * width_m / speed_m_s, focus_s, std::max(0.5 * focus_s, dies_s)});
 }
 
 /// i times the two halves of a value.
@@ -61,66 +63,99 @@ Direction direction(const WaveVectors& vectors, std::ptrdiff_t row, std::ptrdiff
 
 } // namespace
 
-LateralSponge::LateralSponge(const Case& c, const WaveVectors& vectors, const SlabTransform& slabs,
-                             double step_s, const Comm& team)
-    : slabs_(slabs), vectors_(vectors), domain_(c.domain), step_s_(step_s) {
+SpongePlan sponge_plan(const Case& c, bool uniform, double step_s) {
     const double width_m = c.domain.sponge_m;
-    if (!(width_m > 0.0)) return;
-    std::vector<RowRun> all;
-    for (std::ptrdiff_t i = 0; i < slabs.share().x_count; ++i)
-        all.push_back({i, 0, c.domain.ny, static_cast<std::size_t>(i * c.domain.ny)});
-    runs_.emplace(slabs, team, std::move(all));
-    const double speed_m_s = edge_speed_m_s(c.medium, width_m);
-    const double steps = std::floor(interval_s(c, speed_m_s) / step_s + 1e-9);
-    every_ = std::max<std::ptrdiff_t>(1, std::lround(steps));
-    const double time_s = static_cast<double>(every_) * step_s;
-    const auto kept = [&](double x_m, double extent_m) {
-        const double from_edge_m = 0.5 * extent_m - std::abs(x_m);
-        return std::exp(-time_s * edge_drag_Hz(from_edge_m, width_m, speed_m_s));
+    SpongePlan plan = {0, c.domain.nx, c.domain.ny};
+    if (!(width_m > 0.0)) return plan;
+    const double T = interval_s(c, edge_speed_m_s(c.medium, width_m));
+    plan.every = std::max<std::ptrdiff_t>(1, std::lround(std::floor(T / step_s + 1e-9)));
+    if (!uniform) return plan;
+    const double k_rad_m = bandwidth_rad_m(c.load.footprint, 3e-2);
+    const auto points = [&](double extent_m, std::ptrdiff_t all) {
+        const double waves = std::ceil(k_rad_m * extent_m / (2.0 * std::numbers::pi));
+        if (2.0 * waves + 2.0 >= static_cast<double>(all)) return all;
+        return std::min(all, good_even_length(2 * std::lround(waves) + 2));
     };
-    for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
-        kept_x_.push_back(kept(c.domain.x_m(i), c.domain.extent_x_m()));
-    for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
-        kept_y_.push_back(kept(c.domain.y_m(j), c.domain.extent_y_m()));
+    plan.nx = points(c.domain.extent_x_m(), c.domain.nx);
+    plan.ny = points(c.domain.extent_y_m(), c.domain.ny);
+    return plan;
+}
+
+LateralSponge::LateralSponge(const Case& c, const WaveVectors& vectors, const SlabTransform& slabs,
+                             bool uniform, double step_s, const Comm& team)
+    : vectors_(vectors), step_s_(step_s) {
+    const auto [every, nx, ny] = sponge_plan(c, uniform, step_s);
+    every_ = every;
+    if (every_ == 0) return;
+    vectors_ = vectors.coarser(nx, ny);
+    slabs_.emplace(nx, ny, team, slabs.planning());
+    std::vector<RowRun> all;
+    for (std::ptrdiff_t i = 0; i < slabs_->share().x_count; ++i)
+        all.push_back({i, 0, ny, static_cast<std::size_t>(i * ny)});
+    runs_.emplace(*slabs_, team, std::move(all),
+                  RunTransform::Lines{vectors_.share().ky_start, vectors_.share().ky_count});
+    const double width_m = c.domain.sponge_m, speed_m_s = edge_speed_m_s(c.medium, width_m);
+    const double time_s = static_cast<double>(every_) * step_s;
+    const auto kept = [&](std::ptrdiff_t count, double extent_m) {
+        std::vector<double> shares;
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+            const double place_m = static_cast<double>(i) * extent_m / static_cast<double>(count);
+            const double from_edge_m = std::min(place_m, extent_m - place_m);
+            shares.push_back(std::exp(-time_s * edge_drag_Hz(from_edge_m, width_m, speed_m_s)));
+        }
+        return shares;
+    };
+    kept_x_ = kept(nx, c.domain.extent_x_m());
+    kept_y_ = kept(ny, c.domain.extent_y_m());
 }
 
 void LateralSponge::assemble(std::ptrdiff_t levels) {
     if (every_ == 0) return;
     count_ = components * levels;
-    planes_.assign(static_cast<std::size_t>(count_ * slabs_.lines_reals()), 0.0);
-    const std::ptrdiff_t rows = slabs_.share().x_count;
-    values_.assign(static_cast<std::size_t>(rows * domain_.ny), 0.0);
+    planes_.assign(static_cast<std::size_t>(count_ * runs_->lines_reals()), 0.0);
+    values_.assign(static_cast<std::size_t>(together * slabs_->share().x_count * vectors_.ny()),
+                   0.0);
 }
 
-void LateralSponge::take_velocity(const VerticalOperator& op, const AlignedVector<double>& now,
+void LateralSponge::take_velocity(const VerticalOperator& op, std::ptrdiff_t blocks,
+                                  const AlignedVector<double>& now,
                                   const AlignedVector<double>& before) {
-    const std::ptrdiff_t size = op.unknowns() * parts, stride = slabs_.lines_reals();
+    const std::ptrdiff_t size = op.unknowns() * parts, stride = runs_->lines_reals();
+    const std::ptrdiff_t nx = vectors_.nx();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block) {
-            const std::ptrdiff_t at = (row * vectors_.blocks() + block) * size;
+        for (std::ptrdiff_t block = 0; acts_on(row, block); ++block) {
+            const std::ptrdiff_t at = (row * blocks + block) * size;
             put(op, row, block, lanes(now.data()) + at, lanes(before.data()) + at);
         }
         for (std::ptrdiff_t p = 0; p < count_; ++p) {
             double* modes = line(row) + p * stride;
             if (is_nyquist) {
-                std::fill_n(modes, 2 * domain_.nx, 0.0);
+                std::fill_n(modes, 2 * nx, 0.0);
                 continue;
             }
-            modes[domain_.nx] = modes[domain_.nx + 1] = 0.0; // kx = nx/2
-            slabs_.line_to_physical(modes);
+            modes[nx] = modes[nx + 1] = 0.0; // kx = nx/2
+            slabs_->line_to_physical(modes);
         }
     }
-    for (std::ptrdiff_t p = 0; p < count_; ++p) {
+    const auto cells = static_cast<std::size_t>(slabs_->share().x_count * vectors_.ny());
+    for (std::ptrdiff_t p = 0; p < count_; p += together) {
         double* plane = planes_.data() + p * stride;
-        runs_->to_values(plane, 1, values_.data(), values_.size());
-        double* v = values_.data();
-        for (std::ptrdiff_t i = 0; i < slabs_.share().x_count; ++i) {
-            const double kept_x = kept_x_[static_cast<std::size_t>(slabs_.share().x_start + i)];
+        const std::ptrdiff_t planes = std::min(together, count_ - p);
+        runs_->to_values(plane, planes, values_.data(), cells);
+        lose(planes);
+        runs_->to_lines(values_.data(), cells, planes, plane);
+    }
+}
+
+void LateralSponge::lose(std::ptrdiff_t planes) {
+    double* v = values_.data();
+    for (std::ptrdiff_t p = 0; p < planes; ++p) {
+        for (std::ptrdiff_t i = 0; i < slabs_->share().x_count; ++i) {
+            const double kept_x = kept_x_[static_cast<std::size_t>(slabs_->share().x_start + i)];
             for (const double kept_y : kept_y_)
                 *v++ *= 1.0 - kept_x * kept_y;
         }
-        runs_->to_lines(values_.data(), values_.size(), 1, plane);
     }
 }
 
@@ -128,7 +163,7 @@ void LateralSponge::take_velocity(const VerticalOperator& op, const AlignedVecto
 void LateralSponge::put(const VerticalOperator& op, std::ptrdiff_t row, std::ptrdiff_t block,
                         const Lanes* now, const Lanes* before) {
     const Direction to = direction(vectors_, row, block);
-    const std::ptrdiff_t stride = slabs_.lines_reals();
+    const std::ptrdiff_t stride = runs_->lines_reals();
     double* modes = line(row);
     for (std::ptrdiff_t level = 0; level < op.levels(); ++level) {
         const std::ptrdiff_t uw = 2 * level * parts, v = (op.psv() + level) * parts;
@@ -150,15 +185,16 @@ void LateralSponge::put(const VerticalOperator& op, std::ptrdiff_t row, std::ptr
 }
 
 void LateralSponge::begin_row(std::ptrdiff_t row) {
+    if (!acts_on(row, 0)) return;
     for (std::ptrdiff_t p = 0; p < count_; ++p)
-        slabs_.line_to_spectral(line(row) + p * slabs_.lines_reals());
+        slabs_->line_to_spectral(line(row) + p * runs_->lines_reals());
 }
 
 void LateralSponge::impulse(const VerticalOperator& op, std::ptrdiff_t row, std::ptrdiff_t block,
                             Lanes* pencil) {
     const Direction to = direction(vectors_, row, block);
-    const std::ptrdiff_t stride = slabs_.lines_reals();
-    const double points = static_cast<double>(domain_.nx * domain_.ny);
+    const std::ptrdiff_t stride = runs_->lines_reals();
+    const double points = static_cast<double>(vectors_.nx() * vectors_.ny());
     const double* modes = line(row);
     for (std::ptrdiff_t level = 0; level < op.levels(); ++level) {
         const std::ptrdiff_t uw = 2 * level * parts, v = (op.psv() + level) * parts;

@@ -1,5 +1,6 @@
 #include "engines/spectral/moving_load.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -28,12 +29,21 @@ void multiply(const Lanes* shape, Lanes& re, Lanes& im) {
 
 } // namespace
 
+WaveVectors WaveVectors::coarser(std::ptrdiff_t nx, std::ptrdiff_t ny) const {
+    WaveVectors some = *this;
+    some.nx_ = nx;
+    some.ny_ = ny;
+    some.share_.ky_start = std::min(share_.ky_start, ny / 2 + 1);
+    some.share_.ky_count = std::min(share_.ky_count, ny / 2 + 1 - some.share_.ky_start);
+    return some;
+}
+
 double WaveVectors::kx_rad_m(std::ptrdiff_t i) const {
-    return two_pi / domain_.extent_x_m() * static_cast<double>(i);
+    return two_pi / extent_x_m_ * static_cast<double>(i);
 }
 
 double WaveVectors::ky_rad_m(std::ptrdiff_t row) const {
-    return two_pi / domain_.extent_y_m() * static_cast<double>(share_.ky_start + row);
+    return two_pi / extent_y_m_ * static_cast<double>(share_.ky_start + row);
 }
 
 Lanes WaveVectors::kx(std::ptrdiff_t block) const {
@@ -64,15 +74,14 @@ Counted WaveVectors::counted(std::ptrdiff_t row, std::ptrdiff_t block) const {
 
 void WaveVectors::clear_nyquist(double* plane) const {
     for (std::ptrdiff_t row = 0; row < rows(); ++row) {
-        double* line = plane + 2 * row * domain_.nx;
-        line[domain_.nx] = line[domain_.nx + 1] = 0.0;
-        if (is_nyquist(row)) std::fill_n(line, 2 * domain_.nx, 0.0);
+        double* line = plane + 2 * row * nx_;
+        line[nx_] = line[nx_ + 1] = 0.0;
+        if (is_nyquist(row)) std::fill_n(line, 2 * nx_, 0.0);
     }
 }
 
 double WaveVectors::largest_k_rad_m() const {
-    return std::hypot(kx_rad_m(domain_.nx / 2),
-                      two_pi / domain_.extent_y_m() * static_cast<double>(domain_.ny / 2));
+    return std::hypot(kx_rad_m(nx_ / 2), two_pi / extent_y_m_ * static_cast<double>(ny_ / 2));
 }
 
 MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)

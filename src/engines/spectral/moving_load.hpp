@@ -20,13 +20,18 @@ struct Counted {
 /// carry nothing) and with it -kx, for each of this rank's ky.
 class WaveVectors {
 public:
-    WaveVectors(const Domain& domain, const SlabShare& share) : domain_(domain), share_(share) {}
+    WaveVectors(const Domain& domain, const SlabShare& share)
+        : nx_(domain.nx), ny_(domain.ny), extent_x_m_(domain.extent_x_m()),
+          extent_y_m_(domain.extent_y_m()), share_(share) {}
+    /// Those of a plane of the same extents with nx x ny points, no more than this one's: the same
+    /// blocks and rows, but fewer.
+    WaveVectors coarser(std::ptrdiff_t nx, std::ptrdiff_t ny) const;
 
-    std::ptrdiff_t blocks() const { return (domain_.nx / 2 + lane_count - 1) / lane_count; }
+    std::ptrdiff_t blocks() const { return (nx_ / 2 + lane_count - 1) / lane_count; }
     std::ptrdiff_t rows() const { return share_.ky_count; }
     std::ptrdiff_t pencils() const { return rows() * blocks(); }
-    bool is_nyquist(std::ptrdiff_t row) const { return 2 * (share_.ky_start + row) == domain_.ny; }
-    bool is_there(std::ptrdiff_t kx) const { return 2 * kx < domain_.nx; }
+    bool is_nyquist(std::ptrdiff_t row) const { return 2 * (share_.ky_start + row) == ny_; }
+    bool is_there(std::ptrdiff_t kx) const { return 2 * kx < nx_; }
     double kx_rad_m(std::ptrdiff_t i) const;
     double ky_rad_m(std::ptrdiff_t row) const;
     Lanes kx(std::ptrdiff_t block) const;
@@ -38,10 +43,12 @@ public:
     /// Zeroes the modes that carry nothing in a plane of spectra.
     void clear_nyquist(double* plane) const;
     const SlabShare& share() const { return share_; }
-    std::ptrdiff_t nx() const { return domain_.nx; }
+    std::ptrdiff_t nx() const { return nx_; }
+    std::ptrdiff_t ny() const { return ny_; }
 
 private:
-    Domain domain_;
+    std::ptrdiff_t nx_, ny_;
+    double extent_x_m_, extent_y_m_;
     SlabShare share_;
 };
 

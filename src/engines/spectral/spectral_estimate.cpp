@@ -2,6 +2,7 @@
 
 #include "engines/spectral/cell_materials.hpp"
 #include "engines/spectral/lanes.hpp"
+#include "engines/spectral/lateral_sponge.hpp"
 #include "engines/spectral/lateral_variation.hpp"
 #include "engines/spectral/skyline_matrix.hpp"
 
@@ -221,8 +222,13 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
                                             sizeof(double)
                                       : 0.0;
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
-    const double sponge_planes = c.domain.sponge_m > 0.0 ? 3.0 * levels : 0.0;
-    const double stepper_B = factors_B + 2.0 * displacement_B + (planes + sponge_planes) * plane_B +
+    const SpongePlan sponge = sponge_plan(c, !(v.points > 0.0), step_s);
+    const double sponge_values = sponge.every > 0 ? 3.0 * levels * static_cast<double>(sponge.nx) *
+                                                        static_cast<double>(sponge.ny)
+                                                  : 0.0;
+    const double sponge_B =
+        sponge_values * sizeof(double) / std::min<double>(ranks, static_cast<double>(sponge.ny));
+    const double stepper_B = factors_B + 2.0 * displacement_B + planes * plane_B + sponge_B +
                              arrays * v.fullest_cells * sizeof(double);
     // The program itself; the transform's own planes and the engine's. Materials are gathered
     // before there is anything else, and forgotten.
@@ -239,7 +245,9 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
         v.points > 0.0 ? std::sqrt(std::min(1.0, v.cells / (v.points * points))) : 0.0;
     const double each_way = planes * ((0.9e-9 + 0.85e-9 * rows) * points + 1.6e-9 * modes);
     const double values_s = 1e-8 * v.cells * v.components * (1.0 + more);
-    const double step_seconds = solves_s + 2.0 * each_way * (1.0 + more) + values_s;
+    const double sponge_s =
+        sponge.every > 0 ? 1.1e-8 * sponge_values / static_cast<double>(sponge.every) : 0.0;
+    const double step_seconds = solves_s + 2.0 * each_way * (1.0 + more) + values_s + sponge_s;
     const double begin_s = modes * levels * nodes * nodes * 4e-9 + 1.5e-7 * v.points * points;
     const double volumes_s = snapshots * levels * points * (tensors ? 1e-7 : 1e-8);
     e.seconds = begin_s + volumes_s + step_seconds * frames * static_cast<double>(steps_per_frame) +

@@ -8,9 +8,10 @@ namespace shearwake {
 
 /// What a step's time goes to: transforms of strain planes; pencils over depth (forces, the banded
 /// solve, the update); strains and forces between pencils and planes; stresses and the vectors of
-/// the iterations where the medium varies; what is left (the load, sums over the ranks).
-enum class Phase { transforms, solves, transfer, products, rest };
-constexpr std::size_t phase_count = 5;
+/// the iterations where the medium varies; the sponge; what is left (the load, sums over the
+/// ranks).
+enum class Phase { transforms, solves, transfer, products, sponge, rest };
+constexpr std::size_t phase_count = 6;
 
 /// Seconds of each phase on this rank, and bytes moved from and to memory as the code counts them:
 /// each array once for every time it is read and every time it is written, pencils not at all

@@ -15,7 +15,8 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
       field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
-      load_(c, vectors_, step_s), sponge_(c, vectors_, slabs, step_s, team),
+      load_(c, vectors_, step_s),
+      sponge_(c, vectors_, slabs, field_.variation().empty(), step_s, team),
       // Where steps iterate, more often: that says less well what is wrong with the field.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
       work_(c.domain.ny / 2 + 1) {
@@ -46,6 +47,7 @@ void Stepper::advance() {
     const LateralVariation& variation = field_.variation();
     clock_.start();
     if (sponge_.acts_at(step_)) begin_damping();
+    clock_.lap(Phase::sponge);
     load_.sample(step_);
     clock_.lap(Phase::rest);
     if (variation.empty()) {
@@ -85,8 +87,11 @@ void Stepper::first_pass() {
     work_.clear();
     const bool damps = sponge_.acts_at(step_) && field_.variation().empty();
     each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
-        if (damps && block == 0) sponge_.begin_row(row);
-        if (damps) damp(row, block, at, force);
+        if (damps) {
+            if (block == 0) sponge_.begin_row(row);
+            if (sponge_.acts_on(row, block)) damp(row, block, at, force);
+            clock_.lap(Phase::sponge);
+        }
         const Lanes* u = lanes(now_.data()) + at * size;
         Lanes* before = lanes(before_.data()) + at * size;
         const Counted counted = vectors_.counted(row, block);

@@ -21,7 +21,7 @@ void Stepper::damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, 
 }
 
 void Stepper::begin_damping() {
-    sponge_.take_velocity(operator_, now_, before_);
+    sponge_.take_velocity(operator_, vectors_.blocks(), now_, before_);
     if (field_.variation().empty()) return;
     Lanes* change = lanes(pencil_.data());
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
