@@ -66,7 +66,8 @@ Case bench_case(const BenchArguments& arguments) {
 
 /// Of all steps; seconds are the slowest rank's, of each phase the mean over the ranks.
 struct Measured {
-    double begin_s = 0.0, steps_s = 0.0, floor_s = 0.0, surface_s = 0.0;
+    double begin_s = 0.0, steps_s = 0.0, surface_s = 0.0;
+    double whole_planes_s = 0.0, rows_s = 0.0; // as many bare transforms, of planes or of rows
     std::array<double, phase_count> phase_s{}, bytes{}; // bytes of all ranks
     StepStatistics statistics;
     std::ptrdiff_t planes = 0;
@@ -86,17 +87,30 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     const StepStatistics first = stepper->statistics();
     m.planes = stepper->planes().count();
     m.peak_memory_B = world.max(peak_memory_B());
-    // The floor between the steps: whoever else uses the machine slows both. As many bare
-    // transforms as the steps made, in the same layout.
+    // The floors between the steps: whoever else uses the machine slows all. Bare transforms, there
+    // and back, of as many whole planes in the same layout; and of their rows with cells alone, all
+    // that a step transforms.
     AlignedVector<double> bare(static_cast<std::size_t>(m.planes * slabs.share().reals));
-    double there_and_back_s = 0.0;
+    StepClock aside;
+    StrainPlanes lines(stepper->field(), slabs, world, aside);
+    LateralField::Values values(stepper->field().size(), 0.0);
+    if (m.planes > 0) lines.assemble();
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         m.steps_s += seconds_of(world, [&] { stepper->advance(); });
-        there_and_back_s += seconds_of(world, [&] {
+        if (m.planes == 0) continue;
+        m.whole_planes_s += seconds_of(world, [&] {
             for (std::ptrdiff_t p = 0; p < m.planes; ++p)
                 slabs.to_spectral(bare.data() + p * slabs.share().reals);
             for (std::ptrdiff_t p = 0; p < m.planes; ++p)
                 slabs.to_physical(bare.data() + p * slabs.share().reals);
+        });
+        m.rows_s += seconds_of(world, [&] {
+            lines.set(values);
+            for (std::ptrdiff_t row = 0; row < slabs.share().ky_count; ++row) {
+                lines.begin_row(row);
+                lines.end_row(row, false);
+            }
+            lines.get(values);
         });
     }
     const StepClock& after = stepper->clock();
@@ -114,10 +128,11 @@ Measured measure(const Case& c, const DepthMesh& mesh, const SlabTransform& slab
     m.statistics.steps -= first.steps;
     m.statistics.iterations -= first.iterations;
     m.statistics.transforms -= first.transforms;
-    if (m.planes > 0)
-        m.floor_s = there_and_back_s / static_cast<double>(c.time.frames) *
-                    static_cast<double>(m.statistics.transforms) /
-                    static_cast<double>(2 * m.planes);
+    if (m.planes == 0) return m;
+    const double times = static_cast<double>(m.statistics.transforms) /
+                         static_cast<double>(2 * m.planes * c.time.frames);
+    m.whole_planes_s *= times;
+    m.rows_s *= times;
     return m;
 }
 
@@ -148,15 +163,17 @@ void print(const Measured& m, const Case& c, double levels, double copies_B_s,
     for (std::size_t i = 0; i < phase_count; ++i)
         line(names[i], m.phase_s[i], m.bytes[i]);
     line("together", in_phases_s, bytes);
-    if (m.floor_s > 0.0)
-        fmt::print("  floor: bare FFTs       {:10.5f} s   a step takes {:.2f} times that\n",
-                   m.floor_s / steps, m.steps_s / m.floor_s);
-    else
+    const auto floor = [&](const char* name, double floor_s, const std::string& more) {
+        fmt::print("  floor: {:<15} {:10.5f} s   a step takes {:.2f} times that{}\n", name,
+                   floor_s / steps, m.steps_s / floor_s, more);
+    };
+    if (m.planes > 0) {
+        floor("bare FFTs", m.whole_planes_s, "");
+        floor("their rows", m.rows_s, ": FFTs of rows with cells alone");
+    } else {
         fmt::print("  floor: bare FFTs             none     nothing varies laterally\n");
-    const double moving_s = bytes / copies_B_s;
-    fmt::print("  floor: memory          {:10.5f} s   a step takes {:.2f} times that; copies at "
-               "{:.1f} GB/s\n",
-               moving_s / steps, m.steps_s / moving_s, 1e-9 * copies_B_s);
+    }
+    floor("memory", bytes / copies_B_s, fmt::format("; copies at {:.1f} GB/s", 1e-9 * copies_B_s));
     fmt::print("  a surface              {:10.5f} s   its transform included\n", m.surface_s);
     fmt::print("  to begin               {:10.3f} s   factors, materials\n", m.begin_s);
     fmt::print(

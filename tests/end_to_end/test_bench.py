@@ -5,7 +5,7 @@ import unittest
 from program import ProgramTest
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
-PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "other"]
+PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge", "other"]
 
 
 class Bench(ProgramTest):
@@ -26,10 +26,11 @@ class Bench(ProgramTest):
                 self.assertIn(f"engine spectral, {ranks} rank", said)
                 self.assertIn("32 x 24 points x 9 levels, 2 steps", said)
                 shares = [self.row(said, name)[0] for name in PHASES]
-                self.assertAlmostEqual(sum(shares), 1.0, delta=0.003)  # of five, each to 0.0005
+                self.assertAlmostEqual(sum(shares), 1.0, delta=0.003)  # of six, each to 0.0005
                 for name in PHASES[:4]:
                     self.assertGreater(self.row(said, name)[2], 0.0)  # has moved something
                 self.assertIn("floor: bare FFTs", said)
+                self.assertIn("floor: their rows", said)
                 self.assertGreater(self.number(said, "memory of a rank", 0), 0.0)
 
     def test_contrast_costs_iterations(self):
@@ -37,6 +38,12 @@ class Bench(ProgramTest):
                   for contrast in (1, 100)]
         self.assertEqual(counts[0], 0.0)
         self.assertGreater(counts[1], 0.0)
+
+    def test_a_sponge_takes_a_share(self):
+        said = self.shearwake("bench", "spectral", "--grid", "32x24x9", "--steps", 12, "--contrast", 1, "--sponge", 4).stdout
+        self.assertIn("4 mm of sponge", said)
+        self.assertGreater(self.row(said, "sponge")[1], 0.0)
+        self.assertEqual(self.row(self.shearwake(*SMALL, "--contrast", 1).stdout, "sponge")[1], 0.0)
 
     def test_without_a_body_nothing_is_transformed(self):
         said = self.shearwake(*SMALL, "--contrast", 1).stdout

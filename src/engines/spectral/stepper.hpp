@@ -74,6 +74,7 @@ public:
     /// Of this rank's arrays.
     double memory_B() const;
     const StrainPlanes& planes() const { return *planes_; }
+    const LateralField& field() const { return field_; }
 
 private:
     void assemble();
