@@ -1,4 +1,5 @@
 """Volume snapshots as xarray and ParaView open them."""
+import shutil
 import unittest
 import xml.etree.ElementTree as ElementTree
 
@@ -22,9 +23,18 @@ def extents(item):
     return tuple(int(word) for word in item.get("Dimensions").split())
 
 
+def along(values, axis, spacing_m):
+    """The derivative of a periodic field, whose highest wave is empty."""
+    count = values.shape[axis]
+    k = 2j * numpy.pi * numpy.fft.fftfreq(count, spacing_m)
+    k[count // 2] = 0.0
+    modes = numpy.moveaxis(numpy.fft.fft(values, axis=axis), axis, -1) * k
+    return numpy.moveaxis(numpy.fft.ifft(modes).real, -1, axis)
+
+
 class Volume(ProgramTest):
-    def run_case(self, ranks=1):
-        self.write_job(KEPT)
+    def run_case(self, ranks=1, job=KEPT):
+        self.write_job(job)
         self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks)
         return case_files(self.out)[0]
 
@@ -49,6 +59,24 @@ class Volume(ProgramTest):
             self.assertGreater(scale, 0.0)
             # The surface is interpolated between levels with weights of rounding's exactness.
             self.assertLess(numpy.abs(top - kept).max(), 1e-12 * scale)
+
+    def test_strains_are_those_of_the_displacement_above_an_absorbing_bottom_too(self):
+        endless = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=KEPT)
+        for job, ranks in ((KEPT, 1), (endless, 2)):
+            shutil.rmtree(self.out, ignore_errors=True)
+            path = self.run_case(ranks, job)
+            with xarray.open_dataset(path, group="volume", decode_timedelta=False) as volume:
+                u_x, u_y = volume.u_x.values, volume.u_y.values
+                x_m, y_m = float(volume.x[1] - volume.x[0]), float(volume.y[1] - volume.y[0])
+                xx, yy = along(u_x, -1, x_m), along(u_y, -2, y_m)
+                xy = 0.5 * (along(u_x, -2, y_m) + along(u_y, -1, x_m))
+                for name, expected in (("xx", xx), ("yy", yy), ("xy", xy)):
+                    scale = numpy.abs(expected).max()
+                    self.assertGreater(scale, 0.0)
+                    difference = numpy.abs(volume[f"strain_{name}"].values - expected).max()
+                    self.assertLess(difference, 1e-10 * scale, name)  # both are exact to rounding
+                # Tissue hardly changes its volume: c_p is 300 c_s.
+                self.assertLess(numpy.abs(xx + yy + volume.strain_zz.values).max(), 1e-2 * numpy.abs(xx).max())
 
     def test_the_xdmf_names_what_the_file_has(self):
         path = self.run_case()
