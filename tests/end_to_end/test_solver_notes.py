@@ -27,7 +27,8 @@ class SolverNotes(ProgramTest):
     def test_a_bone_tells_of_its_cap_and_its_iterations(self):
         self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
         said = self.shearwake("plan", "job.toml").said
-        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 400"
+        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 400 " \
+               "times (contrast_cap): it reflects 0."
         self.says(said, "time step 33.33 us for an accuracy of 0.001", "the scan is fastest", "the modulation is fastest")
         for line in (held, "differs from the layers in density"):
             self.assertEqual(said.count(line), 1, said)  # of two cases

@@ -1,6 +1,7 @@
 #include "engines/spectral/cell_materials.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace shearwake {
@@ -16,6 +17,11 @@ DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t nod
 bool is_smooth(const Medium& medium) {
     return std::all_of(medium.bodies.begin(), medium.bodies.end(),
                        [](const Body& body) { return body.edge_m > 0.0; });
+}
+
+double shear_reflection(double stiffness_ratio, double density_ratio) {
+    const double z = std::sqrt(stiffness_ratio * density_ratio);
+    return (z - 1.0) / (z + 1.0);
 }
 
 HeldMaterials::HeldMaterials(const Case& c, const Material& layer)

@@ -21,6 +21,10 @@ bool is_smooth(const Medium& medium);
 /// share of its own stiffness, at the frequency that the footprint shakes it with.
 constexpr double unseen_loss = 0.01;
 
+/// Of the amplitude of a shear wave that meets a plane face head on, by impedances sqrt(mu rho);
+/// both ratios are of what lies behind it over what lies before it.
+double shear_reflection(double stiffness_ratio, double density_ratio);
+
 /// What the engine computes with in a body's place: no stiffer in shear than `contrast_cap` times
 /// the layer, and as viscous as the layer where that is not seen. A background without viscosity
 /// would make all cells of the plane iterate.

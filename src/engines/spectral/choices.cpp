@@ -1,5 +1,6 @@
 #include "engines/spectral/choices.hpp"
 
+#include "engines/spectral/cell_materials.hpp"
 #include "model/edge_absorption.hpp"
 #include "model/material_field.hpp"
 
@@ -13,6 +14,7 @@ namespace {
 /// How far something in the layers differs from them.
 struct Difference {
     double contrast = 1.0; // of shear stiffness, at most
+    double dense = 1.0;    // its density over the layer's
     bool density = false, viscosity = false;
 };
 
@@ -22,7 +24,10 @@ void add(const Layer& layer, const auto& given, Difference& all) {
     other.density_kg_m3 = given.density_kg_m3.value_or(layer.density_kg_m3);
     other.c_s_m_s = given.c_s_m_s.value_or(layer.c_s_m_s);
     const Material around = material_of(layer), here = material_of(other);
-    all.contrast = std::max(all.contrast, here.mu_Pa / around.mu_Pa);
+    if (here.mu_Pa > all.contrast * around.mu_Pa) {
+        all.contrast = here.mu_Pa / around.mu_Pa;
+        all.dense = here.density_kg_m3 / around.density_kg_m3;
+    }
     all.density |= here.density_kg_m3 != around.density_kg_m3;
     all.viscosity |= given.viscosity_Pa_s.value_or(around.viscosity_Pa_s) != around.viscosity_Pa_s;
 }
@@ -49,8 +54,10 @@ void tell(const std::string& what, const Difference& d, double cap,
           std::vector<std::string>& notes) {
     if (d.contrast > cap * (1.0 + 1e-12))
         notes.push_back(fmt::format("{} is {:.3g} times as stiff in shear as the layer around it "
-                                    "and will be held to {:.3g} times (contrast_cap)",
-                                    what, d.contrast, cap));
+                                    "and will be held to {:.3g} times (contrast_cap): it reflects "
+                                    "{:.3f} of a shear wave's amplitude then, instead of {:.3f}",
+                                    what, d.contrast, cap, shear_reflection(cap, d.dense),
+                                    shear_reflection(d.contrast, d.dense)));
     if (d.density || d.viscosity)
         notes.push_back(fmt::format("{} differs from the layers in {}: every step iterates", what,
                                     d.density ? "density" : "viscosity"));

@@ -31,10 +31,10 @@ Extremes extremes_of(const std::vector<Material>& all, const Material& layer, co
     return {{-v[4], -v[5], -v[6], -v[7]}, {v[0], v[1], v[2], v[3]}};
 }
 
-double reflection(double stiffness_ratio) {
-    const double z = std::sqrt(stiffness_ratio);
-    return (z - 1.0) / (z + 1.0);
-}
+/// What is stiffest, over the layer that it lies in.
+struct Stiffest {
+    double stiffness = 0.0, density = 1.0;
+};
 
 /// One strain point while the whole is gathered.
 struct Gathered {
@@ -52,7 +52,7 @@ bool differs(const Material& a, const Material& b) {
 }
 
 std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabShare& share,
-                             const Comm& team, double& stiffest) {
+                             const Comm& team, Stiffest& stiffest) {
     std::vector<Gathered> result;
     const auto nodes = static_cast<std::size_t>(mesh.degree + 1);
     for (std::size_t e = 0; e < mesh.elements(); ++e) {
@@ -65,7 +65,9 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const SlabSha
             Gathered g{{e, static_cast<std::ptrdiff_t>(i)}, {}, {}, false};
             together(team, [&] { g.all = cell_materials(c, mesh, share, g.where); });
             g.extremes = extremes_of(g.all, layer, team);
-            stiffest = std::max(stiffest, g.extremes.greatest.mu_Pa / layer.mu_Pa);
+            const double stiffness = g.extremes.greatest.mu_Pa / layer.mu_Pa;
+            if (stiffness > stiffest.stiffness)
+                stiffest = {stiffness, g.extremes.greatest.density_kg_m3 / layer.density_kg_m3};
             for (Material& m : g.all)
                 m = held(m);
             g.extremes = extremes_of(g.all, layer, team);
@@ -217,16 +219,17 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
     const auto& options = std::get<SpectralOptions>(c.solver);
     LateralVariation v;
     v.background = background_of(mesh, c.medium);
-    double stiffest = 0.0;
+    Stiffest stiffest;
     const std::vector<Gathered> gathered = gather(c, mesh, vectors.share(), team, stiffest);
     if (gathered.empty()) return v;
 
-    if (stiffest > options.contrast_cap * (1.0 + 1e-12))
+    if (stiffest.stiffness > options.contrast_cap * (1.0 + 1e-12))
         v.notes.push_back(fmt::format(
             "shear stiffness up to {:.3g} times the layer's is held to {:.3g} times: it reflects "
             "{:.3f} of a shear wave's amplitude, the true one {:.3f}",
-            stiffest, options.contrast_cap, reflection(options.contrast_cap),
-            reflection(stiffest)));
+            stiffest.stiffness, options.contrast_cap,
+            shear_reflection(options.contrast_cap, stiffest.density),
+            shear_reflection(stiffest.stiffness, stiffest.density)));
 
     // What the background must bear, and whether iterations are needed.
     Variety variety = take_least(gathered, mesh, v.background);
