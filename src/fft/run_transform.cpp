@@ -31,7 +31,8 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::ve
                            Lines lines)
     : slabs_(slabs), team_(team), runs_(std::move(runs)),
       begin_(runs_.empty() ? 0 : runs_.front().row), end_(runs_.empty() ? 0 : runs_.back().row + 1),
-      mine_(lines), lines_reals_(slabs.lines_reals(lines.ky_count)) {
+      mine_(lines), me_(static_cast<std::size_t>(team.rank())),
+      lines_reals_(slabs.lines_reals(lines.ky_count)) {
     const SlabShare& share = slabs.share();
     const double mine[4] = {
         static_cast<double>(share.x_start + begin_), static_cast<double>(share.x_start + end_),
@@ -60,117 +61,107 @@ void RunTransform::untransform_row(std::ptrdiff_t row, std::vector<RowRun>::cons
         std::copy_n(w.row_.data() + run->begin, run->end - run->begin, values + run->offset);
 }
 
-void RunTransform::to_lines_alone(const double* values, double* lines) const {
+// Between two ranks go [plane][ky of the one][row of the other]; what stays here goes directly.
+RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
     SlabTransform::Work& w = *slabs_.work_;
-    auto* columns = reinterpret_cast<Complex*>(lines);
-    for (std::ptrdiff_t k = 0; k < w.modes; ++k) {
-        std::fill_n(columns + k * w.line_pitch, begin_, 0.0);
-        std::fill(columns + k * w.line_pitch + end_, columns + k * w.line_pitch + w.nx, 0.0);
+    Parcels p;
+    for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+        const Share& of = shares_[rank];
+        const bool other = rank != me_;
+        p.of_rows.push_back(other ? static_cast<int>(planes * of.ky_count * (end_ - begin_)) : 0);
+        p.of_lines.push_back(other ? static_cast<int>(planes * mine_.ky_count * of.rows()) : 0);
     }
-    auto run = runs_.begin();
-    for (std::ptrdiff_t i = begin_; i < end_; i += width) {
-        const std::ptrdiff_t count = std::min(width, end_ - i);
-        for (std::ptrdiff_t r = 0; r < count; ++r)
-            transform_row(i + r, run, values, w.line(r));
-        rows_to_columns(w.line(0), w.pitch, count, w.modes, columns + i, w.line_pitch);
-    }
+    p.of_rows_at = starts_of(p.of_rows);
+    p.of_lines_at = starts_of(p.of_lines);
+    p.rows = room_for(w.sent_, p.of_rows_at.back());
+    p.lines = room_for(w.received_, p.of_lines_at.back());
+    return p;
 }
 
-void RunTransform::to_values_alone(const double* lines, double* values) const {
-    SlabTransform::Work& w = *slabs_.work_;
-    const auto* columns = reinterpret_cast<const Complex*>(lines);
-    auto run = runs_.begin();
-    for (std::ptrdiff_t i = begin_; i < end_; i += width) {
-        const std::ptrdiff_t count = std::min(width, end_ - i);
-        columns_to_rows(columns + i, w.line_pitch, count, w.modes, w.line(0), w.pitch);
-        for (std::ptrdiff_t r = 0; r < count; ++r)
-            untransform_row(i + r, run, w.line(r), values);
-    }
-}
-
-// Between two ranks go [plane][ky of the one][row of the other].
 void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdiff_t planes,
                             double* lines) const {
     SlabTransform::Work& w = *slabs_.work_;
-    const std::ptrdiff_t rows = end_ - begin_, stride = lines_reals_;
-    if (w.alone()) {
-        for (std::ptrdiff_t p = 0; p < planes; ++p)
-            to_lines_alone(values + static_cast<std::size_t>(p) * cells, lines + p * stride);
-        return;
-    }
-    const std::ptrdiff_t ky_count = mine_.ky_count;
-    std::vector<int> out, in;
-    for (const Share& of : shares_) {
-        out.push_back(static_cast<int>(planes * of.ky_count * rows));
-        in.push_back(static_cast<int>(planes * ky_count * of.rows()));
-    }
-    const auto out_at = starts_of(out), in_at = starts_of(in);
-    Complex* sent = room_for(w.sent_, out_at.back());
-    Complex* received = room_for(w.received_, in_at.back());
+    const std::ptrdiff_t rows = end_ - begin_;
+    const Parcels parcel = parcels(planes);
     for (std::ptrdiff_t p = 0; p < planes; ++p) {
         const double* of_plane = values + static_cast<std::size_t>(p) * cells;
+        Complex* here = reinterpret_cast<Complex*>(lines + p * lines_reals_);
         auto run = runs_.begin();
         for (std::ptrdiff_t i = begin_; i < end_; i += width) {
             const std::ptrdiff_t count = std::min(width, end_ - i);
             for (std::ptrdiff_t r = 0; r < count; ++r)
                 transform_row(i + r, run, of_plane, w.line(r));
-            for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-                rows_to_columns(
-                    w.line(0) + shares_[rank].ky_start, w.pitch, count, shares_[rank].ky_count,
-                    sent + out_at[rank] + p * shares_[rank].ky_count * rows + i - begin_, rows);
+            for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+                const Share& to = shares_[rank];
+                const Complex* modes = w.line(0) + to.ky_start;
+                if (rank == me_)
+                    rows_to_columns(modes, w.pitch, count, to.ky_count,
+                                    here + to.x_begin + i - begin_, w.line_pitch);
+                else
+                    rows_to_columns(modes, w.pitch, count, to.ky_count,
+                                    parcel.rows + parcel.of_rows_at[rank] + p * to.ky_count * rows +
+                                        i - begin_,
+                                    rows);
+            }
         }
     }
-    team_.all_to_all(sent, out, received, in);
-    for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        for (std::ptrdiff_t k = 0; k < ky_count; ++k) {
-            Complex* line = reinterpret_cast<Complex*>(lines + p * stride) + k * w.line_pitch;
-            std::fill_n(line, w.nx, 0.0);
-            for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-                std::copy_n(received + in_at[rank] + (p * ky_count + k) * shares_[rank].rows(),
-                            shares_[rank].rows(), line + shares_[rank].x_begin);
-        }
+    if (shares_.size() > 1)
+        team_.all_to_all(parcel.rows, parcel.of_rows, parcel.lines, parcel.of_lines);
+    for (std::ptrdiff_t p = 0; p < planes; ++p)
+        for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
+            fill_line(parcel, p * mine_.ky_count + k,
+                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * w.line_pitch);
+}
+
+void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Complex* line) const {
+    std::ptrdiff_t filled = 0; // of x: ranks have theirs in ascending order
+    for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+        const Share& of = shares_[rank];
+        if (of.rows() == 0) continue;
+        std::fill(line + filled, line + of.x_begin, 0.0);
+        if (rank != me_)
+            std::copy_n(parcel.lines + parcel.of_lines_at[rank] + which * of.rows(), of.rows(),
+                        line + of.x_begin);
+        filled = of.x_end;
     }
+    std::fill(line + filled, line + slabs_.nx(), 0.0);
 }
 
 void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double* values,
                              std::size_t cells) const {
     SlabTransform::Work& w = *slabs_.work_;
-    const std::ptrdiff_t rows = end_ - begin_, stride = lines_reals_;
-    if (w.alone()) {
-        for (std::ptrdiff_t p = 0; p < planes; ++p)
-            to_values_alone(lines + p * stride, values + static_cast<std::size_t>(p) * cells);
-        return;
-    }
-    const std::ptrdiff_t ky_count = mine_.ky_count;
-    std::vector<int> out, in;
-    for (const Share& of : shares_) {
-        out.push_back(static_cast<int>(planes * ky_count * of.rows()));
-        in.push_back(static_cast<int>(planes * of.ky_count * rows));
-    }
-    const auto out_at = starts_of(out), in_at = starts_of(in);
-    Complex* sent = room_for(w.sent_, out_at.back());
-    Complex* received = room_for(w.received_, in_at.back());
-    for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        for (std::ptrdiff_t k = 0; k < ky_count; ++k) {
-            const auto* line =
-                reinterpret_cast<const Complex*>(lines + p * stride) + k * w.line_pitch;
+    const std::ptrdiff_t rows = end_ - begin_;
+    const Parcels parcel = parcels(planes);
+    const auto of_plane = [&](std::ptrdiff_t p) {
+        return reinterpret_cast<const Complex*>(lines + p * lines_reals_);
+    };
+    for (std::ptrdiff_t p = 0; p < planes; ++p)
+        for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-                std::copy_n(line + shares_[rank].x_begin, shares_[rank].rows(),
-                            sent + out_at[rank] + (p * ky_count + k) * shares_[rank].rows());
-        }
-    }
-    team_.all_to_all(sent, out, received, in);
+                if (const Share& of = shares_[rank]; rank != me_)
+                    std::copy_n(of_plane(p) + k * w.line_pitch + of.x_begin, of.rows(),
+                                parcel.lines + parcel.of_lines_at[rank] +
+                                    (p * mine_.ky_count + k) * of.rows());
+    if (shares_.size() > 1)
+        team_.all_to_all(parcel.lines, parcel.of_lines, parcel.rows, parcel.of_rows);
     for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        double* of_plane = values + static_cast<std::size_t>(p) * cells;
+        double* to_plane = values + static_cast<std::size_t>(p) * cells;
         auto run = runs_.begin();
         for (std::ptrdiff_t i = begin_; i < end_; i += width) {
             const std::ptrdiff_t count = std::min(width, end_ - i);
-            for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-                columns_to_rows(
-                    received + in_at[rank] + p * shares_[rank].ky_count * rows + i - begin_, rows,
-                    count, shares_[rank].ky_count, w.line(0) + shares_[rank].ky_start, w.pitch);
+            for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+                const Share& from = shares_[rank];
+                Complex* modes = w.line(0) + from.ky_start;
+                if (rank == me_)
+                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, w.line_pitch, count,
+                                    from.ky_count, modes, w.pitch);
+                else
+                    columns_to_rows(parcel.rows + parcel.of_rows_at[rank] +
+                                        p * from.ky_count * rows + i - begin_,
+                                    rows, count, from.ky_count, modes, w.pitch);
+            }
             for (std::ptrdiff_t r = 0; r < count; ++r)
-                untransform_row(i + r, run, w.line(r), of_plane);
+                untransform_row(i + r, run, w.line(r), to_plane);
         }
     }
 }

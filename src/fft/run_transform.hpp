@@ -44,8 +44,15 @@ private:
         std::ptrdiff_t x_begin, x_end, ky_start, ky_count;
         std::ptrdiff_t rows() const { return x_end - x_begin; }
     };
-    void to_lines_alone(const double* values, double* lines) const;
-    void to_values_alone(const double* lines, double* values) const;
+    /// What goes from rank to rank: counts and places in the buffers, by rank.
+    struct Parcels {
+        std::vector<int> of_rows, of_lines;
+        std::vector<std::ptrdiff_t> of_rows_at, of_lines_at;
+        std::complex<double>*rows = nullptr, *lines = nullptr;
+    };
+    Parcels parcels(std::ptrdiff_t planes) const;
+    /// What other ranks have sent for a line, and zeros where nobody has runs.
+    void fill_line(const Parcels& parcels, std::ptrdiff_t which, std::complex<double>* line) const;
     void transform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
                        const double* values, std::complex<double>* modes) const;
     void untransform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
@@ -57,6 +64,7 @@ private:
     std::ptrdiff_t begin_ = 0, end_ = 0; // this rank's rows with runs, its own numbers
     std::vector<Share> shares_;          // by rank
     Lines mine_;
+    std::size_t me_;
     std::ptrdiff_t lines_reals_;
 };
 
