@@ -5,8 +5,10 @@
 #include "measures/participation.hpp"
 #include "measures/period_sums.hpp"
 #include "measures/reconstruction_efficiency.hpp"
+#include "measures/sharpness.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
+#include "model/drawn_shape.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace shearwake {
 namespace {
@@ -154,6 +157,17 @@ constexpr std::array<Band, 3> bands = {{{40.0, 400.0, "vibration that is felt"},
                                         {5.0, 300.0, "band of the FA1 receptors"},
                                         {5.0, 800.0, "band of the FA2 receptors"}}};
 
+/// du/dt times the distance of the frames, from rest on.
+std::vector<double> differences(std::span<const double> u) {
+    std::vector<double> steps;
+    double last = 0.0;
+    for (const double value : u) {
+        steps.push_back(value - last);
+        last = value;
+    }
+    return steps;
+}
+
 void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries>& traces) {
     const auto at_origin = std::find_if(traces.begin(), traces.end(),
                                         [](const TraceSeries& t) { return t.at_m == Vec2{}; });
@@ -170,20 +184,29 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
         where = fmt::format(", u_z at ({:g}, {:g}) mm", trace->at_m.x * 1e3, trace->at_m.y * 1e3);
     const double dt = c.time.interval_s;
 
-    double peak_Hz = nan;
-    std::string peak_note = note;
-    if (note.empty()) {
-        const double duration = dt * static_cast<double>(trace->u_m.size());
-        const std::vector<double> frequencies = spectrum_frequencies_Hz(duration);
-        peak_Hz = peak_frequency_Hz(frequencies, amplitude_spectrum(trace->u_m, dt, frequencies),
-                                    1.0 / duration);
-        if (std::isnan(peak_Hz))
-            peak_note = fmt::format(
-                "the spectrum is largest at its edge: no peak between {:.3g} and 2000 Hz",
-                1.0 / duration);
-    }
-    columns.add("peak_frequency_Hz", "Hz", "frequency of the largest spectral amplitude" + where,
-                peak_Hz, peak_note);
+    const auto add_peak_of = [&](const std::string& name, const std::string& what,
+                                 std::span<const double> values) {
+        double peak_Hz = nan;
+        std::string trouble = note;
+        if (note.empty()) {
+            const double duration = dt * static_cast<double>(values.size());
+            const std::vector<double> frequencies = spectrum_frequencies_Hz(duration);
+            peak_Hz = peak_frequency_Hz(frequencies, amplitude_spectrum(values, dt, frequencies),
+                                        1.0 / duration);
+            if (std::isnan(peak_Hz))
+                trouble = fmt::format(
+                    "the spectrum is largest at its edge: no peak between {:.3g} and 2000 Hz",
+                    1.0 / duration);
+        }
+        columns.add(name, "Hz", what + where, peak_Hz, trouble);
+    };
+    const std::vector<double> velocity =
+        note.empty() ? differences(trace->u_m) : std::vector<double>{};
+    const std::span<const double> displacement =
+        note.empty() ? std::span<const double>(trace->u_m) : std::span<const double>{};
+    add_peak_of("peak_frequency_Hz", "frequency of the largest spectral amplitude", displacement);
+    add_peak_of("velocity_peak_frequency_Hz",
+                "frequency of the largest spectral amplitude of du_z/dt", velocity);
 
     const auto why_not = [&](double high_Hz) {
         if (!note.empty() || high_Hz <= 0.5 / dt) return note;
@@ -198,22 +221,27 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
                                     : nan,
                     trouble);
     }
-    for (const FrequencyBand& band : c.measure.bands) {
-        const std::string trouble = why_not(band.high_Hz);
-        double share = nan;
-        if (trouble.empty()) {
-            const double duration_s = dt * static_cast<double>(trace->u_m.size());
-            const double low_Hz = std::max(band.low_Hz, 1.0 / duration_s);
-            share = std::pow(band_rms(trace->u_m, dt, low_Hz, std::max(low_Hz, band.high_Hz)) /
-                                 band_rms(trace->u_m, dt, 1.0 / duration_s, 0.5 / dt),
-                             2);
+    const auto add_shares = [&](const std::string& name, const std::string& what,
+                                std::span<const double> values) {
+        for (const FrequencyBand& band : c.measure.bands) {
+            const std::string trouble = why_not(band.high_Hz);
+            double share = nan;
+            if (trouble.empty()) {
+                const double duration_s = dt * static_cast<double>(values.size());
+                const double low_Hz = std::max(band.low_Hz, 1.0 / duration_s);
+                share = std::pow(band_rms(values, dt, low_Hz, std::max(low_Hz, band.high_Hz)) /
+                                     band_rms(values, dt, 1.0 / duration_s, 0.5 / dt),
+                                 2);
+            }
+            columns.add(fmt::format("{}_{:g}_{:g}_1", name, band.low_Hz, band.high_Hz), "1",
+                        fmt::format("share of the energy{} above one period a run that lies "
+                                    "between {:g} and {:g} Hz{}",
+                                    what, band.low_Hz, band.high_Hz, where),
+                        share, trouble);
         }
-        columns.add(fmt::format("share_{:g}_{:g}_1", band.low_Hz, band.high_Hz), "1",
-                    fmt::format("share of the energy above one period a run that lies between {:g} "
-                                "and {:g} Hz{}",
-                                band.low_Hz, band.high_Hz, where),
-                    share, trouble);
-    }
+    };
+    add_shares("share", "", displacement);
+    add_shares("velocity_share", " of du_z/dt", velocity);
 }
 
 void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mach) {
@@ -251,11 +279,29 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
                 theory, note);
 }
 
+void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
+                   const std::vector<double>& mean_u2) {
+    const double fwhm = fwhm_m(c.load.footprint);
+    double value = nan;
+    std::string note = window.reason;
+    if (note.empty() && mean_u2.empty()) note = "no mean energy was kept";
+    if (note.empty()) // steps of a quarter of a sample: cut curves by less than a 100th of one
+        value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
+                          measured_region(c.domain),
+                          drawn_shape(c.load.modulation, 0.25 * c.domain.spacing_m), fwhm);
+    columns.add(
+        "sharpness_1", "1",
+        fmt::format("share of the mean of u_z^2 within one FWHM, {:g} mm, of the drawn line",
+                    fwhm * 1e3),
+        value, note);
+}
+
 } // namespace
 
 std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& depths,
                               const std::vector<TraceSeries>& traces,
-                              const std::optional<MachFit>& mach) {
+                              const std::optional<MachFit>& mach,
+                              const std::vector<double>& mean_u2) {
     const PeriodWindow window =
         period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
                       off_time_s(c.load.modulation.trajectory));
@@ -267,6 +313,7 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
     add_impulse(columns, c);
     add_spectrum(columns, c, traces);
     add_mach(columns, c, mach);
+    add_sharpness(columns, c, window, mean_u2);
     columns.add("periods", "1", "whole modulation periods in the window; 0: no modulation",
                 window.fits() ? window.periods : nan, window.reason);
 

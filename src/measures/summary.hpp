@@ -36,9 +36,12 @@ struct TraceSeries {
 /// Every scalar of the table for one case, always the same columns for the same numbers of depths.
 /// The surface columns are those of the first depth; further depths add eta_period, focal_rms and
 /// peak with their depth in the name (focal_rms_um_z1.5mm). The spectrum is that of the first trace
-/// at the origin, or of the first trace. Not collective.
+/// at the origin, or of the first trace. `mean_u2`
+/// is the whole surface's time mean of u_z^2 over the period window (x, y row-major), empty where
+/// none was kept. Not collective.
 std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& depths,
                               const std::vector<TraceSeries>& traces,
-                              const std::optional<MachFit>& mach);
+                              const std::optional<MachFit>& mach,
+                              const std::vector<double>& mean_u2 = {});
 
 } // namespace shearwake

@@ -2,6 +2,7 @@
 
 #include "io/h5.hpp"
 #include "io/plan_file.hpp"
+#include "io/variable_group.hpp"
 #include "measures/participation.hpp"
 #include "measures/reconstruction_efficiency.hpp"
 #include "measures/spectrum.hpp"
@@ -115,13 +116,26 @@ VariableGroup trace_group(const Case& c, const std::vector<TraceSeries>& traces)
           ""}}};
 }
 
+VariableGroup mean_group(const Domain& d, const std::vector<double>& mean_u2) {
+    return {"mean",
+            {{"x", {"x"}, coordinate(d.nx, [&](auto i) { return d.x_m(i); }), "m", "x", ""},
+             {"y", {"y"}, coordinate(d.ny, [&](auto j) { return d.y_m(j); }), "m", "y", ""},
+             {"u_z_squared",
+              {"x", "y"},
+              mean_u2,
+              "m2",
+              "time mean of u_z^2 over whole modulation periods",
+              ""}}};
+}
+
 } // namespace
 
 std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSeries>& depths,
                                         const std::vector<TraceSeries>& traces,
-                                        const std::optional<MachFit>& mach) {
+                                        const std::optional<MachFit>& mach,
+                                        const std::vector<double>& mean_u2) {
     std::vector<VariableGroup> groups = {{"", root_series(c, depths)}};
-    for (const Column& column : summarise(c, depths, traces, mach))
+    for (const Column& column : summarise(c, depths, traces, mach, mean_u2))
         groups.front().variables.push_back({.name = column.name,
                                             .dimensions = {},
                                             .values = {column.value},
@@ -129,6 +143,7 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
                                             .long_name = column.long_name,
                                             .note = column.note});
     if (!traces.empty()) groups.push_back(trace_group(c, traces));
+    if (!mean_u2.empty()) groups.push_back(mean_group(c.domain, mean_u2));
     return groups;
 }
 

@@ -11,10 +11,11 @@
 namespace shearwake {
 
 /// What is written of a case beside its surface fields: series and scalars in the root group, the
-/// traces with their spectra in /traces.
+/// traces with their spectra in /traces, the surface's time mean of u_z^2, unless empty, in /mean.
 std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSeries>& depths,
                                         const std::vector<TraceSeries>& traces,
-                                        const std::optional<MachFit>& mach);
+                                        const std::optional<MachFit>& mach,
+                                        const std::vector<double>& mean_u2);
 
 /// How and when it was computed.
 struct RunFacts {

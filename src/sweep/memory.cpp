@@ -80,8 +80,9 @@ double peak_memory_B() {
 double memory_needed_B(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
-    // The surface at the instant in slabs, and all of it on rank 0.
-    double recorder = plane / ranks + plane;
+    // The surface at the instant and its mean energy in slabs, and all of them on rank 0, where the
+    // sharpness takes another plane.
+    double recorder = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) recorder += plane / ranks; // turned for the file
     return make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder;
 }

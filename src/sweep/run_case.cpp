@@ -122,7 +122,8 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
 
     std::vector<VariableGroup> groups;
     on_root(team, [&] {
-        groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach());
+        groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
+                              recorder.mean_u2());
     });
     facts.wall_s = checkpoints.earlier_seconds() +
                    std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

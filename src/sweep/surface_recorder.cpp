@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <span>
 
 namespace shearwake {
@@ -22,6 +23,19 @@ std::array<double, 4> cubic_weights(double x) {
 std::ptrdiff_t frame_at(const Case& c, double t_s) {
     return std::clamp<std::ptrdiff_t>(std::llround(t_s / c.time.interval_s) - 1, 0,
                                       c.time.frames - 1);
+}
+
+/// Each frame's weight in a mean over the period window, 1 in all; none if no window fits.
+std::vector<double> mean_weights(const Case& c) {
+    const PeriodWindow window =
+        period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
+                      off_time_s(c.load.modulation.trajectory));
+    if (!window.fits()) return {};
+    std::vector<double> weights = window_weights(c.time, window.from_s, window.to_s);
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    for (double& weight : weights)
+        weight /= total;
+    return weights;
 }
 
 constexpr std::size_t sum_count = 6, peak_count = 2, all_count = sum_count + peak_count;
@@ -71,7 +85,7 @@ SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, CaseFileWriter
                                  std::function<void()> tick)
     : case_(c), team_(team), writer_(writer), tick_(std::move(tick)),
       region_(measured_region(c.domain)), instant_(frame_at(c, c.measure.at_s)),
-      kept_(kept_frames(c)) {
+      kept_(kept_frames(c)), mean_weights_(mean_weights(c)) {
     const auto frames = static_cast<std::size_t>(c.time.frames);
     for (const double depth_m : c.measure.depths_m)
         depths_.push_back({depth_m, std::vector<SurfaceSums>(frames)});
@@ -83,7 +97,9 @@ void SurfaceRecorder::begin(const Slab& slab) {
     slab_ = slab;
     // All memory before the first frame: no rank may run out of it alone between two frames.
     together(team_, [&] {
-        instant_rows_.reserve(static_cast<std::size_t>(slab.x_count * case_.domain.ny));
+        const auto samples = static_cast<std::size_t>(slab.x_count * case_.domain.ny);
+        instant_rows_.reserve(samples);
+        if (!mean_weights_.empty()) mean_rows_.assign(samples, 0.0);
     });
 }
 
@@ -93,6 +109,7 @@ void SurfaceRecorder::frame(const Frame& frame) {
     depths_[frame.depth].frames[n] = surface_sums(frame.u_z_m, slab_.x_start, case_.domain, region_,
                                                   places, case_.measure.focal_radius_m);
     if (frame.depth == 0) add_to_traces(frame);
+    if (frame.depth == 0) add_to_mean(frame);
     if (frame.depth == 0 && frame.number == instant_) {
         instant_held_ = true;
         for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
@@ -145,6 +162,7 @@ void SurfaceRecorder::save(StateWriter& state) {
         put_part(fmt::format("sums_{}", i), flat(depths_[i].frames));
     for (std::size_t i = 0; i < traces_.size(); ++i)
         put_part(fmt::format("trace_{}", i), traces_[i].u_m);
+    if (!mean_weights_.empty()) state.put("mean_u2", surface_rows(), mean_rows_.data());
     state.put("instant_held", instant_held_ ? 1.0 : 0.0);
     if (instant_held_) state.put("instant", surface_rows(), instant_rows_.data());
 }
@@ -176,6 +194,7 @@ void SurfaceRecorder::restore(StateReader& state) {
         for (std::size_t at = 0; at < mine.size(); ++at)
             u[at % u.size()] += mine[at];
     }
+    if (!mean_weights_.empty()) state.get("mean_u2", surface_rows(), mean_rows_.data());
     instant_held_ = state.get("instant_held") != 0.0;
     if (!instant_held_) return;
     instant_rows_.resize(static_cast<std::size_t>(slab_.x_count * case_.domain.ny));
@@ -206,6 +225,16 @@ void SurfaceRecorder::add_to_traces(const Frame& frame) {
     }
 }
 
+void SurfaceRecorder::add_to_mean(const Frame& frame) {
+    if (mean_weights_.empty()) return;
+    const double weight = mean_weights_[static_cast<std::size_t>(frame.number)];
+    if (weight == 0.0) return;
+    double* mean = mean_rows_.data();
+    for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i)
+        for (const double u : frame.u_z_m.row(i))
+            *mean++ += weight * u * u;
+}
+
 void SurfaceRecorder::finish() {
     check_volumes();
     for (DepthSeries& depth : depths_) {
@@ -229,6 +258,7 @@ void SurfaceRecorder::finish() {
     }
     for (TraceSeries& trace : traces_)
         team_.sum(trace.u_m);
+    mean_u2_ = team_.gather(mean_rows_);
     const std::vector<double> instant = team_.gather(instant_rows_);
     on_root(team_, [&] { fit_mach(instant); });
 }

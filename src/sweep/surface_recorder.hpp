@@ -12,8 +12,8 @@
 namespace shearwake {
 
 /// The observer of every case: measures each frame on this rank's slab, keeps traces, passes on the
-/// frames and volumes to be kept, and holds the surface at the instant `measure.at` for the wake's
-/// angle.
+/// frames and volumes to be kept, holds the surface at the instant `measure.at` for the wake's
+/// angle, and averages its energy over the period window.
 class SurfaceRecorder : public Observer {
 public:
     /// `writer` may be null (nothing is kept). `tick` is called once a frame, for the progress
@@ -39,6 +39,9 @@ public:
     const std::vector<TraceSeries>& traces() const { return traces_; }
     /// On rank 0 only; empty elsewhere.
     const std::optional<MachFit>& mach() const { return mach_; }
+    /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
+    /// rank 0 only; empty elsewhere, and when no window fits.
+    const std::vector<double>& mean_u2() const { return mean_u2_; }
     /// What the engine has told; empty if it had nothing to tell.
     const SolverReport& solver() const { return solver_; }
 
@@ -50,6 +53,7 @@ private:
         return {case_.domain.nx, slab_.x_start, slab_.x_count, case_.domain.ny};
     }
     void add_to_traces(const Frame& frame);
+    void add_to_mean(const Frame& frame);
     void check_volumes() const;
     void fit_mach(const std::vector<double>& instant);
 
@@ -61,8 +65,11 @@ private:
     Region region_;
     std::ptrdiff_t instant_ = 0;
     std::vector<std::ptrdiff_t> kept_;
+    std::vector<double> mean_weights_; // of each frame, 1 in all; empty: no window fits
     std::vector<DepthSeries> depths_;
     std::vector<TraceSeries> traces_;
+    std::vector<double> mean_rows_; // of this rank, so far
+    std::vector<double> mean_u2_;
     std::vector<double> instant_rows_;
     bool instant_held_ =
         false; // the frame of the instant has come; this rank may have no row of it

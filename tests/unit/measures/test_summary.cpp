@@ -81,11 +81,13 @@ TEST_CASE("the table has every column once, with a unit and words", "[summary]")
                                                "focal_rms_um",
                                                "impulse_mN_ms",
                                                "peak_frequency_Hz",
+                                               "velocity_peak_frequency_Hz",
                                                "rms_40_400_um",
                                                "rms_5_300_um",
                                                "rms_5_800_um",
                                                "mach_angle_deg",
                                                "mach_angle_theory_deg",
+                                               "sharpness_1",
                                                "periods"};
     std::vector<std::string> names;
     for (const Column& column : columns) {
@@ -97,8 +99,10 @@ TEST_CASE("the table has every column once, with a unit and words", "[summary]")
 }
 
 TEST_CASE("the table holds the measures in its units", "[summary]") {
-    const auto columns = summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)},
-                                   MachFit{.angle_deg = 42.5});
+    const Case c = thesis_case();
+    const std::vector<double> even(static_cast<std::size_t>(c.domain.nx * c.domain.ny), 1e-18);
+    const auto columns =
+        summarise(c, {growing(0.0, 280)}, {tone_at({}, 300)}, MachFit{.angle_deg = 42.5}, even);
     const auto value = [&](const std::string& name) { return find(columns, name).value; };
     // Ratios of products: rounding.
     CHECK(value("eta_at_1") == Approx(0.2).epsilon(1e-12));
@@ -121,6 +125,13 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     CHECK(value("mach_angle_deg") == 42.5);
     CHECK(value("mach_angle_theory_deg") == Approx(43.0).margin(0.05)); // c_R = 0.9553 c_s
     CHECK(value("periods") == 2);
+    // The same energy everywhere: a strip of 6 mm along a path, half a disc at either end, over
+    // all.
+    const auto& path = std::get<Travel>(c.load.modulation.trajectory.parts.front()).path;
+    const double strip_m2 = 6e-3 * length_m(path) + std::numbers::pi * 9e-6;
+    const double measured_m2 = (192e-3 - 24e-3) * (144e-3 - 24e-3); // inside the sponge
+    // The rims of the half discs count by cells: a thousandth of the strip.
+    CHECK(value("sharpness_1") == Approx(strip_m2 / measured_m2).epsilon(1e-3));
     for (const Column& column : columns)
         CHECK(column.note.empty());
 }
@@ -184,7 +195,7 @@ TEST_CASE("further depths add columns that carry the depth", "[summary]") {
     const auto columns =
         summarise(thesis_case(),
                   {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {}, {});
-    CHECK(columns.size() == 24 + 6);
+    CHECK(columns.size() == 26 + 6);
     CHECK(find(columns, "peak_um_z1.5mm").value == Approx(0.14));
     CHECK(find(columns, "focal_rms_um_z4mm").value ==
           Approx(0.1 * find(columns, "focal_rms_um").value).epsilon(1e-12));
@@ -214,6 +225,11 @@ TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     CHECK(find(columns, "share_100_500_1").value == Approx(0.8).margin(0.02));
     CHECK(find(columns, "share_500_1000_1").value == Approx(0.2).margin(0.02));
     CHECK(find(columns, "share_0_10000_1").value == Approx(1.0)); // of all above 1/T
+    // Velocity goes with the frequency: 300 against 0.5 times 800. It jumps where the run ends,
+    // which leaks to all frequencies.
+    CHECK(find(columns, "velocity_share_500_1000_1").value == Approx(0.64).margin(0.03));
+    CHECK(find(columns, "peak_frequency_Hz").value == Approx(300).margin(10));
+    CHECK(find(columns, "velocity_peak_frequency_Hz").value == Approx(800).margin(10));
     CHECK(find(columns, "share_0_20000_1").note == "frames every 50 us do not carry 20000 Hz");
 }
 
