@@ -82,8 +82,7 @@ TEST_CASE("long cases come first and those of one medium together", "[teams]") {
 TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
     const auto cases = alike(400);
     const Case& c = cases.planned[0].physics;
-    const auto engine = make_engine(c.solver);
-    const double on_two_B = engine->estimate(c, 2).memory_per_rank_B;
-    REQUIRE(on_two_B < engine->estimate(c, 1).memory_per_rank_B);
-    CHECK(choose_teams(cases.pointers(), 4, 0, 1.01 * on_two_B).ranks_per_case == 2);
+    const double on_two_B = memory_needed_B(c, 2);
+    REQUIRE(on_two_B < memory_needed_B(c, 1));
+    CHECK(choose_teams(cases.pointers(), 4, 0, on_two_B).ranks_per_case == 2);
 }
