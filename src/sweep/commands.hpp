@@ -34,6 +34,10 @@ struct RunArguments : JobArguments {
     bool quiet = false;
 };
 
+struct ShowModulationArguments : JobArguments {
+    std::filesystem::path picture; // empty: <job file>.modulation.png, here
+};
+
 struct BenchArguments {
     std::string engine = "layered";
     // Of `spectral`:
@@ -58,6 +62,8 @@ ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
+/// Draws path, speed and envelope of the job's first case.
+ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls one of them.

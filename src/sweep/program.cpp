@@ -108,6 +108,33 @@ void add_diff(CLI::App& app, Action& action) {
     });
 }
 
+void add_show(CLI::App& app, Action& action) {
+    auto case_file = std::make_shared<std::filesystem::path>();
+    auto arguments = std::make_shared<ShowModulationArguments>();
+    CLI::App* verb = app.add_subcommand("show", "one case in words, or a modulation drawn");
+    CLI::App* what = verb->add_option_group("what"); // one of the two
+    what->add_option("CASE", *case_file, "case file (HDF5)");
+    CLI::Option* job =
+        what->add_option("--modulation", arguments->job,
+                         "draw path, speed and envelope of the first case of this job")
+            ->type_name("JOB");
+    what->require_option(1);
+    verb->add_option("--picture", arguments->picture,
+                     "where to draw it: .png, .svg or .pdf (default: JOB.modulation.png)")
+        ->type_name("FILE")
+        ->needs(job);
+    verb->add_option("-S", arguments->overrides, "override a key of the job")
+        ->type_name("KEY=VALUE")
+        ->take_all()
+        ->needs(job);
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) {
+            return case_file->empty() ? show_modulation_command(*arguments, world)
+                                      : show_command(*case_file, world);
+        };
+    });
+}
+
 void add_bench(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<BenchArguments>();
     CLI::App* verb = app.add_subcommand(
@@ -173,8 +200,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     add_path_verb(app, action, "report", "figures and one HTML page", "DIR", folder,
                   report_command);
     add_diff(app, action);
-    add_path_verb(app, action, "show", "one case in words", "CASE", "case file (HDF5)",
-                  show_command);
+    add_show(app, action);
     add_bench(app, action);
     if (const auto message = unknown_verb(app, argc, argv)) throw UsageError(*message);
     try {

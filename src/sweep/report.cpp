@@ -3,68 +3,18 @@
 #include "io/plan_file.hpp"
 #include "parallel/agree.hpp"
 #include "sweep/output_folder.hpp"
+#include "sweep/python_script.hpp"
 
-#include <cstdlib>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace shearwake {
-namespace {
 
-namespace fs = std::filesystem;
-
-/// Exit code of a program run without a shell; -1 if it could not be started.
-int run_program(const std::vector<std::string>& words, bool silent) {
-    std::fflush(nullptr);
-    const pid_t child = ::fork();
-    if (child < 0) return -1;
-    if (child == 0) {
-        if (silent &&
-            (!std::freopen("/dev/null", "w", stdout) || !std::freopen("/dev/null", "w", stderr)))
-            ::_exit(127);
-        std::vector<char*> argv;
-        for (const std::string& word : words)
-            argv.push_back(const_cast<char*>(word.c_str()));
-        argv.push_back(nullptr);
-        ::execvp(argv[0], argv.data());
-        ::_exit(127);
-    }
-    int status = 0;
-    if (::waitpid(child, &status, 0) != child) return -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-/// The first Python that has what the figures need.
-std::string find_python() {
-    std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
-    if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
-        candidates.insert(candidates.begin(), chosen);
-    for (const std::string& python : candidates)
-        if (run_program({python, "-c", "import numpy, h5py, matplotlib"}, true) == 0) return python;
-    throw UsageError("report needs a Python with numpy, h5py and matplotlib (Debian: python3-h5py "
-                     "python3-matplotlib); SHEARWAKE_PYTHON may name one",
-                     ExitCode::environment);
-}
-
-/// analysis/report beside the build, or share/shearwake/report beside an installed program.
-fs::path find_scripts() {
-    const fs::path here = fs::read_symlink("/proc/self/exe").parent_path();
-    for (const fs::path& candidate :
-         {here / "../analysis/report", here / "../share/shearwake/report"})
-        if (fs::exists(candidate / "report.py")) return fs::canonical(candidate);
-    throw UsageError("the report's scripts are not beside this program", ExitCode::environment);
-}
-
-} // namespace
-
-ExitCode report_command(const fs::path& path, const Comm& world) {
+ExitCode report_command(const std::filesystem::path& path, const Comm& world) {
     ExitCode code = ExitCode::done;
     on_root(world, [&] {
         const OutputFolder folder{path};
         read_plan(folder.plan()); // a clear message when this is no output folder
-        const int status = run_program(
-            {find_python(), (find_scripts() / "report.py").string(), path.string()}, false);
+        const int status = run_python_script("report.py", {path.string()});
         if (status != 0)
             throw UsageError(fmt::format("the report failed (exit {})", status),
                              ExitCode::environment);

@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""Draws one modulation: its path with ticks of time, its speed and its envelope over one period.
+
+Usage: modulation.py DATA.json PICTURE    (`shearwake show --modulation JOB` writes the data)
+The picture's ending decides its kind: .png, .svg or .pdf. Exit 0: done; 6: it cannot be read or
+written.
+"""
+import json
+import sys
+
+import numpy as np
+from style import GREY, INK, PALETTE, halo, plt
+
+ENVIRONMENT = 6
+TICKS = 8
+SMALL_DPI = 90  # pictures of the manual are small
+
+
+def round_step(span, count):
+    """A step of 1, 2 or 5 times a power of ten that divides the span into at most `count`."""
+    least = span / count
+    decade = 10.0 ** np.floor(np.log10(least))
+    return next(f * decade for f in (1, 2, 5, 10) if f * decade >= least * (1 - 1e-9))
+
+
+def draw_path(axes, data):
+    run = {key: np.array(values) for key, values in data["run"].items()}
+    x, y, t = 1e3 * run["x_m"], 1e3 * run["y_m"], 1e3 * run["t_s"]
+    foci = list(zip(data["foci_x_m"], data["foci_y_m"])) or [(0.0, 0.0)]
+    for fx, fy in foci:
+        axes.plot(x + 1e3 * fx, y + 1e3 * fy, color=PALETTE[0], linewidth=1.0)
+    moves = np.ptp(x) + np.ptp(y) > 0
+    ticks = np.arange(0.0, t[-1] * (1 + 1e-9), round_step(t[-1], TICKS)) if moves else np.zeros(1)
+    places = [(np.interp(tick, t, x), np.interp(tick, t, y)) for tick in ticks]
+    for fx, fy in foci:
+        axes.plot([px + 1e3 * fx for px, _ in places], [py + 1e3 * fy for _, py in places], "o",
+                  color=INK, markersize=3.5)
+    written = []  # a label where there is room for one
+    reach = max(np.ptp(x), np.ptp(y), 1.0)
+    for tick, place in zip(ticks, places):
+        if moves and all(np.hypot(place[0] - a, place[1] - b) > 0.09 * reach for a, b in written):
+            axes.annotate(f"{tick:g}", place, textcoords="offset points", xytext=(3, 4), fontsize=8,
+                          color=INK, path_effects=halo())
+            written.append(place)
+    margin = 0.15 * reach
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, np.min(y) - margin), max(high, np.max(y) + margin))
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    axes.set_title(data["kind"] + (": path, ticks in ms" if moves else ": rests"), loc="left")
+
+
+def draw_period(speed_axes, gain_axes, data):
+    period = {key: np.array(values) for key, values in data["period"].items()}
+    t = 1e3 * period["t_s"]
+    for axes, values, label, colour in ((speed_axes, period["speed_m_s"], "speed (m/s)", PALETTE[2]),
+                                        (gain_axes, period["gain"], "envelope", PALETTE[1])):
+        axes.plot(t, values, color=colour)
+        axes.fill_between(t, values, color=colour, alpha=0.12, linewidth=0)
+        axes.set_ylim(0.0, 1.15 * max(np.max(values), 1e-3 if axes is speed_axes else 1.0))
+        axes.set_ylabel(label)
+        axes.set_xlim(0.0, t[-1])
+    speed_axes.tick_params(labelbottom=False)
+    frequency = data["frequency_Hz"]
+    gain_axes.set_xlabel("t (ms)" + (f", one period of {frequency:g} Hz" if frequency else ""))
+    gain_axes.axhline(1.0, color=GREY, linewidth=0.6, linestyle=":")
+
+
+def draw(data, picture):
+    figure = plt.figure(figsize=(6.6, 2.5), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
+    draw_path(figure.add_subplot(grid[:, 0]), data)
+    draw_period(figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]), data)
+    figure.savefig(picture, dpi=SMALL_DPI, facecolor="white")
+    plt.close(figure)
+
+
+def main(arguments):
+    if len(arguments) != 2:
+        print("usage: modulation.py DATA.json PICTURE", file=sys.stderr)
+        return 2
+    try:
+        with open(arguments[0], encoding="utf-8") as file:
+            data = json.load(file)
+        draw(data, arguments[1])
+    except (OSError, ValueError) as error:
+        print(f"modulation: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
