@@ -13,6 +13,7 @@ from style import GREY, INK, PALETTE, halo, plt
 
 ENVIRONMENT = 6
 TICKS = 8
+SLOW_PERIODS = 40
 SMALL_DPI = 90  # pictures of the manual are small
 
 
@@ -42,6 +43,9 @@ def draw_path(axes, data):
             axes.annotate(f"{tick:g}", place, textcoords="offset points", xytext=(3, 4), fontsize=8,
                           color=INK, path_effects=halo())
             written.append(place)
+    if not moves:
+        axes.set_xlim(min(p for p, _ in places) - 5 + 1e3 * min(f for f, _ in foci),
+                      max(p for p, _ in places) + 5 + 1e3 * max(f for f, _ in foci))
     margin = 0.15 * reach
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, np.min(y) - margin), max(high, np.max(y) + margin))
@@ -51,18 +55,26 @@ def draw_path(axes, data):
     axes.set_title(data["kind"] + (": path, ticks in ms" if moves else ": rests"), loc="left")
 
 
-def draw_period(speed_axes, gain_axes, data):
-    period = {key: np.array(values) for key, values in data["period"].items()}
-    t = 1e3 * period["t_s"]
-    for axes, values, label, colour in ((speed_axes, period["speed_m_s"], "speed (m/s)", PALETTE[2]),
-                                        (gain_axes, period["gain"], "envelope", PALETTE[1])):
-        axes.plot(t, values, color=colour)
-        axes.fill_between(t, values, color=colour, alpha=0.12, linewidth=0)
-        axes.set_ylim(0.0, 1.15 * max(np.max(values), 1e-3 if axes is speed_axes else 1.0))
-        axes.set_ylabel(label)
-        axes.set_xlim(0.0, t[-1])
-    speed_axes.tick_params(labelbottom=False)
-    frequency = data["frequency_Hz"]
+def draw_curve(axes, t_s, values, label, colour):
+    t = 1e3 * np.array(t_s)
+    axes.plot(t, values, color=colour)
+    axes.fill_between(t, values, color=colour, alpha=0.12, linewidth=0)
+    axes.set_ylim(0.0, 1.15 * (np.max(values) or 1.0))
+    axes.set_xlim(0.0, t[-1])
+    axes.set_ylabel(label)
+
+
+def draw_courses(speed_axes, gain_axes, data):
+    period, run, frequency = data["period"], data["run"], data["frequency_Hz"]
+    # A slow pointer goes nowhere within a period: its speed is shown over the run.
+    is_slow = run["t_s"][-1] > SLOW_PERIODS * period["t_s"][-1]
+    shown = run if is_slow else period
+    draw_curve(speed_axes, shown["t_s"], shown["speed_m_s"], "speed (m/s)", PALETTE[2])
+    draw_curve(gain_axes, period["t_s"], period["gain"], "envelope", PALETTE[1])
+    if is_slow:
+        speed_axes.set_xlabel("t (ms), the run")
+    else:
+        speed_axes.tick_params(labelbottom=False)
     gain_axes.set_xlabel("t (ms)" + (f", one period of {frequency:g} Hz" if frequency else ""))
     gain_axes.axhline(1.0, color=GREY, linewidth=0.6, linestyle=":")
 
@@ -71,7 +83,7 @@ def draw(data, picture):
     figure = plt.figure(figsize=(6.6, 2.5), layout="constrained")
     grid = figure.add_gridspec(2, 2, width_ratios=(1.25, 1.0))
     draw_path(figure.add_subplot(grid[:, 0]), data)
-    draw_period(figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]), data)
+    draw_courses(figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1]), data)
     figure.savefig(picture, dpi=SMALL_DPI, facecolor="white")
     plt.close(figure)
 
