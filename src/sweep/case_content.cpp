@@ -6,6 +6,7 @@
 #include "measures/participation.hpp"
 #include "measures/reconstruction_efficiency.hpp"
 #include "measures/spectrum.hpp"
+#include "model/drawn_shape.hpp"
 #include "sweep/provenance.hpp"
 
 #include <cmath>
@@ -116,7 +117,17 @@ VariableGroup trace_group(const Case& c, const std::vector<TraceSeries>& traces)
           ""}}};
 }
 
-VariableGroup mean_group(const Domain& d, const std::vector<double>& mean_u2) {
+VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
+    const Domain& d = c.domain;
+    std::vector<double> number, line, x, y;
+    const auto lines = drawn_shape(c.load.modulation, d.spacing_m);
+    for (std::size_t l = 0; l < lines.size(); ++l)
+        for (const Vec2 point : lines[l]) {
+            number.push_back(static_cast<double>(number.size()));
+            line.push_back(static_cast<double>(l));
+            x.push_back(point.x);
+            y.push_back(point.y);
+        }
     return {"mean",
             {{"x", {"x"}, coordinate(d.nx, [&](auto i) { return d.x_m(i); }), "m", "x", ""},
              {"y", {"y"}, coordinate(d.ny, [&](auto j) { return d.y_m(j); }), "m", "y", ""},
@@ -125,7 +136,11 @@ VariableGroup mean_group(const Domain& d, const std::vector<double>& mean_u2) {
               mean_u2,
               "m2",
               "time mean of u_z^2 over whole modulation periods",
-              ""}}};
+              ""},
+             {"point", {"point"}, number, "1", "number of the point of the drawn shape", ""},
+             {"drawn_line", {"point"}, line, "1", "which line of the drawn shape, one a focus", ""},
+             {"drawn_x", {"point"}, x, "m", "x of the drawn shape", ""},
+             {"drawn_y", {"point"}, y, "m", "y of the drawn shape", ""}}};
 }
 
 } // namespace
@@ -143,7 +158,7 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
                                             .long_name = column.long_name,
                                             .note = column.note});
     if (!traces.empty()) groups.push_back(trace_group(c, traces));
-    if (!mean_u2.empty()) groups.push_back(mean_group(c.domain, mean_u2));
+    if (!mean_u2.empty()) groups.push_back(mean_group(c, mean_u2));
     return groups;
 }
 
