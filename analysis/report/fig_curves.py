@@ -9,13 +9,13 @@ from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
 import layout
 import style
 from figure import Figure
-from words import SUPERSCRIPTS, axis_label, key_name, number, value_text
+from words import SUPERSCRIPTS, number, value_text
 
 
 def set_x_axis(axes, sweep):
     """Ticks at the swept values while they fit, words where x has no numbers."""
     values = layout.x_values(sweep)
-    axes.set_xlabel(axis_label(sweep.x))
+    axes.set_xlabel(layout.axis_label(sweep, sweep.x))
     if not layout.is_numeric(sweep):
         few = len(values) <= 6
         axes.set_xticks(range(len(values)), [value_text(sweep.x, v) for v in values],
@@ -37,9 +37,16 @@ def set_x_axis(axes, sweep):
         axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def points(sweep, group, column, scale=1.0):
-    x = [layout.x_position(sweep, c) for c in group.cases]
-    return np.array(x), scale * np.array([c.value(column) for c in group.cases])
+def points(sweep, group, column, aside=0.0):
+    """`aside`: beside the word that x is, so that curves do not hide each other."""
+    x = [layout.x_position(sweep, c) + aside for c in group.cases]
+    return np.array(x), np.array([c.value(column) for c in group.cases])
+
+
+def asides(sweep, curves):
+    middle = 0.5 * (len(curves) - 1)
+    step = 0.0 if layout.is_numeric(sweep) else 0.12
+    return [step * (i - middle) for i in range(len(curves))]
 
 
 def draw_reference(axes, sweep, group, column, colour, line, labels, name):
@@ -94,7 +101,7 @@ def legend_above(figure, sweep, curves, top_in=0.08):
         return
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
              for group, colour, marker in curves]
-    keys = ", ".join(key_name(k) for k in layout.group_keys(sweep))
+    keys = ", ".join(layout.name(sweep, k) for k in layout.group_keys(sweep))
     figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=min(len(lines), 4),
                   loc="upper center", bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
@@ -162,8 +169,8 @@ def measure_figure(sweep, folder, measure):
     figure, made = panels(len(rows), curves)
     for axes, column in zip(made, rows):
         whole_periods = column == period
-        for group, colour, marker in curves:
-            x, y = points(sweep, group, column)
+        for (group, colour, marker), aside in zip(curves, asides(sweep, curves)):
+            x, y = points(sweep, group, column, aside)
             look = {"marker": marker, "color": colour, "markersize": 6,
                     "linestyle": "-" if numeric else "none"}
             if whole_periods:
@@ -188,10 +195,15 @@ def measure_figure(sweep, folder, measure):
         axes.grid(False, axis="x")
     legend_above(figure, sweep, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
-    return Figure(measure["name"], measure["title"].format(x=key_name(sweep.x)),
+    return Figure(measure["name"], measure["title"].format(x=layout.name(sweep, sweep.x)),
                   measure["caption"] + reading_words(sweep, rows, period, instant, numeric),
-                  f"{measure['title'].format(x=key_name(sweep.x))}: period reading and instant, "
+                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: period reading and instant, "
                   "with the reference as dashed lines")
+
+
+def period_words(sweep):
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
+    return "the settled part of the run" if kinds == {"STM"} else "whole modulation periods"
 
 
 def reading_words(sweep, rows, period, instant, numeric):
@@ -200,7 +212,7 @@ def reading_words(sweep, rows, period, instant, numeric):
         return " Marks and readings as in the first figure."
     words = []
     if period in rows:
-        words.append(" Filled markers: energy-weighted over whole modulation periods.")
+        words.append(f" Filled markers: energy-weighted over {period_words(sweep)}.")
     if instant in rows:
         upper = " the pale band repeats the period reading." if numeric and period in rows else ""
         words.append(" Open markers, thin line: the single instant; it catches whichever phase the "

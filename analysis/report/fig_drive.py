@@ -2,15 +2,46 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-import fig_spectrogram
 import layout
 import style
 import wake
 from figure import Figure
+from words import number
+
+CASES = 4
+LEAD = 1e-3  # of the way: what leads its reference by less moves as it does
+
+
+def chosen(sweep):
+    """The reference, then cases from the first to the last curve; of words the first curve's."""
+    found = layout.groups(sweep)
+    if found and not layout.is_numeric(sweep) and len(found[0].cases) <= CASES:
+        picks = found[0].cases
+    else:
+        each = CASES - 1 if len(found) == 1 else 2
+        picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, each)]
+    references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
+    cases = {c.id: c for c in references + layout.evenly(picks, CASES - len(references))}
+    return [c for c in cases.values() if "force" in c.series]
 
 
 def is_moving(case):
     return max(np.ptp(case.series["focus_x"]), np.ptp(case.series["focus_y"])) > 0
+
+
+def lead_mm(sweep, case):
+    """How far the focus is ahead of its reference along that one's way, over time; None where both
+    move alike or there is none."""
+    reference = sweep.reference_of(case)
+    if not reference or len(reference.series["time"]) != len(case.series["time"]):
+        return None
+    own, other = (1e3 * np.column_stack([c.series["focus_x"], c.series["focus_y"]])
+                  for c in (case, reference))
+    way = other[-1] - other[0]
+    length = float(np.hypot(*way))
+    if not length > 0 or np.abs(own - other).max() < LEAD * length:
+        return None
+    return (own - other) @ way / length
 
 
 def draw_place(axes, case):
@@ -24,33 +55,79 @@ def draw_place(axes, case):
             axes.plot(time, place, linewidth=1.3, label=name, **look)
 
 
+def draw_lead(axes, sweep, case):
+    lead = lead_mm(sweep, case)
+    time = 1e3 * case.series["time"]
+    axes.plot(time, np.zeros(len(time)) if lead is None else lead, color=style.PALETTE[2],
+              linewidth=1.3)
+
+
+def draw_force(axes, case):
+    axes.plot(1e3 * case.series["time"], 1e3 * case.series["force"], color=style.INK,
+              linewidth=1.2)
+
+
+def changes(case):
+    """Whether the force does, while it presses."""
+    force = case.series["force"][: wake.last_pressed(case) + 1]
+    return np.ptp(force) > 1e-6 * np.abs(force).max()
+
+
 def figures(sweep, folder):
-    cases = [c for c in fig_spectrogram.chosen(sweep) if "force" in c.series]
+    cases = chosen(sweep)
     if not cases:
         return []
-    moving = any(map(is_moving, cases))
-    figure, made = plt.subplots(len(cases), 1 + moving, squeeze=False, sharex=True, sharey="col",
+    name = layout.reference_name(layout.all_references(sweep))
+    columns = []
+    if any(map(is_moving, cases)):
+        columns.append(("place", draw_place))
+    if any(lead_mm(sweep, c) is not None for c in cases):
+        columns.append((f"ahead of {name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
+    steady = not any(map(changes, cases))
+    if not steady or not columns:
+        columns.append(("force (mN)", draw_force))
+    figure, made = plt.subplots(len(cases), len(columns), squeeze=False, sharex=True, sharey="col",
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.25 * len(cases)))
     for row, case in zip(made, cases):
-        if moving:
-            draw_place(row[0], case)
-        row[-1].plot(1e3 * case.series["time"], 1e3 * case.series["force"], color=style.INK,
-                     linewidth=1.2)
+        for axes, (_, draw) in zip(row, columns):
+            draw(axes, case)
         row[0].set_title(layout.case_label(sweep, case), loc="left", fontsize=9)
-    largest = max(1e3 * c.series["force"].max() for c in cases)
-    made[0, -1].set_ylim(-0.04 * largest, 1.08 * largest)
-    made[len(cases) // 2, -1].set_ylabel("force (mN)")
+    for axes, (label, _) in zip(made[len(cases) // 2], columns):
+        axes.set_ylabel(label)
+    if columns[-1][1] is draw_force:
+        largest = max(1e3 * c.series["force"].max() for c in cases)
+        made[0, -1].set_ylim(-0.04 * largest, 1.08 * largest)
     figure.supxlabel("time (ms)", fontsize=9.5)
-    if moving:
-        lines = {line.get_label(): line for axes in made[:, 0] for line in axes.get_lines()}
-        label = "place" if len(lines) > 1 else next(iter(lines))
-        made[len(cases) // 2, 0].set_ylabel(f"{label} (mm)")
-        if len(lines) > 1:
-            made[0, 0].legend(handles=list(lines.values()), loc="upper right", ncol=2,
-                              bbox_to_anchor=(1.0, 1.3))
+    if columns[0][1] is draw_place:
+        name_places(made, len(cases) // 2)
     style.save(figure, folder / "drive.png")
-    text = "The force of the whole footprint, averaged over the carrier's cycle"
-    if moving:
-        text = "The place of the focus, x and y where they change, and t" + text[1:]
-    return [Figure("drive", "How the skin is driven", text + ".", "Place and force over time")]
+    return [Figure("drive", "How the skin is driven", caption(cases, columns, steady, name),
+                   "Place and force over time")]
+
+
+def name_places(made, middle):
+    lines = {line.get_label(): line for axes in made[:, 0] for line in axes.get_lines()}
+    label = "place" if len(lines) > 1 else next(iter(lines))
+    made[middle, 0].set_ylabel(f"{label} (mm)")
+    if len(lines) > 1:
+        made[0, 0].legend(handles=list(lines.values()), loc="lower right", ncol=2,
+                          bbox_to_anchor=(1.02, 0.94), borderaxespad=0.0)
+
+
+def caption(cases, columns, steady, name):
+    parts = []
+    for _, draw in columns:
+        if draw is draw_place:
+            parts.append("the place of the focus, x and y where they change")
+        elif draw is draw_force:
+            parts.append("the force of the whole footprint, averaged over the carrier's cycle")
+        else:
+            parts.append(f"how far it is ahead of {name}")
+    text = "; ".join(parts) + "."
+    text = text[:1].upper() + text[1:]
+    if steady and columns[-1][1] is not draw_force:
+        forces = sorted({float(f"{1e3 * c.series['force'].max():.3g}") for c in cases})
+        text += (f" The force is steady, {number(forces[0], 3)}"
+                 + (f" to {number(forces[-1], 3)}" if len(forces) > 1 else "") + " mN.")
+    return text

@@ -9,7 +9,7 @@ import layout
 import style
 import table
 from figure import Figure
-from words import axis_label, key_name, listed, number, value_text
+from words import listed, number, value_text
 
 PANELS = 12
 COLUMNS = 3
@@ -26,7 +26,10 @@ MEASURES = [
     ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
     ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
     ("peak_frequency_Hz", "Dominant frequency at the centre", "frequency (Hz)"),
+    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity at the centre",
+     "frequency of du/dt (Hz)"),
 ]
+HELD = 0.5  # of the cases have a measure that is drawn
 
 
 def band_measures(sweep):
@@ -118,18 +121,27 @@ def draw(axes, grid, failed, norm, colours, written):
     axes.grid(False)
 
 
+def columns_of(sweep, others, count):
+    """A row for each value but those of the last key, where they fit."""
+    last = len(layout.values_of(sweep, others[-1])) if others else 1
+    if len(others) > 1 and last <= 4 and count % last == 0:
+        return last
+    return 2 if count == 4 else min(COLUMNS, count)
+
+
 def heat_figure(sweep, folder, measure, plan):
     column, title, label = measure
     x, y, others = plan
     shown, of = panels(sweep, others)
     every = [cells(sweep, column, x, y, others, v) for v in shown]
     grids = [g for g, _ in every]
-    if not any(np.isfinite(g).any() for g in grids):
+    known = [table.value(sweep, c, column) for c in layout.ordinary(sweep)]
+    if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
     reference = layout.reference_name(layout.all_references(sweep))
     title, label = title.format(reference=reference), label.format(reference=reference)
     norm, colours = scale(grids, column in table.RATIOS)
-    columns = 2 if len(shown) == 4 else min(COLUMNS, len(shown))
+    columns = columns_of(sweep, others, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
@@ -139,7 +151,7 @@ def heat_figure(sweep, folder, measure, plan):
         draw(axes, grid, failed, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
         words = [value_text(k, v) for k, v in zip(others, values)]
         if len(others) == 1:
-            words[0] = f"{key_name(others[0])} {words[0]}"
+            words[0] = f"{layout.name(sweep, others[0])} {words[0]}"
         axes.set_title(", ".join(words), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
@@ -147,22 +159,22 @@ def heat_figure(sweep, folder, measure, plan):
         made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
     ticks(made[0, 0].xaxis, x, sweep, 15 // columns + 1)
     ticks(made[0, 0].yaxis, y, sweep, 12 if rows == 1 else 8)
-    figure.supxlabel(axis_label(x), fontsize=9.5)
-    figure.supylabel(axis_label(y), fontsize=9.5)
+    figure.supxlabel(layout.axis_label(sweep, x), fontsize=9.5)
+    figure.supylabel(layout.axis_label(sweep, y), fontsize=9.5)
     bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
                           label=label, aspect=30, pad=0.02)
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     name = "heat_" + column
     style.save(figure, folder / (name + ".png"))
-    head = f"{title} over {key_name(x)} and {key_name(y)}"
-    return Figure(name, head, caption(every, others, len(shown), of), head + ", as colours")
+    head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
+    return Figure(name, head, caption(every, [layout.name(sweep, k) for k in others], len(shown), of), head + ", as colours")
 
 
 def caption(every, others, shown, of):
     text = "A cell is a case; the cells stand at equal distances, whatever their values."
     if others:
-        text += f" A panel for each {listed(map(key_name, others))}, one colour scale for all."
+        text += f" A panel for each {listed(others)}, one colour scale for all."
     if shown < of:
         text += f" {shown} of {of} panels are drawn, spread evenly; the table has all."
     failed = sum(int(f.sum()) for _, f in every)

@@ -1,98 +1,62 @@
-"""Time-averaged intensity of the surface with the drawn path, where every frame was kept."""
+"""Time-averaged intensity of the surface with the shape that was drawn."""
 import numpy as np
 
 import fig_surface
-import layout
 import load
-import player
 import style
 import wake
 from figure import Figure
 from words import number
 
 
-REPEATED = 0.05  # of the width: a stretch of path that comes back so near is not looked at again
+def draw_lines(axes, lines):
+    for line in lines:
+        axes.plot(*(1e3 * line).T, color="white", linewidth=0.9, linestyle=(0, (3, 2)),
+                  marker="+" if len(line) == 1 else "")
 
 
-def stretches(case, width_m):
-    """(start, end) of every piece of the path between frames, of each focus; repeats once."""
-    path = 1e-3 * wake.focus_at(case, case.series["time"][-1])[2]
-    found = {}
-    for offset in 1e-3 * wake.offsets_mm(case):
-        for a, b in zip(path[:-1] + offset, path[1:] + offset):
-            found.setdefault(tuple(np.round(np.array([*a, *b]) / (REPEATED * width_m))), (a, b))
-    return found.values()
-
-
-def along(case, width_m, x_m, y_m):
-    """Which samples lie within this width of the path, or of any focus' path, that was drawn."""
-    near = np.zeros((len(x_m), len(y_m)), dtype=bool)
-    for a, b in stretches(case, width_m):
-        step = b - a
-        squared = float(step @ step)
-        dx, dy = x_m[:, None] - a[0], y_m[None, :] - a[1]
-        share = np.clip((dx * step[0] + dy * step[1]) / squared, 0.0, 1.0) if squared else 0.0
-        near |= (dx - share * step[0]) ** 2 + (dy - share * step[1]) ** 2 <= width_m**2
-    return near
-
-
-def inside(case, places_m):
-    """Without the margin that the measures leave out, too."""
-    sponge_m = case.setting("domain", "sponge_m", default=0.0)
-    return (places_m >= places_m[0] + sponge_m) & (places_m <= places_m[-1] - sponge_m)
-
-
-def sharpness(case, x_m, y_m, square):
-    """Share of the time-averaged energy within one FWHM of the drawn line; None without a FWHM."""
-    fwhm_m = case.setting("load", "fwhm_m", default=None)
-    measured = inside(case, x_m)[:, None] & inside(case, y_m)[None, :]
-    total = square[measured].sum()
-    if not fwhm_m or not total > 0:
-        return None
-    return float(square[measured & along(case, fwhm_m, x_m, y_m)].sum() / total)
+def window(found, shots, end):
+    """The rectangle in which anything is seen, and the drawn shape with it."""
+    limits = fig_surface.window(shots, end)
+    points = 1e3 * np.concatenate([line for _, (_, _, _, lines) in found for line in lines])
+    low, high = points.min(axis=0) - 3.0, points.max(axis=0) + 3.0
+    return (min(limits[0], low[0]), max(limits[1], high[0]), min(limits[2], low[1]),
+            max(limits[3], high[1]))
 
 
 def figures(sweep, folder):
-    cases = player.chosen(sweep)
-    found = [(c, m) for c in cases if (m := load.mean_square(c))]
-    if not found:
+    cells, columns = fig_surface.cells(sweep)
+    with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
+    found = [f for f in with_map if f]
+    if not found or all(wake.runs_straight_on(c) for c, _ in found):
         return []
-    rms = [1e6 * np.sqrt(square) for _, (_, _, square) in found]
-    end = max(r.max() for r in rms)
+    shots = [f and fig_surface.Snapshot(f[0], f[0].series["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
+                                        1e6 * np.sqrt(f[1][2])) for f in with_map]
+    end = max(s.u_um.max() for s in shots if s)
     if not end > 0:
         return []
-    shots = [fig_surface.Snapshot(c, c.series["time"][-1], 1e3 * x, 1e3 * y, r)
-             for (c, (x, y, _)), r in zip(found, rms)]
-    figure, made, bar_axes = fig_surface.arrange(shots, fig_surface.window(shots, end))
-    limits = fig_surface.window(shots, end)
-    shares = []
-    for axes, shot, (case, (x, y, square)) in zip(made, shots, found):
-        dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
-        extent = (shot.x_mm[0] - dx, shot.x_mm[-1] + dx, shot.y_mm[0] - dy, shot.y_mm[-1] + dy)
+    limits = window(found, [s for s in shots if s], end)
+    figure, made, bar_axes = fig_surface.arrange(shots, columns, limits)
+    for axes, shot, cell in zip(made, shots, with_map):
+        if not shot:
+            continue
         image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=0.0, vmax=end,
-                            extent=extent, interpolation="bicubic", interpolation_stage="data")
-        path = wake.focus_at(case, shot.t_s)[2]
-        resting = np.ptp(path, axis=0).max() == 0
-        for offset in wake.offsets_mm(case):
-            axes.plot(*((path[:1] if resting else path) + offset).T, color="white",
-                      linewidth=0.8, linestyle=(0, (2, 2)), marker="+" if resting else "")
-        axes.set_xlim(*limits[:2])
-        axes.set_ylim(*limits[2:])
-        axes.set_aspect("equal")
-        axes.grid(False)
-        share = sharpness(case, x, y, square)
-        shares.append(share)
-        words = "" if share is None else f" (sharpness {number(share, 2)})"
-        axes.set_title(layout.case_label(sweep, case) + words, loc="left", pad=4)
+                            extent=fig_surface.extent(shot), interpolation="bicubic",
+                            interpolation_stage="data")
+        draw_lines(axes, cell[1][3])
+        fig_surface.frame(axes, limits)
+        share = number(shot.case.value("sharpness_1"), 3)
+        if share:
+            fig_surface.note(axes, f"sharpness {share}", "white")
+        axes.set_title(fig_surface.panel_title(sweep, shot, columns), loc="left", pad=4)
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal",
                           label="rms of $u_z$ over time (µm)")
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "intensity.png")
-    text = ("Root of the time-averaged intensity, the mean of u² over the settled frames, one "
-            "colour scale for all; dashed: the path that was drawn.")
-    if any(s is not None for s in shares):
-        text += (" Sharpness: the share of the energy, averaged over time, that lies within one "
-                 "FWHM of the path, the absorbing margin left out.")
+    text = ("Root of the time-averaged intensity, the mean of u² over whole periods, one colour "
+            "scale for all; dashed: the shape that was drawn.")
+    if any(s and number(s.case.value("sharpness_1")) for s in shots):
+        text += " Sharpness: the share of that energy within one FWHM of the dashed line."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity of the surface seen from above")]

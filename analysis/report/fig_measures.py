@@ -1,11 +1,13 @@
 """Which measures are drawn against the swept key, and what their captions say."""
 import math
 
+import numpy as np
+
 import layout
 import fig_curves as curves_module
 import style
 from figure import Figure
-from words import key_name, number
+from words import number
 
 MEASURES = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
@@ -31,41 +33,75 @@ MEASURES = [
 ]
 
 
+def over_reference(sweep, group, column):
+    """A measure over that of each case's reference; NaN without one."""
+    ratios = []
+    for case in group.cases:
+        reference = sweep.reference_of(case)
+        below = reference.value(column) if reference else math.nan
+        ratios.append(case.value(column) / below if below else math.nan)
+    return np.array(ratios)
+
+
+def ratio_curves(sweep, folder, column, name, label):
+    """One panel: a measure over that of the reference, which is a line at one."""
+    curves = curves_module.curves_of(sweep)
+    figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
+    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
+        x, _ = curves_module.points(sweep, group, column, aside)
+        axes.plot(x, over_reference(sweep, group, column), marker=marker, color=colour,
+                  markersize=6, zorder=3, linestyle="-" if layout.is_numeric(sweep) else "none")
+    axes.margins(y=0.12)
+    curves_module.widen(axes)
+    axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
+    axes.set_ylabel(label)
+    style.label_right(axes, [(1.0, layout.reference_name(layout.all_references(sweep)), style.INK)])
+    finish(figure, axes, sweep, curves, folder / name)
+
+
+def finish(figure, axes, sweep, curves, path):
+    curves_module.set_x_axis(axes, sweep)
+    curves_module.legend_above(figure, sweep, curves)
+    style.save(figure, path)
+
+
+def gain_figure(sweep, folder):
+    """eta over that of the reference, both by the period reading: what a modulation gains."""
+    found = [over_reference(sweep, g, "eta_period_1") for g in layout.groups(sweep)]
+    if not sweep.x or not any(np.isfinite(r).any() for r in found):
+        return None
+    name = layout.reference_name(layout.all_references(sweep))
+    ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
+    title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
+    return Figure("gain", title, f"η over whole periods, over that of {name} in the same window "
+                  "and medium: above one, the modulation keeps more of the energy at the focus.",
+                  title)
+
+
 def strength_figure(sweep, folder):
     """rms over the focal disc relative to the reference; in micrometres where there is none."""
     if not sweep.x or not curves_module.has_any(sweep, "focal_rms_um"):
         return None
-    relative = bool(layout.all_references(sweep))
+    title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
+    caption = f"The rms of u over the focal disc and {curves_module.period_words(sweep)}"
+    if layout.all_references(sweep):
+        name = layout.reference_name(layout.all_references(sweep))
+        ratio_curves(sweep, folder, "focal_rms_um", "strength.png", f"focal rms / {name} (1)")
+        caption += f", relative to {name}." + impulse_words(sweep, name)
+        return Figure("strength", title, caption, title)
     curves = curves_module.curves_of(sweep)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    for group, colour, marker in curves:
-        x, y = curves_module.points(sweep, group, "focal_rms_um")
-        if relative:
-            y = y / [focal_rms(sweep.reference_of(c)) for c in group.cases]
-        axes.plot(x, y, marker=marker, color=colour, markersize=6, zorder=3,
+    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
+        axes.plot(*curves_module.points(sweep, group, "focal_rms_um", aside), marker=marker,
+                  color=colour, markersize=6, zorder=3,
                   linestyle="-" if layout.is_numeric(sweep) else "none")
-    name = layout.reference_name(layout.all_references(sweep)) if relative else ""
     axes.margins(y=0.12)
     curves_module.widen(axes)
-    if relative:
-        axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
-        low, high = axes.get_ylim()
-        axes.set_ylim(max(0.0, min(low, 0.8)), max(high, 1.05))
-        axes.set_ylabel(f"focal rms / {name} (1)")
-        style.label_right(axes, [(1.0, name, style.INK)])
-    else:
-        axes.set_ylabel("focal rms (µm)")
-    curves_module.set_x_axis(axes, sweep)
-    curves_module.legend_above(figure, sweep, curves)
-    style.save(figure, folder / "strength.png")
-    title = f"Strength at the focus against {key_name(sweep.x)}"
-    caption = ("The rms of u over the focal disc and whole modulation periods"
-               + (f", relative to {name}." if relative else ".") + impulse_words(sweep, name))
-    return Figure("strength", title, caption, title)
-
-
-def focal_rms(reference):
-    return reference.value("focal_rms_um") if reference else math.nan
+    axes.set_ylabel("focal rms (µm)")
+    finish(figure, axes, sweep, curves, folder / "strength.png")
+    return Figure("strength", title, caption + ".", title)
 
 
 def impulse_words(sweep, name):
@@ -85,6 +121,6 @@ def figures(sweep, folder):
     if len(layout.groups(sweep)) > style.CURVES:
         return []  # they are small multiples and heat maps
     made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
-    made.append(strength_figure(sweep, folder))
+    made += [gain_figure(sweep, folder), strength_figure(sweep, folder)]
     made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]
     return [f for f in made if f]

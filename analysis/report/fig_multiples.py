@@ -8,7 +8,7 @@ import layout
 import style
 import table
 from figure import Figure
-from words import axis_label, key_name, listed, value_text
+from words import listed, value_text
 
 PANELS = 9
 COLUMNS = 3
@@ -17,12 +17,25 @@ MEASURES = [("eta_period_1", "Reconstruction efficiency", "efficiency η (1)"),
 
 
 def split(sweep):
-    """The key that colours tell apart and those of the panels; None when nothing is left."""
+    """The key that colours tell apart and those of the panels; None when nothing is left. Of three,
+    rows have the fewest values, columns the most, and colours those between."""
     others = [k for k in layout.axes(sweep) if k != sweep.x]
     if len(others) < 2 or not sweep.x:
         return None
-    colour = min(others, key=lambda k: len(layout.values_of(sweep, k)))
-    return colour, [k for k in others if k != colour]
+    ordered = sorted(others, key=lambda k: len(layout.values_of(sweep, k)))
+    if len(ordered) == 3:
+        return ordered[1], [ordered[0], ordered[2]]
+    return ordered[0], [k for k in others if k != ordered[0]]
+
+
+def chosen(sweep, every, others):
+    """Panels that are drawn: of a key for rows and one for columns whole rows, else some, evenly."""
+    rows = layout.values_of(sweep, others[0])
+    if len(others) != 2 or len(rows) > 3:
+        return layout.evenly(every, PANELS)
+    some = layout.evenly(layout.values_of(sweep, others[1]), COLUMNS)
+    found = dict(every)
+    return [(p, found[p]) for p in ((r, s) for r in rows for s in some) if p in found]
 
 
 def curves(sweep, colour, others):
@@ -40,11 +53,19 @@ def curves(sweep, colour, others):
     return every
 
 
+def draw_references(axes, sweep, cases, column):
+    """What the cases of a line are compared with, in grey behind them."""
+    pairs = [(layout.x_position(sweep, c), r.value(column)) for c in cases
+             if (r := sweep.reference_of(c))]
+    if pairs:
+        axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
+
+
 def curve_figure(sweep, folder, measure, plan):
     column, title, label = measure
     colour, others = plan
     every = curves(sweep, colour, others)
-    shown = layout.evenly(every, PANELS)
+    shown = chosen(sweep, every, others)
     if not any(math.isfinite(c.value(column)) for c in layout.ordinary(sweep)):
         return None
     values = layout.evenly(layout.values_of(sweep, colour), style.CURVES)
@@ -58,12 +79,13 @@ def curve_figure(sweep, folder, measure, plan):
     for axes, (panel, lines) in zip(made.flat, shown):
         for value, line in zip(values, colours):
             cases = lines.get(value, [])
+            draw_references(axes, sweep, cases, column)
             axes.plot([layout.x_position(sweep, c) for c in cases],
                       [table.value(sweep, c, column) for c in cases], color=line, linewidth=1.3,
                       marker="o", markersize=2.5)
         words = [value_text(k, v) for k, v in zip(others, panel)]
         if len(others) == 1:
-            words[0] = f"{key_name(others[0])} {words[0]}"
+            words[0] = f"{layout.name(sweep, others[0])} {words[0]}"
         axes.set_title(", ".join(words), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
@@ -75,19 +97,21 @@ def curve_figure(sweep, folder, measure, plan):
     else:
         fig_curves.set_x_axis(made[0, 0], sweep)
         made[0, 0].set_xlabel("")
-    figure.supxlabel(axis_label(sweep.x), fontsize=9.5)
+    figure.supxlabel(layout.axis_label(sweep, sweep.x), fontsize=9.5)
     figure.supylabel(label, fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=value_text(colour, v))
                for v, c in zip(values, colours)]
-    figure.legend(handles=handles, title=key_name(colour), loc="upper center",
+    figure.legend(handles=handles, title=layout.name(sweep, colour), loc="upper center",
                   ncol=min(len(handles), 4))
     strip = (0.3 + 0.2 * math.ceil(len(handles) / 4)) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
     name = "multiples_" + column
     style.save(figure, folder / (name + ".png"))
-    head = f"{title} against {key_name(sweep.x)}"
-    text = (f"A panel for each {listed(map(key_name, others))}, a colour for each "
-            f"{key_name(colour)}; period reading, the same axes everywhere.")
+    head = f"{title} against {layout.name(sweep, sweep.x)}"
+    text = (f"A panel for each {listed(layout.name(sweep, k) for k in others)}, a colour for each "
+            f"{layout.name(sweep, colour)}; period reading, the same axes everywhere.")
+    if layout.all_references(sweep):
+        text += f" Grey: {layout.reference_name(layout.all_references(sweep))}."
     if len(shown) < len(every):
         text += f" {len(shown)} of {len(every)} panels are drawn, spread evenly."
     if len(values) < len(layout.values_of(sweep, colour)):

@@ -4,11 +4,12 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_frequency
 import fig_time
 import layout
 import style
 from figure import Figure
-from words import key_name, listed, number, split_unit
+from words import listed, number, split_unit
 
 SHOWN_Hz = 1000.0
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
@@ -36,9 +37,19 @@ def unit_of(cases):
     return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
 
 
-def draw_case(axes, sweep, case, factor, colour, **look):
-    frequency, amplitude = spectrum(case)
-    axes.plot(frequency, factor * amplitude, color=colour, **look)
+def velocity_spectrum(case):
+    """Of du/dt at the trace nearest to the centre: Hz and mm/s, one-sided; from rest at t = 0."""
+    nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
+    interval_s = float(case.series["time"][1] - case.series["time"][0])
+    velocity = np.diff(nearest, prepend=0.0) / interval_s
+    padded = 16 * len(velocity)  # a smooth curve
+    amplitude = 2e3 * np.abs(np.fft.rfft(velocity, n=padded)) / len(velocity)
+    frequency = np.fft.rfftfreq(padded, interval_s)
+    return frequency[1:], amplitude[1:]
+
+
+def draw_case(axes, sweep, case, frequency, values, colour, **look):
+    axes.plot(frequency, values, color=colour, **look)
     own = own_frequency_Hz(sweep, case)
     if own <= SHOWN_Hz:
         axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
@@ -72,31 +83,41 @@ def rows_of(sweep):
     return [row for row in rows if row[1]]
 
 
-def draw_rows(sweep, rows, label, factor_of, path):
-    """One panel a row, all of one scale; `factor_of(case)` turns metres into what it shows."""
+UNLIKE = 3.0  # panels whose largest amplitudes differ by more have a scale each
+
+
+def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
+    """One panel a row; `curve_of(case)` gives frequencies and what is shown, `peaks` marks the
+    largest. True when the panels share their scale."""
     colours = fig_time.colours_by_x(sweep, [c for _, drawn, _ in rows for c in drawn])
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
     height = 3.4 if len(rows) == 1 else 2.3
-    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in drawn) for _, drawn, _ in rows]
+    alike = bool(max(tops) <= UNLIKE * min(tops))
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for low, high in bands(drawn):
-            axes.axvspan(low, min(high, SHOWN_Hz), color="#f3f3f3", zorder=0, linewidth=0)
+            axes.axvspan(low, min(high, end_Hz), color="#f3f3f3", zorder=0, linewidth=0)
         if reference and reference.spectrum:
-            frequency, amplitude = spectrum(reference)
-            axes.plot(frequency, factor_of(reference) * amplitude, color="black", linewidth=1.8)
+            axes.plot(*curve_of(reference), color="black", linewidth=1.8)
         for case in drawn:
-            draw_case(axes, sweep, case, factor_of(case), colours[case.id],
+            frequency, values = curve_of(case)
+            draw_case(axes, sweep, case, frequency, values, colours[case.id],
                       linewidth=1.3 if few else 0.9)
-        axes.set_xlim(0.0, min(SHOWN_Hz, drawn[0].spectrum[0][-1]))
+            if peaks:
+                top = np.nanargmax(values)
+                axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
+        axes.set_xlim(0.0, min(end_Hz, drawn[0].spectrum[0][-1]))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
-    made[0, 0].set_ylim(bottom=0.0)  # once all are there: it ends the choice of the upper end
+        axes.set_ylim(bottom=0.0)  # once all are there: it ends the choice of the upper end
     made[-1, 0].set_xlabel("frequency (Hz)")
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
     style.save(figure, path)
+    return alike
 
 
 def bands(cases):
@@ -105,33 +126,77 @@ def bands(cases):
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
+def is_passed(case):
+    """Whether the focal disc ever covers the trace."""
+    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
+                        case.series["focus_y"] - case.trace_at_m[1])
+    return bool((distance <= case.setting("measure", "focal_radius_m")).any())
+
+
 def relative_figure(sweep, folder, rows):
-    """Over the largest amplitude of plain STM; None where a case has nothing to compare with."""
+    """Over the largest amplitude of plain STM; None where a case has nothing to compare with, or
+    where the foci do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
     plain = {c.id: plain_of(sweep, c) for c in drawn}
-    if not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn):
+    if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
+            or not all(map(is_passed, plain.values()))):
         return None
     name = layout.reference_name(list(plain.values()))
-    draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)",
-              lambda case: 1.0 / largest(plain.get(case.id, case)), folder / "spectra_relative.png")
+
+    def relative(case):
+        frequency, amplitude = spectrum(case)
+        return frequency, amplitude / largest(plain.get(case.id, case))
+
+    draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
+              folder / "spectra_relative.png")
     text = (f"The spectra above, each over the largest amplitude of {name} in the same conditions: "
             "what a modulation leaves of the strength, and where it puts it.")
     return Figure("spectra_relative", f"Spectra relative to {name}", text,
                   f"Amplitude spectra over the largest amplitude of {name}, one line a case")
 
 
+VELOCITY_Hz = 2000.0
+
+
+def velocity_figure(sweep, folder, rows):
+    """Of du/dt, where that has a dominant frequency and u has none; else None."""
+    if [of for _, of in fig_frequency.peaks(sweep)] != ["du/dt"]:
+        return None
+    if not all(c.traces for _, cases, _ in rows for c in cases):
+        return None
+    alike = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
+                      folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
+    text = ("The same of the velocity, which is what is felt and recorded: a dot on the highest "
+            f"point of each, its dominant frequency.{own_scale(alike)}")
+    return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
+                  "Amplitude spectra of the velocity at one point, one line a case")
+
+
+def own_scale(alike):
+    return "" if alike else " Each panel has its own scale."
+
+
 def figures(sweep, folder):
+    every = len(layout.ordinary(sweep))
+    sweep = layout.fewer_lines(sweep)
     cases = [c for c in layout.ordinary(sweep) if c.spectrum]
     rows = rows_of(sweep)
     if not cases or not rows:
         return []
     unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
-    draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", lambda _: factor,
-              folder / "spectra.png")
-    made = [Figure("spectra", spectra_title(cases), caption(sweep, cases), "Amplitude spectra of "
-                   "the displacement at one point, one line a case")]
-    relative = relative_figure(sweep, folder, rows)
-    return made + [relative] if relative else made
+
+    def shown(case):
+        frequency, amplitude = spectrum(case)
+        return frequency, factor * amplitude
+
+    alike = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    some = len(layout.ordinary(sweep))
+    text = caption(sweep, cases) + own_scale(alike)
+    text += f" {some} of {every} cases are drawn." if some < every else ""
+    made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
+                   "at one point, one line a case"),
+            velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
+    return [f for f in made if f]
 
 
 def spectra_title(cases):
@@ -163,7 +228,7 @@ def caption(sweep, cases):
         text += (f" The focus passes this point once, at {passing.pop()} ms: the curves show that "
                  "passage, and their heights the phase that the modulation has just then.")
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
-        text += f" Ticks on the axis: each case's own {key_name(sweep.x)}."
+        text += f" Ticks on the axis: each case's own {layout.name(sweep, sweep.x)}."
     if bands(cases):
         low, high = bands(cases)[0]
         text += f" Grey: {number(low)} to {number(high)} Hz, the band of the table's share."

@@ -1,4 +1,4 @@
-"""Snapshots of the surface: the reference beside the lowest, a middle and the highest x."""
+"""Snapshots of the surface: curves side by side, the reference above, x downward."""
 import math
 from dataclasses import dataclass
 
@@ -12,8 +12,11 @@ import wake
 from figure import Figure
 from words import counted, listed, number
 
-ROWS_OF_SERIES = 3  # at most so many series have a figure
+COLUMNS = 4  # at most so many curves stand side by side
+ALL_ROWS = 6  # up to so many values of x are all shown
 LEAST = 0.2
+SEEN = 0.1  # of the scale's end
+UNLIKE = 2.0  # curves whose wakes differ by more have colours by the root of u
 AWAY = 4.0  # focal radii from the focus on: the wake
 
 
@@ -34,12 +37,30 @@ def snapshot(case):
     return Snapshot(case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
 
 
-def chosen(sweep, group):
-    """The reference, then the first, a middle and the last case that have a snapshot."""
-    count = len(group.cases)
-    picks = [group.cases[i] for i in sorted({0, (count - 1) // 2, count - 1})]
-    cases = {c.id: c for c in [*layout.references(sweep, group)[:1], *picks]}
-    return [s for c in cases.values() if (s := snapshot(c))]
+def some_rows(cases, columns):
+    """The cases of one curve: all while they are few, else some, spread evenly."""
+    most = {1: 5, 2: 4}.get(columns, 3)
+    return list(cases) if len(cases) <= (ALL_ROWS if columns < 3 else 4) else layout.evenly(cases,
+                                                                                         most)
+
+
+def cells(sweep):
+    """Cases of the panels, row by row, None for an empty one, and the number of columns. One curve
+    fills two columns; several have a column each."""
+    found = layout.evenly(layout.groups(sweep), COLUMNS)
+    if len(found) == 1:
+        first = layout.motions(layout.references(sweep, found[0]))[:1]
+        cases = first + some_rows(found[0].cases, 1)
+        return cases, min(2, len(cases))
+    columns = []
+    shared = len(layout.motions(layout.all_references(sweep))) == 1
+    for i, group in enumerate(found):
+        first = layout.motions(layout.references(sweep, group))[:1]
+        top = ([None] if shared and i else first) if first else []
+        columns.append(top + some_rows(group.cases, len(found)))
+    rows = max(map(len, columns), default=0)
+    columns = [column + [None] * (rows - len(column)) for column in columns]
+    return [column[row] for row in range(rows) for column in columns], len(found)
 
 
 def scale(shots):
@@ -60,10 +81,10 @@ def scale(shots):
 
 
 def window(shots, end):
-    """The rectangle, common to all, in which anything is seen, and the path with it."""
+    """The rectangle, within all, in which anything is seen, and the path with it."""
     low, high = np.full(2, math.inf), np.full(2, -math.inf)
     for s in shots:
-        seen = np.abs(s.u_um) > 0.06 * end
+        seen = np.abs(s.u_um) > SEEN * end
         for axis, places in enumerate((s.x_mm, s.y_mm)):
             where = places[seen.any(axis=1 - axis)]
             if len(where):
@@ -71,88 +92,129 @@ def window(shots, end):
         path = wake.focus_at(s.case, s.t_s)[2]
         low, high = np.minimum(low, path.min(axis=0)), np.maximum(high, path.max(axis=0))
     low, high = low - 3.0, high + 3.0
-    s = shots[0]
-    return (max(low[0], s.x_mm[0]), min(high[0], s.x_mm[-1]), max(low[1], s.y_mm[0]),
-            min(high[1], s.y_mm[-1]))
+    return (max(low[0], *(s.x_mm[0] for s in shots)), min(high[0], *(s.x_mm[-1] for s in shots)),
+            max(low[1], *(s.y_mm[0] for s in shots)), min(high[1], *(s.y_mm[-1] for s in shots)))
 
 
-def draw(axes, shot, end, limits):
+def extent(shot):
     dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
-    image = axes.imshow(shot.u_um.T, origin="lower", cmap=style.DIVERGING, vmin=-end, vmax=end,
-                        extent=(shot.x_mm[0] - dx, shot.x_mm[-1] + dx, shot.y_mm[0] - dy,
-                                shot.y_mm[-1] + dy), interpolation="bicubic",
-                        interpolation_stage="data")
-    lines = wake.draw_theory(axes, shot.case, shot.t_s)
+    return shot.x_mm[0] - dx, shot.x_mm[-1] + dx, shot.y_mm[0] - dy, shot.y_mm[-1] + dy
+
+
+def frame(axes, limits):
     axes.set_xlim(*limits[:2])
     axes.set_ylim(*limits[2:])
     axes.set_aspect("equal")
     axes.grid(False)
     for spine in axes.spines.values():
         spine.set_visible(True)
+
+
+def draw(axes, shot, norm, limits):
+    image = axes.imshow(shot.u_um.T, origin="lower", cmap=style.DIVERGING, norm=norm,
+                        extent=extent(shot), interpolation="bicubic", interpolation_stage="data")
+    lines = wake.draw_theory(axes, shot.case, shot.t_s)
+    frame(axes, limits)
+    fitted = shot.case.value("mach_angle_deg")
+    if not math.isnan(fitted):
+        note(axes, f"wake fitted: {number(fitted, 3)}°", style.INK)
     return image, lines
 
 
-def panel_title(sweep, shot):
-    """Which case, and its wake's angle where it was fitted."""
-    fitted = shot.case.value("mach_angle_deg")
-    angle = "" if math.isnan(fitted) else f" (wake fitted: {number(fitted, 3)}°)"
-    return layout.case_label(sweep, shot.case) + angle
+def note(axes, words, colour):
+    """A few words in the lower left corner of a map."""
+    axes.text(0.03, 0.04, words, transform=axes.transAxes, fontsize=8, color=colour)
 
 
-def arrange(shots, limits):
-    """Axes of equal scale in one or two columns, and those of the colour bar; inches throughout."""
-    columns = 1 if len(shots) == 1 else 2
+def colour_scale(shots):
+    """One scale for all: its end, and the norm. By the root of u where the wakes of curves, such as
+    sizes of the focus, differ much."""
+    columns = {}
+    for shot in shots:
+        key = shot.case.setting("load", "fwhm_m", default=None)
+        columns.setdefault(str(key), []).append(shot)
+    ends = [scale(column) for column in columns.values()]
+    end = max(ends)
+    if end <= UNLIKE * min(ends):
+        return end, plt.Normalize(-end, end)
+    root = (lambda u: np.sign(u) * np.sqrt(np.abs(u)), lambda r: np.sign(r) * r**2)
+    return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
+
+
+def panel_title(sweep, shot, columns):
+    return layout.case_label(sweep, shot.case).replace(", ", "\n" if columns > 2 else ", ")
+
+
+def arrange(shots, columns, limits):
+    """Axes of equal scale, a hidden one where there is no shot, and those of the colour bar; inches
+    throughout."""
     rows = math.ceil(len(shots) / columns)
-    left, right, between, top, bottom = 0.62, 0.12, 0.24, 0.3, 1.28
+    left, right, between, top, bottom = 0.62, 0.12, 0.24, 0.5, 1.28
+    down = 0.36 if columns < 3 else 0.5  # between rows: titles
     width = (style.WIDTH_in - left - right - (columns - 1) * between) / columns
     height = width * (limits[3] - limits[2]) / (limits[1] - limits[0])
-    if height > 5.0:
-        left += 0.5 * columns * width * (1.0 - 5.0 / height)
-        width, height = width * 5.0 / height, 5.0
-    total = top + rows * height + (rows - 1) * 0.36 + bottom
+    highest = 5.0 if rows < 3 else 2.3
+    if height > highest:
+        left += 0.5 * columns * width * (1.0 - highest / height)
+        width, height = width * highest / height, highest
+    total = top + rows * height + (rows - 1) * down + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))
     made = []
-    for i in range(len(shots)):
+    for i, shot in enumerate(shots):
         row, column = divmod(i, columns)
-        place = (left + column * (width + between), bottom + (rows - 1 - row) * (height + 0.36),
+        place = (left + column * (width + between), bottom + (rows - 1 - row) * (height + down),
                  width, height)
         made.append(figure.add_axes([place[0] / style.WIDTH_in, place[1] / total,
                                      place[2] / style.WIDTH_in, place[3] / total]))
-        made[-1].tick_params(labelleft=column == 0, labelbottom=i + columns >= len(shots))
+        made[-1].set_visible(shot is not None)
+        is_last = i + columns >= len(shots) or shots[i + columns] is None
+        made[-1].tick_params(labelleft=column == 0, labelbottom=is_last)
         if column == 0:
             made[-1].set_ylabel("y (mm)")
-        if i + columns >= len(shots):
+        if is_last:
             made[-1].set_xlabel("x (mm)")
     bar = figure.add_axes([0.22, 0.5 / total, 0.56, 0.13 / total])
     return figure, made, bar
 
 
-def surface_figure(sweep, folder, group, name):
-    shots = chosen(sweep, group)
+def times(shots):
+    found = sorted({s.t_s for s in shots})
+    return f"{' to '.join(number(1e3 * t) for t in dict.fromkeys([found[0], found[-1]]))} ms"
+
+
+def figures(sweep, folder):
+    cases, columns = cells(sweep)
+    grid = [snapshot(c) if c else None for c in cases]
+    shots = [s for s in grid if s]
     if not shots:
-        return None
-    end = scale(shots)
+        return []
+    end, norm = colour_scale(shots)
     limits = window(shots, end)
-    figure, made, bar_axes = arrange(shots, limits)
+    figure, made, bar_axes = arrange(grid, columns, limits)
     any_lines = False
-    for axes, shot in zip(made, shots):
-        image, lines = draw(axes, shot, end, limits)
-        any_lines = any_lines or lines
-        axes.set_title(panel_title(sweep, shot), loc="left", pad=4)
+    for axes, shot in zip(made, grid):
+        if shot:
+            image, lines = draw(axes, shot, norm, limits)
+            any_lines = any_lines or lines
+            axes.set_title(panel_title(sweep, shot, columns), loc="left", pad=4)
     peak = max(np.nanmax(np.abs(s.u_um)) for s in shots)
     clipped = peak > 1.001 * end
-    label = "u_z (µm), positive into the tissue".replace("u_z", "$u_z$")
+    label = "$u_z$ (µm), positive into the tissue"
     if clipped:
         label += f"; clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=label,
                           extend="both" if clipped else "neither")
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
-    style.save(figure, folder / (name + ".png"))
-    times = listed(sorted({number(1e3 * s.t_s) + " ms" for s in shots}))
-    of_series = f", {group.label}" if len(layout.groups(sweep)) > 1 else ""
-    title = f"The surface at {times}{of_series}"
-    return Figure(name, title, caption(shots, any_lines, clipped), title + ", seen from above")
+    style.save(figure, folder / "surface.png")
+    title = f"The surface at {times(shots)}"
+    text = caption(shots, any_lines, clipped)
+    if isinstance(norm, plt.matplotlib.colors.FuncNorm):
+        text += " The colours follow the root of u, so that weak and strong ones are both seen."
+    every = len(layout.ordinary(sweep))
+    some = sum(not s.case.is_reference for s in shots)
+    text += f" {some} of {every} cases are drawn." if some < every else ""
+    return [Figure("surface", title, text, title + ", seen from above")]
 
 
 def caption(shots, any_lines, clipped):
@@ -175,11 +237,3 @@ def caption(shots, any_lines, clipped):
         which = f" in {counted(len(cases), 'panel')}" if any_lines else ""
         text += f" No Mach lines{which}: {reason}."
     return text
-
-
-def figures(sweep, folder):
-    found = layout.groups(sweep)
-    picks = sorted({0, (len(found) - 1) // 2, len(found) - 1})[:ROWS_OF_SERIES] if found else []
-    names = ["surface"] + [f"surface_{i}" for i in range(2, len(picks) + 1)]
-    made = [surface_figure(sweep, folder, found[g], n) for g, n in zip(picks, names)]
-    return [f for f in made if f]

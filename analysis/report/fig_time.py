@@ -7,7 +7,7 @@ import numpy as np
 import layout
 import style
 from figure import Figure
-from words import axis_label, key_name, listed, number, value_text
+from words import number, value_text
 
 PANELS = 12  # up to so many cases have a panel each
 COLUMNS = 2
@@ -170,7 +170,7 @@ def add_x_key(figure, all_axes, sweep, colours):
     values = layout.x_values(sweep)
     if layout.is_numeric(sweep) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
-        bar = figure.colorbar(shown, ax=all_axes, label=axis_label(sweep.x), aspect=30, pad=0.02)
+        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(sweep, sweep.x), aspect=30, pad=0.02)
         bar.outline.set_visible(False)
         bar.ax.grid(False)
         if layout.is_logarithmic(values):
@@ -187,8 +187,18 @@ def add_x_key(figure, all_axes, sweep, colours):
                        handlelength=1.4)
 
 
+def in_columns(sweep):
+    """Cases in the order of their panels: two curves have a column each."""
+    found = [group.cases for group in layout.groups(sweep)]
+    if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
+        found = list(zip(*found))
+    return [c for cases in found for c in cases]
+
+
 def time_figure(sweep, folder, measure):
-    cases = [c for group in layout.groups(sweep) for c in group.cases
+    every = len(layout.ordinary(sweep))
+    sweep = layout.fewer_lines(sweep)
+    cases = [c for c in in_columns(sweep)
              if measure["needs"] in c.series and len(c.series["time"])]
     if not cases:
         return None
@@ -197,15 +207,21 @@ def time_figure(sweep, folder, measure):
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
     marks = words(sweep, cases, many) if measure is MEASURES[0] else ""  # once on the page
+    some = len(layout.ordinary(sweep))
+    marks += f" {some} of {every} cases are drawn." if some < every else ""
     return Figure(measure["name"], measure["title"], measure["caption"] + marks,
                   f"{measure['title']}, one line a case")
+
+
+def span(values):
+    return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
 
 
 def words(sweep, cases, many):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
-    text = (f" Shaded: before the run counts as settled ({listed(map(number, after))} ms); dotted: "
-            f"the instant ({listed(map(number, at))} ms). The vertical axis is set by the settled "
+    text = (f" Shaded: before the run counts as settled ({span(after)} ms); dotted: the instant "
+            f"({span(at)} ms). The vertical axis is set by the settled "
             "part; earlier values may leave it.")
     if any(sweep.reference_of(c) for c in cases):
         name = layout.reference_name(layout.all_references(sweep))
@@ -214,7 +230,7 @@ def words(sweep, cases, many):
         elif any(reference for _, _, reference in layout.rows(sweep)):
             text += f" Black: {name}."
     if many and sweep.x:
-        text += f" The colour is the {key_name(sweep.x)}."
+        text += f" The colour is the {layout.name(sweep, sweep.x)}."
     return text
 
 

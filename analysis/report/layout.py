@@ -3,6 +3,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+import words
 from words import value_text
 
 
@@ -77,11 +78,16 @@ def is_logarithmic(values):
 def case_label(sweep, case):
     """A case by its swept values: '200 Hz, 3 mm'."""
     if case.is_reference or not sweep.swept_keys:
-        own = [value_text(k, v) for k, v in case.settings.items()]
-        name = reference_name([case]) if case.is_reference else "this case"
-        return ", ".join([name, *own])
+        own = [value_text(k, v) for k, v in case.settings.items() if not is_reading(k)]
+        first = reference_name([case]) if case.is_reference else "this case"
+        return ", ".join([first, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
+
+
+def is_reading(key):
+    """Whether it says how a field is read, not what makes it."""
+    return key.startswith("measure.")
 
 
 def swept_cases(sweep):
@@ -93,6 +99,23 @@ def values_of(sweep, key):
     """Every value of a key: sorted numbers, or words in the order of the plan."""
     values = list(dict.fromkeys(c.settings[key] for c in swept_cases(sweep) if key in c.settings))
     return sorted(values) if all(map(is_number, values)) else values
+
+
+def name(sweep, key):
+    """A key in words. AM and SM frequencies that are swept together are one: a case has one kind."""
+    return words.key_name(told_as(sweep, key))
+
+
+def axis_label(sweep, key):
+    return words.axis_label(told_as(sweep, key))
+
+
+def told_as(sweep, key):
+    am, sm = "load.modulation.am_frequency_Hz", "load.modulation.sm_frequency_Hz"
+    if key not in (am, sm) or not {am, sm} <= set(sweep.swept_keys):
+        return key
+    same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
+    return "load.modulation.modulation_frequency_Hz" if same else key
 
 
 def axes(sweep):
@@ -128,6 +151,18 @@ def few(sweep, most=40):
                    told=group_keys(sweep))  # what no longer varies is told all the same
 
 
+def fewer_lines(sweep, most=8, kept=6):
+    """The same sweep with some values of x, spread evenly, where they are too many for a line or a
+    panel each."""
+    values = x_values(sweep)
+    if not sweep.x or not is_numeric(sweep) or len(values) <= most:
+        return sweep
+    some = set(evenly(values, kept))
+    ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
+    ids |= {sweep.by_id(i).reference_id for i in ids}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], told=group_keys(sweep))
+
+
 def references(sweep, group):
     """The distinct whole references of a group, in the order of its cases."""
     found = {}
@@ -135,6 +170,15 @@ def references(sweep, group):
         reference = sweep.reference_of(case)
         if reference:
             found[reference.id] = reference
+    return list(found.values())
+
+
+def motions(cases):
+    """One of all that differ in how they are read alone: they move alike."""
+    found = {}
+    for case in cases:
+        own = tuple(sorted((k, str(v)) for k, v in case.settings.items() if not is_reading(k)))
+        found.setdefault(own, case)
     return list(found.values())
 
 
@@ -157,9 +201,9 @@ def rows(sweep):
     references in a panel of their own. (title, cases, the one reference or None)"""
     made = []
     for group in groups(sweep):
-        found = references(sweep, group)
+        found = motions(references(sweep, group))
         made.append((group.label, group.cases, found[0] if len(found) == 1 else None))
         if len(found) > 1:
-            name = reference_name(found)
-            made.append((f"{name}, {group.label}" if group.label else name, found, None))
+            first = reference_name(found)
+            made.append((f"{first}, {group.label}" if group.label else first, found, None))
     return made

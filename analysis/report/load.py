@@ -145,19 +145,16 @@ def surface_times(case):
 
 
 def mean_square(case):
-    """Time-averaged u_z^2 at the surface over the settled frames: x_m, y_m, m2(x, y); None unless
-    every frame is kept, since a few snapshots are no average."""
+    """Time-averaged u_z^2 over whole periods and what was drawn: x_m, y_m, m2(x, y) and a list of
+    lines (point, xy) in m; None where no mean was kept."""
     try:
         with h5py.File(case.path, "r") as file:
-            group, frames = file["surface"], len(case.series["time"])
-            if len(group["time"]) != frames or frames < 2:
-                return None
-            time = group["time"][()]
-            after_s = case.setting("measure", "settled_after_s", default=0.0)
-            settled = np.flatnonzero(time >= after_s)
-            total = sum(group["u_z"][n, 0].astype(float) ** 2 for n in settled)
-            return group["x"][()], group["y"][()], total / len(settled)
-    except (OSError, KeyError, ValueError, ZeroDivisionError):
+            group = file["mean"]
+            number = group["drawn_line"][()]
+            points = np.column_stack([group["drawn_x"][()], group["drawn_y"][()]])
+            lines = [points[number == n] for n in np.unique(number)]
+            return group["x"][()], group["y"][()], group["u_z_squared"][()], lines
+    except (OSError, KeyError, ValueError):
         return None
 
 

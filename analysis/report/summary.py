@@ -2,7 +2,7 @@
 import math
 
 import layout
-from words import key_name, number, value_text
+from words import number, value_text
 
 
 def known(sweep, column):
@@ -11,7 +11,7 @@ def known(sweep, column):
 
 def where(sweep, case):
     keys = [k for k in [sweep.x, *layout.group_keys(sweep)] if k and k in case.settings]
-    return ", ".join(f"{key_name(k)} {value_text(k, case.settings[k])}" for k in keys)
+    return ", ".join(f"{layout.name(sweep, k)} {value_text(k, case.settings[k])}" for k in keys)
 
 
 def gain(sweep, case):

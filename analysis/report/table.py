@@ -2,7 +2,9 @@
 import html
 import math
 
-from words import number
+import layout
+import wake
+from words import number, value_text
 
 MEASURES = [  # and every share_..._1
     "eta_at_1", "eta_period_1", "eta_period_over_reference_1", "ipr_at_1", "ipr_period_1",
@@ -10,6 +12,7 @@ MEASURES = [  # and every share_..._1
     "focal_rms_over_reference_1", "impulse_mN_ms", "peak_frequency_Hz", "rms_40_400_um",
     "mach_angle_deg",
 ]
+SHAPES = "sharpness_1"  # where a shape is drawn and no line crossed once
 RATIOS = {"eta_period_over_reference_1": "eta_period_1",
           "focal_rms_over_reference_1": "focal_rms_um"}
 
@@ -43,7 +46,7 @@ def numeric_cell(amount):
 def setting_cell(case, key):
     setting = case.settings.get(key)
     if isinstance(setting, str):
-        return f"<td>{html.escape(setting)}</td>"
+        return f'<td title="{html.escape(setting)}">{html.escape(value_text(key, setting))}</td>'
     return numeric_cell(math.nan if setting is None else float(setting))
 
 
@@ -58,10 +61,13 @@ def head(columns):
 
 def table(sweep):
     """The table and, below it, the notes that its last column numbers."""
-    keys = sweep.swept_keys
+    keys = layout.axes(sweep)
+    followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with them: at the end
     held = dict.fromkeys(name for c in sweep.cases for name in c.scalars)
     measures = [m for m in MEASURES if RATIOS.get(m, m) in held]
-    measures += [name for name in held if name.startswith("share_")]
+    measures += [name for name in held if name.startswith(("share_", "velocity_"))]
+    if SHAPES in held and not all(wake.runs_straight_on(c) for c in layout.ordinary(sweep)):
+        measures.append(SHAPES)
     notes, rows = {}, []
     for case in sweep.cases:
         words = note(case)
@@ -73,12 +79,13 @@ def table(sweep):
                  f'<td>{"yes" if case.is_reference else ""}</td>']
         cells += [setting_cell(case, k) for k in keys]
         cells += [numeric_cell(value(sweep, case, m)) for m in measures]
+        cells += [setting_cell(case, k) for k in followers]
         wall = case.attributes.get("wall_s", math.nan) if case.whole else math.nan
         cells += [numeric_cell(wall),
                   f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
         kind = ' class="reference"' if case.is_reference else ""
         rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
-    columns = ["id", "reference", *keys, *measures, "wall_s", "status", "note"]
+    columns = ["id", "reference", *keys, *measures, *followers, "wall_s", "status", "note"]
     body = ('<p class="counts">A heading sorts by its column, once more the other way round.</p>'
             f'<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')

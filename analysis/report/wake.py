@@ -15,6 +15,20 @@ def offsets_mm(case):
     return 1e3 * np.column_stack([x, y])
 
 
+def runs_straight_on(case):
+    """One focus that goes once along a line: what it leaves is a stripe, and no shape."""
+    if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
+        return False
+    path = np.column_stack([case.series["focus_x"], case.series["focus_y"]])
+    way = path[-1] - path[0]
+    length = float(np.hypot(*way))
+    if not length > 0:
+        return False
+    off = np.abs((path - path[0]) @ np.array([-way[1], way[0]])) / length
+    on = np.diff(path @ way)
+    return bool(off.max() < 1e-6 * length and (on >= 0).all())
+
+
 def last_pressed(case):
     """Number of the last frame with a force; a path that has ended presses no more."""
     force = case.series.get("force")

@@ -1,6 +1,7 @@
 """Keys, units and numbers in words, as a reader of a figure wants them."""
 import math
 import re
+import tomllib
 
 # Suffix of a key -> unit on an axis; the suffixes of the job file.
 UNITS = {
@@ -20,8 +21,10 @@ NAMES = {
     "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
     "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
     "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
-    "focal_radius": "focal radius", "focal_radius_fwhm": "focal radius in FWHM",
+    "modulation_frequency": "modulation frequency", "focal_radius": "focal radius", "focal_radius_fwhm": "focal radius in FWHM",
 }
+
+POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 
 def split_unit(key):
@@ -71,12 +74,29 @@ def number(value, digits=4):
 def value_text(key, value):
     """'200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
-        return value
+        return table_text(value) if value.startswith("{") else value
     word, unit = split_unit(key)
     if word in ("c_s", "c_p"):  # "4 m/s" would be read as the focus'
         return f"{word.replace('_', '')} {number(float(value), 6)}\u00a0{unit}"
     gap = "" if unit in ("", "°") else "\u00a0"
     return f"{number(float(value), 6)}{gap}{unit}"
+
+
+def table_text(value):
+    """'{ shape = "circle", radius_mm = 15 }' -> 'circle, radius 15 mm'."""
+    try:
+        entries = tomllib.loads("value = " + value)["value"]
+    except tomllib.TOMLDecodeError:
+        return value
+    shape = entries.pop("shape", "")
+    if shape == "polygon" and entries.get("sides") in POLYGONS:
+        shape = POLYGONS[entries.pop("sides")]
+    words = [entries.pop("preset", shape)] if "preset" in entries or shape else []
+    for key, entry in entries.items():
+        is_number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
+        name = {"fwhm": "FWHM"}.get(split_unit(key)[0], key_name(key))
+        words.append(f"{name} {value_text(key, entry) if is_number else entry}")
+    return ", ".join(words)
 
 
 def counted(count, noun):

@@ -8,21 +8,27 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, FWHM, Folder, Page, case_id  # noqa: E402
+from test_report import AM, FWHM, Folder, Page, case_id, draw  # noqa: E402
 
+import fig_drive  # noqa: E402
 import fig_frequency  # noqa: E402
 import fig_heat  # noqa: E402
 import fig_intensity  # noqa: E402
 import fig_measures  # noqa: E402
 import fig_multiples  # noqa: E402
+import fig_spectra  # noqa: E402
 import fig_spectrogram  # noqa: E402
+import fig_surface  # noqa: E402
 import layout  # noqa: E402
 import load  # noqa: E402
 import player  # noqa: E402
+import table  # noqa: E402
+import words  # noqa: E402
 
 SPEED = "load.modulation.speed_m_s"
 SPACING = "domain.spacing_mm"
@@ -109,26 +115,88 @@ class FolderTest(unittest.TestCase):
         self.assertIs(layout.few(some), some)
         self.assertEqual(layout.group_keys(some), layout.group_keys(sweep))
 
-    def test_every_frame_makes_an_intensity_and_a_slider(self):
+    def test_what_is_drawn_has_a_map_of_its_mean_intensity_with_its_lines(self):
+        folder = Folder(self.root)
+        lines = [[(0.01, 0.0), (0.0, 0.01)], [(-0.01, 0.0), (0.0, -0.01), (0.01, 0.0)]]
+        folder.add({AM: 100.0}, drawn=lines, scalars={"sharpness_1": 0.75})
+        sweep = self.draw(folder, fig_intensity)
+        self.assertIn("intensity.pdf", self.names())
+        x, y, square, found = load.mean_square(sweep.cases[0])
+        self.assertEqual(square.shape, (len(x), len(y)))
+        self.assertEqual([line.tolist() for line in found],
+                         [[list(point) for point in line] for line in lines])
+        self.assertIn(">sharpness_<wbr>1<", table.table(sweep))
+
+    def test_a_line_that_is_run_once_has_no_map_of_its_mean_intensity(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0}, scalars={"sharpness_1": 0.75})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            x, y = file["focus_x"][()], file["focus_y"][()]
+            draw(file, file["time"][()], [[(0.0, 0.0), (0.028, 0.0)]])
+            file["focus_x"][...], file["focus_y"][...] = x, y
+        sweep = self.draw(folder, fig_intensity)
+        self.assertIsNotNone(load.mean_square(sweep.cases[0]))
+        self.assertNotIn("intensity.png", self.names())
+        self.assertNotIn("sharpness", table.table(sweep))
+
+    def test_every_frame_makes_a_slider(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, frames=True)
-        page = Page(folder.report())
-        self.assertIn("intensity.png", self.names())
-        self.assertIn("input", page.tags)
-        case = load.load(self.root).cases[0]
-        x, y, square = load.mean_square(case)
-        with_settled = [t for t in case.series["time"] if t >= 0.001]
-        spots = [np.exp(-((x[:, None] - 7.0 * t) ** 2 + y[None, :] ** 2) / 8e-6) * 3e-6
-                 for t in with_settled]
-        mean = np.mean(np.square(spots), axis=0)
-        np.testing.assert_allclose(square, mean, rtol=1e-12)  # sums of 30: rounding
+        self.assertIn("input", Page(folder.report()).tags)
 
-    def test_few_snapshots_are_no_average(self):
+    def test_a_curve_of_velocity_stands_in_where_displacement_has_no_peak(self):
+        folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
+        for f in (100.0, 200.0):
+            folder.add({AM: f, FWHM: 3.0}, scalars={"peak_frequency_Hz": math.nan,
+                                                    "velocity_peak_frequency_Hz": 300.0})
+        sweep = self.draw(folder, fig_frequency, fig_spectra)
+        self.assertEqual(fig_frequency.peaks(sweep), [("velocity_peak_frequency_Hz", "du/dt")])
+        self.assertIn("spectra_velocity.png", self.names())
+
+    def test_curves_have_columns_and_one_reference_stands_above_them(self):
+        folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
+        reference = case_id(7)
+        for width in (2.0, 6.0):
+            for f in (100.0, 200.0, 400.0):
+                folder.add({AM: f, FWHM: width}, reference)
+        folder.add({}, is_reference=True, kind="STM")
+        sweep = load.load(folder.save())
+        cells, columns = fig_surface.cells(sweep)
+        self.assertEqual(columns, 2)
+        ids = [c and int(c.id, 16) for c in cells]
+        self.assertEqual(ids, [7, None, 1, 4, 2, 5, 3, 6])
+
+    def test_references_that_are_read_otherwise_move_alike(self):
+        after = "measure.settled_after_ms"
+        folder = Folder(self.root, swept=[AM, after])
+        for f, ms, reference in ((100.0, 4.0, 3), (200.0, 5.0, 4)):
+            folder.add({AM: f, after: ms}, case_id(reference))
+        for ms in (4.0, 5.0):
+            folder.add({after: ms}, is_reference=True, kind="STM")
+        sweep = load.load(folder.save())
+        rows = layout.rows(sweep)
+        self.assertEqual([(title, len(cases)) for title, cases, _ in rows], [("", 2)])
+        self.assertEqual(layout.case_label(sweep, rows[0][2]), "plain STM")
+
+    def test_of_many_values_some_have_lines(self):
         folder = Folder(self.root)
-        folder.add({AM: 100.0})
-        sweep = self.draw(folder, fig_intensity)
-        self.assertIsNone(load.mean_square(sweep.cases[0]))
-        self.assertNotIn("intensity.png", self.names())
+        for n in range(1, 19):
+            folder.add({AM: 50.0 * n}, snapshot=False)
+        some = layout.fewer_lines(load.load(folder.save()))
+        shown = layout.x_values(some)
+        self.assertEqual((len(shown), shown[0], shown[-1]), (6, 50.0, 900.0))
+
+    def test_a_focus_that_sways_leads_its_reference_by_its_swing(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0}, case_id(2))
+        folder.add({}, is_reference=True, kind="STM")
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            file["focus_x"][...] += 2e-3 * np.sin(1e3 * file["time"][()])
+        sweep = load.load(folder.save())
+        case, reference = sweep.cases
+        np.testing.assert_allclose(fig_drive.lead_mm(sweep, case),
+                                   2.0 * np.sin(1e3 * case.series["time"]), atol=1e-12)
+        self.assertIsNone(fig_drive.lead_mm(sweep, reference))
 
     def test_frames_are_thinned_until_the_page_can_hold_them(self):
         folder = Folder(self.root)
@@ -172,31 +240,27 @@ class BandTest(unittest.TestCase):
         self.assertTrue(math.isnan(fig_frequency.energy_share(np.zeros(100), 5e-5, 40.0, 400.0)))
 
 
-class SharpnessTest(unittest.TestCase):
-    def test_it_is_the_energy_within_one_fwhm_of_the_path(self):
-        case = load.Case(case_id(1), {}, False, "", Path("none"))
-        case.series = {"time": np.array([0.0, 1.0]), "focus_x": np.array([0.0, 0.01]),
-                       "focus_y": np.zeros(2)}
-        case.physics = {"load": {"fwhm_m": 0.002}}
-        x, y = 1e-3 * np.arange(-20, 31), 1e-3 * np.arange(-20, 21)
-        square = np.zeros((len(x), len(y)))
-        square[25, 21], square[25, 26] = 3.0, 1.0  # 1 mm and 6 mm beside the middle of the line
-        self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 0.75)
-        square[37, 20] = 4.0  # 7 mm beyond its end
-        self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 0.375)
-        case.physics["domain"] = {"sponge_m": 0.0145}  # takes x above 15.5 mm, |y| above 5.5 mm
-        self.assertAlmostEqual(fig_intensity.sharpness(case, x, y, square), 1.0)
+class WordsTest(unittest.TestCase):
+    def test_inline_tables_are_words(self):
+        for value, expected in (
+                ('{ shape = "circle", radius_mm = 15 }', "circle, radius 15 mm"),
+                ('{ shape = "polygon", sides = 4, side_mm = 30 }', "square, side 30 mm"),
+                ('{ shape = "gaussian", fwhm_mm = 10.2 }', "gaussian, FWHM 10.2 mm"),
+                ('{ shape = "array", preset = "array-16x16", distance_mm = 200.0 }',
+                 "array-16x16, distance 200 mm"),
+                ("{ broken", "{ broken"), ("AM-STM", "AM-STM")):
+            with self.subTest(value=value):
+                found = words.value_text("load.footprint", value)
+                self.assertEqual(found.replace("\N{NO-BREAK SPACE}", " "), expected)
 
-    def test_simultaneous_foci_draw_a_path_each(self):
-        case = load.Case(case_id(1), {}, False, "", Path("none"))
-        case.series = {"time": np.array([0.0, 1.0]), "focus_x": np.array([0.0, 0.01]),
-                       "focus_y": np.zeros(2)}
-        case.physics = {"load": {"fwhm_m": 0.002, "modulation": {"foci_x_m": [0.0, 0.0],
-                                                                 "foci_y_m": [0.005, -0.005]}}}
-        x, y = 1e-3 * np.arange(-20, 31), 1e-3 * np.arange(-20, 21)
-        near = fig_intensity.along(case, 0.0025, x, y)
-        self.assertTrue(near[25, 13] and near[25, 27])  # 2 mm beside each line
-        self.assertFalse(near[25, 20])  # the place between them
+    def test_frequencies_that_are_swept_together_are_the_modulations(self):
+        sm = AM.replace("am_", "sm_")
+        for second, expected in ((200.0, "modulation frequency"), (300.0, "AM frequency")):
+            with self.subTest(second=second), tempfile.TemporaryDirectory() as root:
+                folder = Folder(root, swept=[AM, sm])
+                folder.add({AM: 100.0, sm: 100.0}, written=False)
+                folder.add({AM: 200.0, sm: second}, written=False)
+                self.assertEqual(layout.name(load.load(folder.save()), AM), expected)
 
 
 if __name__ == "__main__":

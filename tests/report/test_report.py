@@ -53,7 +53,7 @@ def case_id(number):
 
 
 def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot=True,
-               frames=False):
+               frames=False, drawn=None):
     """A case file in the layout of src/sweep/case_content.cpp, a few samples wide."""
     time = 1e-4 * np.arange(1, 41)
     wave = 1.0 + 0.5 * np.sin(2 * np.pi * 500 * time)
@@ -79,6 +79,8 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
         traces["time"], traces["u_z"] = time, 1e-6 * wave[None, :]
         traces["frequency"] = 50.0 * np.arange(41)
         traces["amplitude"] = 1e-7 * np.ones((1, 41))
+        if drawn:
+            draw(file, time, drawn)
         if snapshot:
             x, y = 1e-3 * np.arange(-10, 40), 1e-3 * np.arange(-15, 16)
             surface = file.create_group("surface")
@@ -87,6 +89,18 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
             surface["x"], surface["y"] = x, y
             spots = [np.exp(-((x[:, None] - 7.0 * t) ** 2 + y[None, :] ** 2) / 8e-6) for t in kept]
             surface["u_z"] = np.stack(spots)[:, None] * 3e-6
+
+
+def draw(file, time, lines):
+    """A focus that runs around, and the mean of what it does along the lines, (x, y) in m."""
+    del file["focus_x"], file["focus_y"]
+    file["focus_x"], file["focus_y"] = 0.01 * np.cos(2e3 * time), 0.01 * np.sin(2e3 * time)
+    mean = file.create_group("mean")
+    mean["x"], mean["y"] = 1e-3 * np.arange(-20, 21), 1e-3 * np.arange(-15, 16)
+    mean["u_z_squared"] = 1e-12 * np.ones((41, 31))
+    mean["drawn_line"] = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    points = np.concatenate(lines)
+    mean["drawn_x"], mean["drawn_y"] = points[:, 0], points[:, 1]
 
 
 class Folder:
@@ -194,9 +208,9 @@ class WholeSweepTest(unittest.TestCase):
         cls.page = Page(cls.text)
 
     def test_every_figure_is_a_picture_and_inside_the_page(self):
-        names = {"eta", "strength", "ipr_abs", "participation", "ipr", "frequency", "drive",
-                 "eta_time", "ipr_abs_time", "ipr_time", "surface", "spectra", "spectra_relative",
-                 "spectrograms"}
+        names = {"eta", "gain", "strength", "ipr_abs", "participation", "ipr", "frequency",
+                 "drive", "eta_time", "ipr_abs_time", "ipr_time", "surface", "spectra",
+                 "spectra_relative", "spectrograms"}
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.png")}, names)
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.pdf")}, names)
         self.assertEqual(len(self.page.images), len(names))
@@ -269,13 +283,13 @@ class ReportTest(unittest.TestCase):
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it holds another case", page.data)
         self.assertIn("not computed", page.data)
-        self.assertEqual(len(page.images), 14)
+        self.assertEqual(len(page.images), 15)
 
     def test_all_measures_empty_still_make_a_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars=dict.fromkeys(SCALARS, math.nan), snapshot=False)
         images = len(Page(folder.report()).images)
-        self.assertEqual(images, 6)  # drive, three over time, spectra, spectrograms
+        self.assertEqual(images, 7)  # bands, drive, three over time, spectra, spectrograms
 
     def test_a_lone_case_has_no_curves(self):
         folder = Folder(self.root, x="", swept=())
@@ -288,7 +302,7 @@ class ReportTest(unittest.TestCase):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
-        self.assertEqual(len(Page(folder.report()).images), 14)
+        self.assertEqual(len(Page(folder.report()).images), 15)
 
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
