@@ -197,8 +197,8 @@ def measure_figure(sweep, folder, measure):
     style.save(figure, folder / (measure["name"] + ".png"))
     return Figure(measure["name"], measure["title"].format(x=layout.name(sweep, sweep.x)),
                   measure["caption"] + reading_words(sweep, rows, period, instant, numeric),
-                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: period reading and instant, "
-                  "with the reference as dashed lines")
+                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: period reading and "
+                  "instant, with the reference as dashed lines")
 
 
 def period_words(sweep):

@@ -82,7 +82,7 @@ def figures(sweep, folder):
     if any(map(is_moving, cases)):
         columns.append(("place", draw_place))
     if any(lead_mm(sweep, c) is not None for c in cases):
-        columns.append((f"ahead of {name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
+        columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
     steady = not any(map(changes, cases))
     if not steady or not columns:
         columns.append(("force (mN)", draw_force))

@@ -6,6 +6,7 @@ import numpy as np
 import fig_curves
 import layout
 import style
+import wake
 from figure import Figure
 from words import listed
 
@@ -93,6 +94,10 @@ def caption(sweep, found, shown):
             text.append("Filled markers: of u; open ones, dashed: of du/dt.")
     if "u" not in [of for _, of in found] and found:
         text.append("u itself is largest at 0 Hz in most cases and so has no dominant frequency.")
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
+    if kinds != {"STM"} and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
+        text.append("The focus passes the centre once, so that this is one passage and depends on "
+                    "the phase that the modulation has just then.")
     return " ".join(text)
 
 

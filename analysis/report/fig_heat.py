@@ -8,6 +8,7 @@ import numpy as np
 import layout
 import style
 import table
+import wake
 from figure import Figure
 from words import listed, number, value_text
 
@@ -168,7 +169,8 @@ def heat_figure(sweep, folder, measure, plan):
     name = "heat_" + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
-    return Figure(name, head, caption(every, [layout.name(sweep, k) for k in others], len(shown), of), head + ", as colours")
+    told = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
+    return Figure(name, head, told, head + ", as colours")
 
 
 def caption(every, others, shown, of):
@@ -191,5 +193,9 @@ def figures(sweep, folder):
     if plan is None:
         return []
     many = len(layout.groups(sweep)) > style.CURVES  # else curves show the others
-    measures = [*(MEASURES if many else MEASURES[:4]), *band_measures(sweep)]
+    measures = list(MEASURES if many else MEASURES[:4])
+    if not all(map(wake.is_passed, layout.ordinary(sweep))):
+        measures = [m for m in measures if "frequency" not in m[0]]  # of a point far from some
+    else:
+        measures += band_measures(sweep)
     return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]

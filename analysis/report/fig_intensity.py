@@ -36,7 +36,7 @@ def figures(sweep, folder):
     if not end > 0:
         return []
     limits = window(found, [s for s in shots if s], end)
-    figure, made, bar_axes = fig_surface.arrange(shots, columns, limits)
+    figure, made, bar_axes = fig_surface.arrange(sweep, shots, columns, limits)
     for axes, shot, cell in zip(made, shots, with_map):
         if not shot:
             continue
@@ -48,7 +48,6 @@ def figures(sweep, folder):
         share = number(shot.case.value("sharpness_1"), 3)
         if share:
             fig_surface.note(axes, f"sharpness {share}", "white")
-        axes.set_title(fig_surface.panel_title(sweep, shot, columns), loc="left", pad=4)
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal",
                           label="rms of $u_z$ over time (µm)")
     bar.outline.set_linewidth(0.5)

@@ -29,7 +29,7 @@ def split(sweep):
 
 
 def chosen(sweep, every, others):
-    """Panels that are drawn: of a key for rows and one for columns whole rows, else some, evenly."""
+    """Panels that are drawn: whole rows of some columns for two keys, else some, evenly."""
     rows = layout.values_of(sweep, others[0])
     if len(others) != 2 or len(rows) > 3:
         return layout.evenly(every, PANELS)

@@ -8,6 +8,7 @@ import fig_frequency
 import fig_time
 import layout
 import style
+import wake
 from figure import Figure
 from words import listed, number, split_unit
 
@@ -112,6 +113,7 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
         axes.set_xlim(0.0, min(end_Hz, drawn[0].spectrum[0][-1]))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
+    for axes in made[:, 0]:
         axes.set_ylim(bottom=0.0)  # once all are there: it ends the choice of the upper end
     made[-1, 0].set_xlabel("frequency (Hz)")
     if sweep.x:
@@ -126,20 +128,13 @@ def bands(cases):
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
-def is_passed(case):
-    """Whether the focal disc ever covers the trace."""
-    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
-                        case.series["focus_y"] - case.trace_at_m[1])
-    return bool((distance <= case.setting("measure", "focal_radius_m")).any())
-
-
 def relative_figure(sweep, folder, rows):
     """Over the largest amplitude of plain STM; None where a case has nothing to compare with, or
     where the foci do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
     plain = {c.id: plain_of(sweep, c) for c in drawn}
     if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
-            or not all(map(is_passed, plain.values()))):
+            or not all(map(wake.is_passed, plain.values()))):
         return None
     name = layout.reference_name(list(plain.values()))
 
@@ -166,8 +161,8 @@ def velocity_figure(sweep, folder, rows):
         return None
     alike = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
                       folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
-    text = ("The same of the velocity, which is what is felt and recorded: a dot on the highest "
-            f"point of each, its dominant frequency.{own_scale(alike)}")
+    text = ("The same of the velocity du/dt; a dot on the highest point of each, its dominant "
+            f"frequency.{own_scale(alike)}")
     return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
                   "Amplitude spectra of the velocity at one point, one line a case")
 
@@ -204,16 +199,6 @@ def spectra_title(cases):
     return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
 
 
-def passing_ms(case):
-    """When the moving focus comes nearest to the trace, if it covers it once; else None."""
-    radius = case.setting("measure", "focal_radius_m")
-    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
-                        case.series["focus_y"] - case.trace_at_m[1])
-    covered = distance <= radius
-    entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
-    return None if entries != 1 or covered.all() else 1e3 * case.series["time"][distance.argmin()]
-
-
 def caption(sweep, cases):
     places = sorted({tuple(number(1e3 * v) for v in c.trace_at_m) for c in cases})
     duration = {round(c.series["time"][-1], 9) for c in cases}
@@ -223,7 +208,7 @@ def caption(sweep, cases):
         run = duration.pop()
         text += (f" A run of {number(1e3 * run)} ms separates nothing closer than "
                  f"{number(1 / run, 2)} Hz.")
-    passing = {number(t, 3) if (t := passing_ms(c)) is not None else None for c in cases}
+    passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing:
         text += (f" The focus passes this point once, at {passing.pop()} ms: the curves show that "
                  "passage, and their heights the phase that the modulation has just then.")

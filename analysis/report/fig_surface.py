@@ -1,5 +1,6 @@
 """Snapshots of the surface: curves side by side, the reference above, x downward."""
 import math
+import textwrap
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
@@ -13,7 +14,7 @@ from figure import Figure
 from words import counted, listed, number
 
 COLUMNS = 4  # at most so many curves stand side by side
-ALL_ROWS = 6  # up to so many values of x are all shown
+ALL_ROWS = 5  # up to so many values of x are all shown
 LEAST = 0.2
 SEEN = 0.1  # of the scale's end
 UNLIKE = 2.0  # curves whose wakes differ by more have colours by the root of u
@@ -117,23 +118,21 @@ def draw(axes, shot, norm, limits):
     frame(axes, limits)
     fitted = shot.case.value("mach_angle_deg")
     if not math.isnan(fitted):
-        note(axes, f"wake fitted: {number(fitted, 3)}°", style.INK)
+        text = note(axes, f"fitted: {number(fitted, 3)}°", style.INK)
+        text.set_bbox({"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 1.0})
     return image, lines
 
 
 def note(axes, words, colour):
-    """A few words in the lower left corner of a map."""
-    axes.text(0.03, 0.04, words, transform=axes.transAxes, fontsize=8, color=colour)
+    """A few words in the lower right corner of a map."""
+    return axes.text(0.97, 0.04, words, transform=axes.transAxes, fontsize=8, color=colour,
+                     ha="right")
 
 
-def colour_scale(shots):
-    """One scale for all: its end, and the norm. By the root of u where the wakes of curves, such as
-    sizes of the focus, differ much."""
-    columns = {}
-    for shot in shots:
-        key = shot.case.setting("load", "fwhm_m", default=None)
-        columns.setdefault(str(key), []).append(shot)
-    ends = [scale(column) for column in columns.values()]
+def colour_scale(curves):
+    """One scale for all: its end, and the norm. By the root of u where the wakes of curves (lists
+    of shots), such as sizes of the focus, differ much."""
+    ends = [scale(shots) for shots in curves if shots]
     end = max(ends)
     if end <= UNLIKE * min(ends):
         return end, plt.Normalize(-end, end)
@@ -141,23 +140,24 @@ def colour_scale(shots):
     return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
 
 
-def panel_title(sweep, shot, columns):
-    return layout.case_label(sweep, shot.case).replace(", ", "\n" if columns > 2 else ", ")
+CHARACTERS = 13  # of a title in an inch
 
 
-def arrange(shots, columns, limits):
-    """Axes of equal scale, a hidden one where there is no shot, and those of the colour bar; inches
-    throughout."""
+def arrange(sweep, shots, columns, limits):
+    """Axes of equal scale with their titles, a hidden one where there is no shot, and those of the
+    colour bar; inches throughout."""
     rows = math.ceil(len(shots) / columns)
-    left, right, between, top, bottom = 0.62, 0.12, 0.24, 0.5, 1.28
-    down = 0.36 if columns < 3 else 0.5  # between rows: titles
+    left, right, between, bottom = 0.62, 0.12, 0.24, 1.28
     width = (style.WIDTH_in - left - right - (columns - 1) * between) / columns
     height = width * (limits[3] - limits[2]) / (limits[1] - limits[0])
     highest = 5.0 if rows < 3 else 2.3
     if height > highest:
         left += 0.5 * columns * width * (1.0 - highest / height)
         width, height = width * highest / height, highest
-    total = top + rows * height + (rows - 1) * down + bottom
+    titles = [textwrap.fill(layout.case_label(sweep, s.case), int(CHARACTERS * width),
+                            break_on_hyphens=False) if s else "" for s in shots]
+    down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
+    total = rows * (height + down) + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))
     made = []
     for i, shot in enumerate(shots):
@@ -167,6 +167,7 @@ def arrange(shots, columns, limits):
         made.append(figure.add_axes([place[0] / style.WIDTH_in, place[1] / total,
                                      place[2] / style.WIDTH_in, place[3] / total]))
         made[-1].set_visible(shot is not None)
+        made[-1].set_title(titles[i], loc="left", pad=4)
         is_last = i + columns >= len(shots) or shots[i + columns] is None
         made[-1].tick_params(labelleft=column == 0, labelbottom=is_last)
         if column == 0:
@@ -188,15 +189,15 @@ def figures(sweep, folder):
     shots = [s for s in grid if s]
     if not shots:
         return []
-    end, norm = colour_scale(shots)
+    curves = min(columns, len(layout.groups(sweep)))
+    end, norm = colour_scale([[s for s in grid[i::curves] if s] for i in range(curves)])
     limits = window(shots, end)
-    figure, made, bar_axes = arrange(grid, columns, limits)
+    figure, made, bar_axes = arrange(sweep, grid, columns, limits)
     any_lines = False
     for axes, shot in zip(made, grid):
         if shot:
             image, lines = draw(axes, shot, norm, limits)
             any_lines = any_lines or lines
-            axes.set_title(panel_title(sweep, shot, columns), loc="left", pad=4)
     peak = max(np.nanmax(np.abs(s.u_um)) for s in shots)
     clipped = peak > 1.001 * end
     label = "$u_z$ (µm), positive into the tissue"
@@ -229,6 +230,8 @@ def caption(shots, any_lines, clipped):
         text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at "
                  f"that instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the "
                  "path has made them.")
+    if any(not math.isnan(s.case.value("mach_angle_deg")) for s in shots):
+        text += " Fitted: the angle of the wake itself, where it is a straight one."
     without = {}
     for s in shots:
         if reason := s.case.notes.get("mach_angle_theory_deg"):

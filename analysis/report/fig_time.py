@@ -170,7 +170,8 @@ def add_x_key(figure, all_axes, sweep, colours):
     values = layout.x_values(sweep)
     if layout.is_numeric(sweep) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
-        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(sweep, sweep.x), aspect=30, pad=0.02)
+        bar = figure.colorbar(shown, ax=all_axes, label=layout.axis_label(sweep, sweep.x),
+                              aspect=30, pad=0.02)
         bar.outline.set_visible(False)
         bar.ax.grid(False)
         if layout.is_logarithmic(values):

@@ -78,8 +78,10 @@ def is_logarithmic(values):
 def case_label(sweep, case):
     """A case by its swept values: '200 Hz, 3 mm'."""
     if case.is_reference or not sweep.swept_keys:
-        own = [value_text(k, v) for k, v in case.settings.items() if not is_reading(k)]
         first = reference_name([case]) if case.is_reference else "this case"
+        told = axes(sweep) if case.is_reference else case.settings
+        own = [value_text(k, case.settings[k]) for k in told
+               if k in case.settings and not is_reading(k)]
         return ", ".join([first, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
@@ -102,7 +104,7 @@ def values_of(sweep, key):
 
 
 def name(sweep, key):
-    """A key in words. AM and SM frequencies that are swept together are one: a case has one kind."""
+    """A key in words. AM and SM frequencies swept together are one: a case has one kind."""
     return words.key_name(told_as(sweep, key))
 
 

@@ -19,6 +19,7 @@ import fig_spectrogram
 import fig_surface
 import fig_time
 import layout
+import style
 from load import NoPlan, load
 from page import page
 from player import player
@@ -33,11 +34,15 @@ def of_all():
             ("heat maps", fig_heat.figures), ("small multiples", fig_multiples.figures)]
 
 
-def of_few():
-    """Figures in which a case has a panel or a line of its own: of a large sweep only a few."""
-    return [("drive", fig_drive.figures), ("surface", fig_surface.figures),
-            ("intensity", fig_intensity.figures), ("time courses", fig_time.figures),
-            ("spectra", fig_spectra.figures), ("spectrograms", fig_spectrogram.figures)]
+def of_few(sweep):
+    """Figures in which a case has a panel or a line of its own: of a large sweep only a few. Lines
+    over time and frequency say nothing where curves are too many for a panel."""
+    made = [("drive", fig_drive.figures), ("surface", fig_surface.figures),
+            ("intensity", fig_intensity.figures)]
+    if len(layout.groups(sweep)) > style.CURVES:
+        return made
+    return [*made, ("time courses", fig_time.figures), ("spectra", fig_spectra.figures),
+            ("spectrograms", fig_spectrogram.figures)]
 
 
 def attempt(name, problems, draw, *arguments):
@@ -63,7 +68,7 @@ def draw_all(sweep, folder):
             figure.caption += f" {counted(missing, 'case')} without a result: listed above."
     some = layout.few(sweep)
     drawn, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
-    for name, draw in of_few():
+    for name, draw in of_few(sweep):
         for figure in attempt(name, problems, draw, some, folder) or []:
             if some is not sweep:
                 figure.caption += (f" From {drawn} of {every} cases, spread evenly over the sweep; "

@@ -29,6 +29,23 @@ def runs_straight_on(case):
     return bool(off.max() < 1e-6 * length and (on >= 0).all())
 
 
+def passing_ms(case):
+    """When the moving focus comes nearest to the trace, if it covers it once; else None."""
+    radius = case.setting("measure", "focal_radius_m")
+    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
+                        case.series["focus_y"] - case.trace_at_m[1])
+    covered = distance <= radius
+    entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
+    return None if entries != 1 or covered.all() else 1e3 * case.series["time"][distance.argmin()]
+
+
+def is_passed(case):
+    """Whether the focal disc ever covers the trace."""
+    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
+                        case.series["focus_y"] - case.trace_at_m[1])
+    return bool((distance <= case.setting("measure", "focal_radius_m")).any())
+
+
 def last_pressed(case):
     """Number of the last frame with a force; a path that has ended presses no more."""
     force = case.series.get("force")

@@ -21,7 +21,8 @@ NAMES = {
     "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
     "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
     "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
-    "modulation_frequency": "modulation frequency", "focal_radius": "focal radius", "focal_radius_fwhm": "focal radius in FWHM",
+    "modulation_frequency": "modulation frequency", "focal_radius": "focal radius",
+    "focal_radius_fwhm": "focal radius in FWHM",
 }
 
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
