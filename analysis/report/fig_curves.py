@@ -102,7 +102,7 @@ def legend_above(figure, sweep, curves, top_in=0.08):
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
              for group, colour, marker in curves]
     keys = ", ".join(layout.name(sweep, k) for k in layout.group_keys(sweep))
-    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=min(len(lines), 4),
+    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=legend_columns(curves),
                   loc="upper center", bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
 
@@ -112,8 +112,14 @@ def curves_of(sweep):
     return [(g, colours[i], style.MARKERS[i % len(style.MARKERS)]) for i, g in enumerate(found)]
 
 
+def legend_columns(curves):
+    """As many as fit beside each other: a line of text holds about 100 characters."""
+    longest = max(len(group.label) for group, _, _ in curves) + 8  # the mark before it
+    return max(1, min(4, len(curves), 100 // longest))
+
+
 def legend_rows(curves):
-    return 0 if len(curves) < 2 else 1 + math.ceil(len(curves) / 4)
+    return 0 if len(curves) < 2 else 1 + math.ceil(len(curves) / legend_columns(curves))
 
 
 def panels(count, curves, height_in=2.35):

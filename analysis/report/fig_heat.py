@@ -1,5 +1,6 @@
 """Heat maps of a measure over two swept keys; a panel for each value of the others."""
 import math
+import textwrap
 from itertools import product
 
 import matplotlib.pyplot as plt
@@ -14,6 +15,7 @@ from words import listed, number, value_text
 
 PANELS = 12
 COLUMNS = 3
+WORDS = 18  # characters of a line beside an axis
 WRITTEN = 60  # up to so many cells carry their number
 LEAST = 3  # values along both keys: fewer are better drawn as curves
 
@@ -96,9 +98,10 @@ def scale(grids, relative):
 def ticks(axis, key, sweep, room):
     values = layout.values_of(sweep, key)
     every = max(1, math.ceil(len(values) / room))
-    words = [number(float(v), 3) if layout.is_number(v) else str(v) for v in values]
+    words = [number(float(v), 3) if layout.is_number(v)
+             else textwrap.fill(value_text(key, v), WORDS, break_on_hyphens=False) for v in values]
     axis.set_ticks(range(0, len(values), every), words[::every])
-    longest = max(map(len, words))
+    longest = max(len(line) for word in words for line in word.splitlines())
     if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
         axis.set_tick_params(rotation=35)
         for label in axis.get_ticklabels():

@@ -12,7 +12,7 @@ from words import number
 def draw_lines(axes, lines):
     for line in lines:
         axes.plot(*(1e3 * line).T, color="white", linewidth=0.9, linestyle=(0, (3, 2)),
-                  marker="+" if len(line) == 1 else "")
+                  marker="+" if len(line) == 1 else "", path_effects=style.halo(1.8, "black"))
 
 
 def window(found, shots, end):

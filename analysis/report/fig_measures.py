@@ -6,6 +6,7 @@ import numpy as np
 import layout
 import fig_curves as curves_module
 import style
+import wake
 from figure import Figure
 from words import number
 
@@ -31,6 +32,13 @@ MEASURES = [
                 "in another and Σu is close to zero; the value is then tiny whatever the pattern "
                 "is. The two areas above measure the spread."},
 ]
+
+
+SHARPNESS = {
+    "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
+    "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
+    "caption": "The share of the time-averaged energy that lies within one FWHM of the line that "
+               "is drawn."}
 
 
 def over_reference(sweep, group, column):
@@ -122,5 +130,7 @@ def figures(sweep, folder):
         return []  # they are small multiples and heat maps
     made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
     made += [gain_figure(sweep, folder), strength_figure(sweep, folder)]
+    if not all(map(wake.runs_straight_on, layout.ordinary(sweep))):
+        made.append(curves_module.measure_figure(sweep, folder, SHARPNESS))
     made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]
     return [f for f in made if f]

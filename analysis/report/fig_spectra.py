@@ -12,7 +12,9 @@ import wake
 from figure import Figure
 from words import listed, number, split_unit
 
-SHOWN_Hz = 1000.0
+SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # at most, of u and of du/dt
+SEEN = 0.02  # of the largest amplitude
+UNLIKE = 3.0  # panels whose largest amplitudes differ by more have a scale each
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
 
 
@@ -84,23 +86,33 @@ def rows_of(sweep):
     return [row for row in rows if row[1]]
 
 
-UNLIKE = 3.0  # panels whose largest amplitudes differ by more have a scale each
+def highest(curves, own_Hz, end_Hz):
+    """The end of the axis: half or a quarter of the range where neither a curve nor a tick at the
+    cases' own frequencies is seen above."""
+    above = max((f for f in own_Hz if f <= end_Hz), default=0.0)
+    for frequency, values in curves:
+        seen = frequency[values > SEEN * np.nanmax(values)]
+        above = max(above, seen[seen <= end_Hz].max(initial=0.0))
+    return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
 
 
 def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     """One panel a row; `curve_of(case)` gives frequencies and what is shown, `peaks` marks the
     largest. True when the panels share their scale."""
-    colours = fig_time.colours_by_x(sweep, [c for _, drawn, _ in rows for c in drawn])
+    cases = [c for _, drawn, _ in rows for c in drawn]
+    colours = fig_time.colours_by_x(sweep, cases)
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
     height = 3.4 if len(rows) == 1 else 2.3
     tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in drawn) for _, drawn, _ in rows]
     alike = bool(max(tops) <= UNLIKE * min(tops))
+    own_Hz = [own_frequency_Hz(sweep, c) for c in cases]
+    shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for low, high in bands(drawn):
-            axes.axvspan(low, min(high, end_Hz), color="#f3f3f3", zorder=0, linewidth=0)
+            axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
         if reference and reference.spectrum:
             axes.plot(*curve_of(reference), color="black", linewidth=1.8)
         for case in drawn:
@@ -110,7 +122,7 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
             if peaks:
                 top = np.nanargmax(values)
                 axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
-        axes.set_xlim(0.0, min(end_Hz, drawn[0].spectrum[0][-1]))
+        axes.set_xlim(0.0, min(shown_Hz, drawn[0].spectrum[0][-1]))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     for axes in made[:, 0]:
@@ -148,9 +160,6 @@ def relative_figure(sweep, folder, rows):
             "what a modulation leaves of the strength, and where it puts it.")
     return Figure("spectra_relative", f"Spectra relative to {name}", text,
                   f"Amplitude spectra over the largest amplitude of {name}, one line a case")
-
-
-VELOCITY_Hz = 2000.0
 
 
 def velocity_figure(sweep, folder, rows):
@@ -203,7 +212,7 @@ def caption(sweep, cases):
     places = sorted({tuple(number(1e3 * v) for v in c.trace_at_m) for c in cases})
     duration = {round(c.series["time"][-1], 9) for c in cases}
     text = (f"One-sided amplitude of u at {listed(f'({x}, {y}) mm' for x, y in places)} over the "
-            f"whole run, up to {number(SHOWN_Hz)} Hz.")
+            "whole run.")
     if len(duration) == 1:
         run = duration.pop()
         text += (f" A run of {number(1e3 * run)} ms separates nothing closer than "

@@ -78,7 +78,8 @@ def figures(sweep, folder):
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({number(1e3 * at[0])}, {number(1e3 * at[1])}) mm")
-        axes.set_title(layout.case_label(sweep, case) + place, loc="left", fontsize=8.5)
+        title = layout.wrapped(layout.case_label(sweep, case) + place, 6.6 / columns)
+        axes.set_title(title, loc="left", fontsize=8.5)
     for axes in made.flat[len(cells):]:
         axes.set_visible(False)
     for i in range(len(cells)):

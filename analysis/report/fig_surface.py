@@ -1,6 +1,5 @@
 """Snapshots of the surface: curves side by side, the reference above, x downward."""
 import math
-import textwrap
 from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
@@ -140,9 +139,6 @@ def colour_scale(curves):
     return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
 
 
-CHARACTERS = 13  # of a title in an inch
-
-
 def arrange(sweep, shots, columns, limits):
     """Axes of equal scale with their titles, a hidden one where there is no shot, and those of the
     colour bar; inches throughout."""
@@ -154,8 +150,7 @@ def arrange(sweep, shots, columns, limits):
     if height > highest:
         left += 0.5 * columns * width * (1.0 - highest / height)
         width, height = width * highest / height, highest
-    titles = [textwrap.fill(layout.case_label(sweep, s.case), int(CHARACTERS * width),
-                            break_on_hyphens=False) if s else "" for s in shots]
+    titles = [layout.wrapped(layout.case_label(sweep, s.case), width) if s else "" for s in shots]
     down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
     total = rows * (height + down) + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))

@@ -11,6 +11,7 @@ from words import number, value_text
 
 PANELS = 12  # up to so many cases have a panel each
 COLUMNS = 2
+DECADES = 1e4  # of a logarithmic axis: where a sum changes its sign it falls without end
 
 
 def in_mm2(case, name):
@@ -55,7 +56,7 @@ def limits(cases, measure):
     if not len(values):
         return None
     low, high = np.percentile(values, [1.0, 100.0])
-    return low / 2.0, high * 2.0
+    return max(low / 2.0, high / DECADES), high * 2.0
 
 
 def colours_by_x(sweep, cases):
@@ -120,8 +121,8 @@ def small_panels(sweep, measure, cases, colours):
         draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
         mark_times(axes, case)
         frame(axes, cases, measure, y_limits)
-        axes.set_title(layout.case_label(sweep, case), loc="left", color=colours[case.id], pad=3,
-                       fontweight="bold")
+        title = layout.wrapped(layout.case_label(sweep, case), 2.8)
+        axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
     for axes in made.flat[len(cases):]:
         axes.set_visible(False)
     for column in range(columns):

@@ -1,4 +1,5 @@
 """How the cases of a sweep are laid out: x, one group a curve, and the references."""
+import textwrap
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -85,6 +86,14 @@ def case_label(sweep, case):
         return ", ".join([first, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
+
+
+CHARACTERS = 12  # of a title in an inch
+
+
+def wrapped(title, width_in):
+    """In as many lines as a panel of this width needs."""
+    return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
 
 
 def is_reading(key):

@@ -37,8 +37,8 @@ def of_all():
 def of_few(sweep):
     """Figures in which a case has a panel or a line of its own: of a large sweep only a few. Lines
     over time and frequency say nothing where curves are too many for a panel."""
-    made = [("drive", fig_drive.figures), ("surface", fig_surface.figures),
-            ("intensity", fig_intensity.figures)]
+    made = [("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
+            ("surface", fig_surface.figures)]
     if len(layout.groups(sweep)) > style.CURVES:
         return made
     return [*made, ("time courses", fig_time.figures), ("spectra", fig_spectra.figures),
