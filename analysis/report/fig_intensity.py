@@ -54,8 +54,8 @@ def figures(sweep, folder):
     bar_axes.grid(False)
     style.save(figure, folder / "intensity.png")
     text = ("Root of the time-averaged intensity, the mean of u² over whole periods, one colour "
-            "scale for all; dashed: the shape that was drawn.")
+            "scale for all; dashed lines or crosses: what was drawn.")
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
-        text += " Sharpness: the share of that energy within one FWHM of the dashed line."
+        text += " Sharpness: the share of that energy within one FWHM of them."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity of the surface seen from above")]

@@ -118,7 +118,11 @@ def name(sweep, key):
 
 
 def axis_label(sweep, key):
-    return words.axis_label(told_as(sweep, key))
+    """With its unit, where it has numbers."""
+    if all(map(is_number, values_of(sweep, key))):
+        return words.axis_label(told_as(sweep, key))
+    label = name(sweep, key)
+    return label[:1].upper() + label[1:]
 
 
 def told_as(sweep, key):

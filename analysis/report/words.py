@@ -75,6 +75,9 @@ def number(value, digits=4):
 def value_text(key, value):
     """'200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
+        if split_unit(key)[0] == "foci":
+            count = value.count("[") - 1
+            return "1 focus" if count == 1 else f"{count} foci"
         return table_text(value) if value.startswith("{") else value
     word, unit = split_unit(key)
     if word in ("c_s", "c_p"):  # "4 m/s" would be read as the focus'

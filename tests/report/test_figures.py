@@ -253,6 +253,10 @@ class WordsTest(unittest.TestCase):
                 found = words.value_text("load.footprint", value)
                 self.assertEqual(found.replace("\N{NO-BREAK SPACE}", " "), expected)
 
+    def test_foci_are_counted(self):
+        for value, expected in (("[[1, 0]]", "1 focus"), ("[[1, 0], [-1, 0]]", "2 foci")):
+            self.assertEqual(words.value_text("load.modulation.foci_mm", value), expected)
+
     def test_frequencies_that_are_swept_together_are_the_modulations(self):
         sm = AM.replace("am_", "sm_")
         for second, expected in ((200.0, "modulation frequency"), (300.0, "AM frequency")):
