@@ -220,7 +220,10 @@ def caption(sweep, cases):
     passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing:
         text += (f" The focus passes this point once, at {passing.pop()} ms: the curves show that "
-                 "passage, and their heights the phase that the modulation has just then.")
+                 "passage")
+        modulated = any(kind_of(c) != "STM" for c in cases)
+        text += (", and their heights the phase that the modulation has just then." if modulated
+                 else ".")
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
         text += f" Ticks on the axis: each case's own {layout.name(sweep, sweep.x)}."
     if bands(cases):
