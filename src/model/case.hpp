@@ -78,8 +78,8 @@ struct SpectralOptions {
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
     double absorbing_depth_m = 0.0; // below a half-space; 0: chosen from the load and the layer
     SpectralMethod method = SpectralMethod::automatic;
-    double residual = 1e-3;      // of the iterations, its energy norm over that of what moves
-    double contrast_cap = 400.0; // stiffer bodies are held to this many times the layer's mu
+    double residual = 1e-3;       // of the iterations, its energy norm over that of what moves
+    double contrast_cap = 1000.0; // stiffer bodies are held to this many times the layer's mu
     double accuracy = 1e-3; // of the surface field, its relative L2 error; decides the time step
     bool operator==(const SpectralOptions&) const = default;
 };

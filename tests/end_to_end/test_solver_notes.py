@@ -27,19 +27,19 @@ class SolverNotes(ProgramTest):
     def test_a_bone_tells_of_its_cap_and_its_iterations(self):
         self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
         said = self.shearwake("plan", "job.toml").said
-        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 400 " \
+        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 1000 " \
                "times (contrast_cap): it reflects 0."
         self.says(said, "time step 33.33 us for an accuracy of 0.001", "the scan is fastest", "the modulation is fastest")
         for line in (held, "differs from the layers in density"):
             self.assertEqual(said.count(line), 1, said)  # of two cases
 
         said = self.shearwake("run", "job.toml").said
-        self.assertEqual(said.count("is held to 400 times: it reflects 0.9"), 1, said)
+        self.assertEqual(said.count("is held to 1000 times: it reflects 0.9"), 1, said)
         self.assertEqual(said.count("iterations"), 2, said)  # each case has its own
         for path in case_files(self.out):
             found = self.attributes(path)
             notes = found["solver_notes"].split("\n")
-            self.assertTrue(any("is held to 400 times" in note for note in notes), notes)
+            self.assertTrue(any("is held to 1000 times" in note for note in notes), notes)
             self.assertTrue(any("the density varies" in note for note in notes), notes)
             self.assertEqual(found["solver_steps"] % 12, 0)  # frames
             self.assertGreaterEqual(found["solver_steps"], 12)

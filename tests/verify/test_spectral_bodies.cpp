@@ -136,10 +136,10 @@ TEST_CASE("bone is held to a stiffness that waves cannot tell from it", "[verify
     const Case held = with_step(c, 50e-6);
     const auto frame = last_frame(held);
     Case stiffer = held;
-    std::get<SpectralOptions>(stiffer.solver).contrast_cap = 1600.0; // four times the default
-    // What is reflected differs by 0.03: impedance ratios of 27 and 55 reflect 0.93 and 0.96 of a
-    // shear wave. 0.022 is seen of the field.
-    CHECK(relative_l2(frame, last_frame(stiffer)) < 0.03);
+    std::get<SpectralOptions>(stiffer.solver).contrast_cap = 4000.0; // four times the default
+    // What is reflected differs by 0.02: impedance ratios of 44 and 87 reflect 0.955 and 0.977 of a
+    // shear wave.
+    CHECK(relative_l2(frame, last_frame(stiffer)) < 0.02);
 }
 
 TEST_CASE("the mirror image of the problem gives the mirror image of the result", "[verify]") {
@@ -168,19 +168,22 @@ TEST_CASE("source and receiver change places", "[verify]") {
     std::get<SpectralOptions>(c.solver).residual = 1e-8;
     c.medium.bodies = {ellipsoid(16.0)};
     const Vec2 places[2] = {{-10e-3, 1e-3}, {9e-3, 6e-3}};
-    double heard[2];
+    std::vector<double> heard[2]; // over the frames
     for (int i = 0; i < 2; ++i) {
         c.load.modulation.trajectory = {{Hold{places[i]}}};
-        const auto frame = last_frame(c);
+        const test::FrameStore frames = test::frames_of(c);
         const Vec2 there = places[1 - i];
-        heard[i] = 0.0;
-        for (std::ptrdiff_t x = 0; x < c.domain.nx; ++x)
-            for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
-                heard[i] += frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
-                            pressure(c.load.footprint, c.domain.x_m(x) - there.x,
-                                     c.domain.y_m(y) - there.y);
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+            const auto& frame = frames.at(n);
+            heard[i].push_back(0.0);
+            for (std::ptrdiff_t x = 0; x < c.domain.nx; ++x)
+                for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
+                    heard[i].back() += frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
+                                       pressure(c.load.footprint, c.domain.x_m(x) - there.x,
+                                                c.domain.y_m(y) - there.y);
+        }
     }
     // The operator is symmetric. The footprint, sampled where it is heard, differs from its band
     // limited self where it is set by 1e-3 of its spectrum's peak at the edge.
-    CHECK(heard[0] == Approx(heard[1]).epsilon(1e-6));
+    CHECK(relative_l2(heard[0], heard[1]) < 1e-6); // the requirement, of the trace
 }

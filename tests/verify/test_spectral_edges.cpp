@@ -100,12 +100,24 @@ Case lossless_with_body() {
 } // namespace
 
 TEST_CASE("a sponge gives back less than 1 % of an outgoing pulse", "[verify]") {
-    const auto reference = test::frames_of(pulse(wide, wide, 0.0));
+    // Viscous tissue leaves only long waves of a pulse, which want more room: 1.5 % from 20 mm.
+    const auto [loss_Pa_s, width_m] =
+        GENERATE(std::pair(0.0, 20e-3), std::pair(0.1, 20e-3), std::pair(0.5, 28e-3));
+    const auto lossy = [loss = loss_Pa_s](Case c) {
+        if (loss > 0.0)
+            c.medium.layers[0].loss = KelvinVoigt{loss};
+        else
+            c.medium.layers[0].loss = Lossless{};
+        return c;
+    };
+    const auto reference = test::frames_of(lossy(pulse(wide, wide, 0.0)));
     // Just beyond the middle the edge of a domain without a sponge gives all of it back.
-    const double outgoing = returned(pulse(48, 36, 0.0), reference);
-    const double share = returned(pulse(84, 72, 20e-3), reference) / outgoing;
-    CAPTURE(outgoing, share);
-    CHECK(share < 0.01); // the requirement; 0.007 is seen
+    const double outgoing = returned(lossy(pulse(48, 36, 0.0)), reference);
+    const auto margin = static_cast<std::ptrdiff_t>(2.0 * width_m / spacing_m + 0.5);
+    const double share =
+        returned(lossy(pulse(44 + margin, 32 + margin, width_m)), reference) / outgoing;
+    CAPTURE(loss_Pa_s, width_m, share);
+    CHECK(share < 0.01); // the requirement; 0.004, 0.007 and 0.009 are seen
 }
 
 TEST_CASE("behind a sponge a moving focus is as on a wide domain for 14 ms", "[verify]") {
@@ -127,7 +139,7 @@ TEST_CASE("behind a sponge a moving focus is as on a wide domain for 14 ms", "[v
         });
     const double error = std::sqrt(difference / all);
     CAPTURE(error);
-    CHECK(error < 0.1); // amplitudes: the root of 1 % of the energy
+    CHECK(error < 0.06); // the root of what comes back, 0.4 %; 0.04 is seen
 }
 
 TEST_CASE("a sponge only takes energy, with a stiff body in it as well", "[verify]") {

@@ -11,7 +11,6 @@ struct Kind {
     std::string name;
     Body body;
     double limit; // of the error at 25 us: the requirement
-    double contrast_cap = 400.0;
 };
 
 Body with(std::optional<double> Body::*property, double value) {
@@ -25,7 +24,7 @@ const std::vector<Kind>& kinds() {
         {"four times softer", test::small_body(0.25), 0.01},
         {"16 times stiffer", test::small_body(16.0), 0.01},
         {"100 times stiffer", test::small_body(100.0), 0.02},
-        {"1000 times stiffer", test::small_body(1000.0), 0.02, 1000.0},
+        {"1000 times stiffer", test::small_body(1000.0), 0.02},
         {"half as dense", with(&Body::density_kg_m3, 500.0), 0.01},
         {"twice as dense", with(&Body::density_kg_m3, 2000.0), 0.01},
         {"lossless", with(&Body::viscosity_Pa_s, 0.0), 0.01},
@@ -36,10 +35,17 @@ const std::vector<Kind>& kinds() {
     return all;
 }
 
+/// 10^5 times stiffer than the tissue; held to what the engine bears.
+Kind bone() {
+    Body body = test::small_body();
+    body.density_kg_m3 = 1900.0;
+    body.c_p_m_s = 3517.0;
+    body.c_s_m_s = 1619.0;
+    return {"bone", body, 0.0};
+}
+
 Case with_body(Case c, const Kind& kind) {
-    SpectralOptions options;
-    options.contrast_cap = kind.contrast_cap;
-    c.solver = options;
+    c.solver = SpectralOptions{};
     c.medium.bodies = {kind.body};
     return c;
 }
@@ -48,6 +54,23 @@ Case with_body(Case c, const Kind& kind) {
 Case reference(Case c) {
     std::get<SpectralOptions>(c.solver).residual = 1e-6;
     return test::with_step(c, 3.125e-6);
+}
+
+void check_stable(const Kind& kind, double step_s) {
+    // Without loss around it nothing hides a mode that grows. After 3 ms no force is at work, so
+    // energy does not grow either; what is left spreads over domain and depth.
+    Case c = with_body(test::small_tissue(0.0), kind);
+    c.time.frames = 140;
+    const auto frames = test::frames_of(test::with_step(c, step_s));
+    double while_pressed = 0.0, at_the_end = 0.0;
+    for (std::ptrdiff_t n = 0; n < 30; ++n)
+        while_pressed = test::worse(while_pressed, test::largest(frames.at(n)));
+    for (std::ptrdiff_t n = 110; n < 140; ++n)
+        at_the_end = test::worse(at_the_end, test::largest(frames.at(n)));
+    CAPTURE(kind.name, step_s, while_pressed, at_the_end);
+    CHECK(while_pressed < 60e-9); // the focus alone makes 34 nm
+    CHECK(at_the_end <
+          0.8 * while_pressed); // 0.6 at most is seen; instability would grow by decades
 }
 
 bool changes_shear(const Kind& kind) {
@@ -71,22 +94,13 @@ TEST_CASE("bodies of any material are computed accurately at 25 us", "[verify]")
 }
 
 TEST_CASE("bodies of any material stay stable for 14 ms", "[verify]") {
-    const Kind kind = kinds()[GENERATE(range(std::size_t{0}, std::size_t{10}))];
+    const Kind kind = GENERATE(from_range(kinds()));
     const double step_s = GENERATE(25e-6, 50e-6);
-    // Without loss around it nothing hides a mode that grows. After 3 ms no force is at work, so
-    // energy does not grow either; what is left spreads over domain and depth.
-    Case c = with_body(test::small_tissue(0.0), kind);
-    c.time.frames = 140;
-    const auto frames = test::frames_of(test::with_step(c, step_s));
-    double while_pressed = 0.0, at_the_end = 0.0;
-    for (std::ptrdiff_t n = 0; n < 30; ++n)
-        while_pressed = test::worse(while_pressed, test::largest(frames.at(n)));
-    for (std::ptrdiff_t n = 110; n < 140; ++n)
-        at_the_end = test::worse(at_the_end, test::largest(frames.at(n)));
-    CAPTURE(kind.name, step_s, while_pressed, at_the_end);
-    CHECK(while_pressed < 60e-9); // the focus alone makes 34 nm
-    CHECK(at_the_end <
-          0.8 * while_pressed); // 0.6 at most is seen; instability would grow by decades
+    check_stable(kind, step_s);
+}
+
+TEST_CASE("bone stays stable for 14 ms", "[verify]") {
+    check_stable(bone(), 50e-6);
 }
 
 TEST_CASE("a body's compressibility shows in the mean of the surface", "[verify]") {

@@ -54,7 +54,7 @@ void tell(const std::string& what, const Difference& d, double cap,
           std::vector<std::string>& notes) {
     if (d.contrast > cap * (1.0 + 1e-12))
         notes.push_back(fmt::format("{} is {:.3g} times as stiff in shear as the layer around it "
-                                    "and will be held to {:.3g} times (contrast_cap): it reflects "
+                                    "and will be held to {:.4g} times (contrast_cap): it reflects "
                                     "{:.3f} of a shear wave's amplitude then, instead of {:.3f}",
                                     what, d.contrast, cap, shear_reflection(cap, d.dense),
                                     shear_reflection(d.contrast, d.dense)));

@@ -225,7 +225,7 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
 
     if (stiffest.stiffness > options.contrast_cap * (1.0 + 1e-12))
         v.notes.push_back(fmt::format(
-            "shear stiffness up to {:.3g} times the layer's is held to {:.3g} times: it reflects "
+            "shear stiffness up to {:.3g} times the layer's is held to {:.4g} times: it reflects "
             "{:.3f} of a shear wave's amplitude, the true one {:.3f}",
             stiffest.stiffness, options.contrast_cap,
             shear_reflection(options.contrast_cap, stiffest.density),
