@@ -63,9 +63,10 @@ void CaseFileWriter::refuse_if_full(double needed_B) const {
     const double needed = needed_B + 1e6;
     const double free = free_bytes(path_.parent_path());
     if (free < needed)
-        throw CaseFailure(fmt::format("cannot write {}: it needs {:.1f} MB and the disk has {:.1f} "
+        throw FileFailure(fmt::format("cannot write {}: it needs {:.1f} MB and the disk has {:.1f} "
                                       "MB left",
-                                      path_.string(), needed / 1e6, free / 1e6));
+                                      path_.string(), needed / 1e6, free / 1e6),
+                          Trouble::lasting);
 }
 
 CaseFileWriter::~CaseFileWriter() {
@@ -149,9 +150,8 @@ void CaseFileWriter::write_volume(std::size_t variable, std::size_t time, std::s
 
 void CaseFileWriter::flush() {
     if (!is_shared_) return;
-    const herr_t status = H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL);
-    if (team_.max(status < 0 ? 1 : 0) != 0)
-        throw CaseFailure(fmt::format("cannot flush {} {}", part_.string(), h5::last_error()));
+    h5::check_together(H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string(),
+                       team_);
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 

@@ -84,8 +84,9 @@ void CheckpointFileWriter::put(const std::string& name, const RowRange& rows,
         const double needed = 8.0 * static_cast<double>(rows.total * rows.row_length) + 1e6;
         const double free = free_bytes(part_.parent_path());
         if (free < needed)
-            throw CaseFailure(fmt::format("it needs {:.1f} MB and the disk has {:.1f} MB left",
-                                          needed / 1e6, free / 1e6));
+            throw FileFailure(fmt::format("it needs {:.1f} MB and the disk has {:.1f} MB left",
+                                          needed / 1e6, free / 1e6),
+                              Trouble::lasting);
     });
     h5::Id dataset;
     together(team_, [&] { // the same metadata on all ranks

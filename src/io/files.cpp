@@ -2,13 +2,16 @@
 
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <sstream>
 #include <sys/statvfs.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 
@@ -19,7 +22,22 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(std::string_view what, const fs::path& path, int error) {
     throw UsageError(fmt::format("{} {}: {}", what, path.string(), std::strerror(error)),
-                     ExitCode::environment);
+                     ExitCode::environment, trouble_of(error));
+}
+
+/// Network file systems fail now and then and recover. All of `work` is done again: what a failed
+/// fsync has lost is not written by the next one.
+template <class Work>
+void with_patience(const Work& work) {
+    for (const int pause_ms : {20, 200, 1000}) {
+        try {
+            return work();
+        } catch (const UsageError& error) {
+            if (error.trouble() == Trouble::lasting) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+        }
+    }
+    work();
 }
 
 /// An open file descriptor.
@@ -68,6 +86,11 @@ void flush_directory(const fs::path& path) {
 
 } // namespace
 
+Trouble trouble_of(int error) {
+    const bool passing = std::ranges::find(passing_errors, error) != passing_errors.end();
+    return passing ? Trouble::passing : Trouble::lasting;
+}
+
 std::string read_file(const fs::path& path) {
     errno = 0;
     std::ifstream file(path, std::ios::binary);
@@ -82,11 +105,13 @@ void write_file(const fs::path& path, std::string_view text) {
     // Another run may write the same file at the same time.
     const fs::path part = fmt::format("{}.{}.part", path.string(), ::getpid());
     try {
-        Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);
-        file.write(text);
-        file.flush();
-        file.commit();
-        publish(part, path);
+        with_patience([&] {
+            Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);
+            file.write(text);
+            file.flush();
+            file.commit();
+            publish(part, path);
+        });
     } catch (...) {
         std::error_code ignored;
         fs::remove(part, ignored);
@@ -95,10 +120,12 @@ void write_file(const fs::path& path, std::string_view text) {
 }
 
 void append_line(const fs::path& path, std::string_view line) {
-    Descriptor file(path, O_RDWR | O_CREAT | O_APPEND);
-    file.write((file.ends_within_a_line() ? "\n" : "") + std::string(line) + "\n");
-    file.flush();
-    file.commit();
+    with_patience([&] {
+        Descriptor file(path, O_RDWR | O_CREAT | O_APPEND);
+        file.write((file.ends_within_a_line() ? "\n" : "") + std::string(line) + "\n");
+        file.flush();
+        file.commit();
+    });
 }
 
 void make_directory(const fs::path& path) {

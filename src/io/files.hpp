@@ -1,5 +1,9 @@
 #pragma once
 
+#include "base/error.hpp"
+
+#include <array>
+#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -7,7 +11,12 @@
 namespace shearwake {
 
 /// None of these is collective; each throws UsageError with code `environment` and the system's
-/// reason when the file system refuses.
+/// reason when the file system refuses. What is likely to pass is tried again within two seconds.
+
+/// Values of errno after which the next attempt may go better.
+inline constexpr std::array passing_errors = {
+    EIO, EAGAIN, EBUSY, EINTR, ESTALE, ETIMEDOUT, EREMOTEIO, ENETDOWN, ENETUNREACH, EHOSTUNREACH};
+Trouble trouble_of(int error);
 
 std::string read_file(const std::filesystem::path& path);
 

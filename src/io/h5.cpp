@@ -1,8 +1,10 @@
 #include "io/h5.hpp"
 
 #include "base/error.hpp"
+#include "io/files.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <hdf5_hl.h>
 #include <fmt/format.h>
 #include <optional>
@@ -46,6 +48,15 @@ std::optional<std::string> system_reason(const std::string& message) {
     return message.substr(begin, message.find('\'', begin) - begin);
 }
 
+/// By the words of HDF5, which end in those of the system.
+Trouble trouble_of_words(const std::string& reason) {
+    // MPI tells no reason that would tell more.
+    if (reason.find("MPI") != std::string::npos) return Trouble::passing;
+    for (const int error : passing_errors)
+        if (reason.ends_with(std::strerror(error))) return Trouble::passing;
+    return Trouble::lasting;
+}
+
 } // namespace
 
 std::string last_error() {
@@ -61,9 +72,19 @@ std::string last_error() {
     return system_reason(message).value_or(message);
 }
 
+void check_together(herr_t status, const std::string& what, const Comm& comm) {
+    const std::string reason = status < 0 ? last_error() : "";
+    const bool passing = trouble_of_words(reason) == Trouble::passing;
+    const int worst = comm.max(status >= 0 ? 0 : passing ? 1 : 2);
+    if (worst != 0)
+        throw FileFailure(fmt::format("HDF5 cannot {} {}", what, reason),
+                          worst == 1 ? Trouble::passing : Trouble::lasting);
+}
+
 void check(herr_t status, const std::string& what) {
     if (status >= 0) return;
-    throw Error(fmt::format("HDF5 cannot {}: {}", what, last_error()));
+    const std::string reason = last_error();
+    throw FileFailure(fmt::format("HDF5 cannot {}: {}", what, reason), trouble_of_words(reason));
 }
 
 Id::Id(hid_t raw, Close closer, const std::string& what) : raw_(raw), close_(closer) {
@@ -87,10 +108,7 @@ void Id::close(const std::string& what) {
 }
 
 void Id::close_shared(const std::string& what, const Comm& comm) {
-    const herr_t status = close_(std::exchange(raw_, -1));
-    const std::string reason = status < 0 ? last_error() : "";
-    if (comm.max(status < 0 ? 1 : 0) != 0)
-        throw CaseFailure(fmt::format("HDF5 cannot {} on all ranks {}", what, reason));
+    check_together(close_(std::exchange(raw_, -1)), what + " on all ranks", comm);
 }
 
 Id open_file(const std::filesystem::path& path, Access access) {
@@ -113,11 +131,10 @@ Id open_shared(const std::filesystem::path& path, const Comm& comm, Access acces
     check(H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL), "choose MPI");
     const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
     const hid_t raw = H5Fopen(path.c_str(), flags, properties.raw());
-    const std::string reason = raw < 0 ? last_error() : "";
-    if (comm.max(raw < 0 ? 1 : 0) != 0)
-        throw CaseFailure(
-            fmt::format("HDF5 cannot open {} on all ranks {}", path.string(), reason));
-    return Id(raw, H5Fclose, "open " + path.string());
+    Id file;
+    if (raw >= 0) file = Id(raw, H5Fclose, "");
+    check_together(raw < 0 ? -1 : 0, "open " + path.string() + " on all ranks", comm);
+    return file;
 }
 
 Id open_group(hid_t parent, const std::string& name) {

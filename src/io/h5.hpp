@@ -10,7 +10,8 @@
 
 namespace shearwake::h5 {
 
-/// Owner of any HDF5 identifier. A failed call throws Error with HDF5's own innermost message.
+/// Owner of any HDF5 identifier. A failed call throws FileFailure with HDF5's own innermost
+/// message.
 class Id {
 public:
     using Close = herr_t (*)(hid_t);
@@ -23,7 +24,7 @@ public:
     hid_t raw() const { return raw_; }
     /// Closing can fail (a full disk shows here): checked, unlike in the destructor.
     void close(const std::string& what);
-    /// The same for what all ranks have open. Collective; throws CaseFailure on all of them
+    /// The same for what all ranks have open. Collective; throws FileFailure on all of them
     /// together.
     void close_shared(const std::string& what, const Comm& comm);
 
@@ -32,8 +33,10 @@ private:
     Close close_ = nullptr;
 };
 
-/// Throws Error with `what` and HDF5's message if `status` is negative.
+/// Throws FileFailure with `what` and HDF5's message if `status` is negative.
 void check(herr_t status, const std::string& what);
+/// The same on all ranks together if it is on any. Collective.
+void check_together(herr_t status, const std::string& what, const Comm& comm);
 
 /// The innermost description on HDF5's error stack; clears it.
 std::string last_error();
@@ -42,7 +45,7 @@ enum class Access { create, read_write, read };
 
 /// A file through the ordinary driver. Not collective.
 Id open_file(const std::filesystem::path& path, Access access);
-/// An existing file through MPI. Collective; throws CaseFailure on all ranks together.
+/// An existing file through MPI. Collective; throws FileFailure on all ranks together.
 Id open_shared(const std::filesystem::path& path, const Comm& comm,
                Access access = Access::read_write);
 

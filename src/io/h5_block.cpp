@@ -37,30 +37,24 @@ Transfer transfer_of(const Id& dataset, const Block& block, View2<const double> 
     return t;
 }
 
-void agree(herr_t status, const std::string& what, const Comm& comm) {
-    const std::string reason = status < 0 ? last_error() : "";
-    if (comm.max(status < 0 ? 1 : 0) != 0)
-        throw CaseFailure(fmt::format("HDF5 cannot {} {}", what, reason));
-}
-
 } // namespace
 
 void write_block(const Id& dataset, const Block& block, View2<const double> values,
                  const std::string& what, const Comm& comm) {
     const Transfer t = transfer_of(dataset, block, values);
     const double nothing = 0.0; // an empty vector has no address, which HDF5 refuses
-    agree(H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
-                   t.properties.raw(), values.data() ? values.data() : &nothing),
-          what, comm);
+    check_together(H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
+                            t.properties.raw(), values.data() ? values.data() : &nothing),
+                   what, comm);
 }
 
 void read_block(const Id& dataset, const Block& block, View2<double> values,
                 const std::string& what, const Comm& comm) {
     const Transfer t = transfer_of(dataset, block, values);
     double nothing = 0.0;
-    agree(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
-                  t.properties.raw(), values.data() ? values.data() : &nothing),
-          what, comm);
+    check_together(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
+                           t.properties.raw(), values.data() ? values.data() : &nothing),
+                   what, comm);
 }
 
 } // namespace shearwake::h5

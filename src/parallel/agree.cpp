@@ -10,8 +10,10 @@ namespace shearwake {
 namespace {
 
 struct Outcome {
-    long kind = 0; // 0 fine, 1 case failure, 2 usage error
-    long code = 0; // of a usage error
+    enum Kind : long { fine, case_failure, usage_error, file_failure };
+    long kind = fine;
+    long code = 0;    // of a usage error
+    long trouble = 0; // of a usage error or a file failure
     std::string message;
 };
 
@@ -20,14 +22,17 @@ Outcome outcome_of(const std::function<void()>& work) {
         work();
         return {};
     } catch (const UsageError& error) {
-        return {2, static_cast<long>(error.code()), error.what()};
+        return {Outcome::usage_error, static_cast<long>(error.code()),
+                static_cast<long>(error.trouble()), error.what()};
+    } catch (const FileFailure& error) {
+        return {Outcome::file_failure, 0, static_cast<long>(error.trouble()), error.what()};
     } catch (const std::filesystem::filesystem_error& error) {
-        return {2, static_cast<long>(ExitCode::environment),
+        return {Outcome::usage_error, static_cast<long>(ExitCode::environment), 0,
                 fmt::format("{}: {}", error.path1().string(), error.code().message())};
     } catch (const std::bad_alloc&) {
-        return {1, 0, "out of memory"};
+        return {Outcome::case_failure, 0, 0, "out of memory"};
     } catch (const std::exception& error) {
-        return {1, 0, error.what()};
+        return {Outcome::case_failure, 0, 0, error.what()};
     }
 }
 
@@ -42,7 +47,10 @@ void together(const Comm& comm, const std::function<void()>& work) {
     const long kind = comm.broadcast(mine.kind, speaker);
     const long code = comm.broadcast(mine.code, speaker);
     const std::string message = comm.broadcast(mine.message, speaker);
-    if (kind == 2) throw UsageError(message, static_cast<ExitCode>(code));
+    const auto trouble = static_cast<Trouble>(comm.broadcast(mine.trouble, speaker));
+    if (kind == Outcome::usage_error)
+        throw UsageError(message, static_cast<ExitCode>(code), trouble);
+    if (kind == Outcome::file_failure) throw FileFailure(message, trouble);
     throw CaseFailure(message);
 }
 

@@ -7,8 +7,8 @@
 namespace shearwake {
 
 /// Runs `work` on every rank; when it throws on any of them, all ranks throw the message of the
-/// lowest rank that failed: a UsageError stays one, everything else (out of memory too) becomes a
-/// CaseFailure. `work` must not communicate. Collective.
+/// lowest rank that failed: a UsageError or a FileFailure stays one, everything else (out of memory
+/// too) becomes a CaseFailure. `work` must not communicate. Collective.
 void together(const Comm& comm, const std::function<void()>& work);
 
 /// The same with `work` on rank 0 only: file-system work. Collective.
