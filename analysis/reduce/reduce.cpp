@@ -1,7 +1,6 @@
 #include "reduce/reduce.hpp"
 
-#include "base/error.hpp"
-#include "io/case_file_reader.hpp"
+#include "io/case_index.hpp"
 #include "io/files.hpp"
 #include "io/journal.hpp"
 #include "io/plan_file.hpp"
@@ -21,20 +20,20 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 struct CaseRow {
     std::string status, note;
     double wall_s = nothing;
-    std::vector<Variable> scalars;
+    std::vector<IndexedScalar> scalars;
 
     double value(const std::string& name) const {
-        for (const Variable& v : scalars)
-            if (v.name == name) return v.values.at(0);
+        for (const IndexedScalar& v : scalars)
+            if (v.name == name) return v.value;
         return nothing;
     }
 };
 
 /// The reasons of empty cells, columns of one reason together.
-std::string notes_of(const std::vector<Variable>& scalars) {
+std::string notes_of(const std::vector<IndexedScalar>& scalars) {
     std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
-    for (const Variable& v : scalars) {
-        if (v.note.empty() || !std::isnan(v.values.at(0))) continue;
+    for (const IndexedScalar& v : scalars) {
+        if (v.note.empty() || !std::isnan(v.value)) continue;
         const auto same = std::find_if(by_reason.begin(), by_reason.end(),
                                        [&](const auto& entry) { return entry.first == v.note; });
         if (same == by_reason.end())
@@ -48,21 +47,13 @@ std::string notes_of(const std::vector<Variable>& scalars) {
     return text;
 }
 
-CaseRow read_row(const IndexedCase& c, const JournalContents& journal, const ReduceInput& input) {
+CaseRow read_row(const IndexedCase& c, const JournalContents& journal, CaseIndex& index) {
     CaseRow row;
-    const auto path = input.cases / (c.id + ".h5");
-    if (std::filesystem::exists(path)) {
-        try {
-            CaseSummary summary = read_case_summary(path);
-            if (summary.texts.at("case_id") != c.id) throw Error("it holds another case");
-            row.status = summary.texts.at("status");
-            row.scalars = std::move(summary.scalars);
-            row.note = notes_of(row.scalars);
-            if (summary.numbers.contains("wall_s")) row.wall_s = summary.numbers.at("wall_s");
-        } catch (const Error& error) {
-            row.status = "damaged";
-            row.note = error.what();
-        }
+    if (const CaseDigest* digest = index.find(c.id)) {
+        row.status = digest->status;
+        row.scalars = digest->scalars;
+        row.note = digest->whole() ? notes_of(row.scalars) : digest->damage;
+        row.wall_s = digest->wall_s;
         return row;
     }
     const auto history = journal.cases.find(c.id);
@@ -90,17 +81,19 @@ const std::vector<std::pair<std::string, std::string>> ratios = {
 
 Table table_of(const ReduceInput& input) {
     const PlanIndex plan = read_plan(input.plan);
-    const JournalContents journal = read_journal(input.journal);
+    const JournalContents journal = read_journals(input.folder);
+    CaseIndex index(input.folder);
     std::vector<CaseRow> rows;
     std::map<std::string, std::size_t> by_id;
     std::vector<std::string> measures; // of all cases, in the order of the files
     for (const IndexedCase& c : plan.cases) {
         by_id[c.id] = rows.size();
-        rows.push_back(read_row(c, journal, input));
-        for (const Variable& v : rows.back().scalars)
+        rows.push_back(read_row(c, journal, index));
+        for (const IndexedScalar& v : rows.back().scalars)
             if (std::find(measures.begin(), measures.end(), v.name) == measures.end())
                 measures.push_back(v.name);
     }
+    index.save();
 
     Table table;
     table.columns = {"id", "reference"};

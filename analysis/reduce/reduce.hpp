@@ -9,7 +9,7 @@ namespace shearwake {
 
 /// Where a sweep's files are, and where its tables go.
 struct ReduceInput {
-    std::filesystem::path plan, journal, cases, tables;
+    std::filesystem::path folder, plan, tables; // `folder` holds the journals and the case files
 };
 
 struct ReducedTables {

@@ -158,17 +158,26 @@ def mean_square(case):
         return None
 
 
-def read_failures(path):
-    """Reason of the last failure by case id. Lines that were cut short are passed over."""
+def read_events(folder):
+    """What all journals tell, in the order of time. Lines that were cut short are passed over."""
+    events = []
+    for path in sorted(folder.glob("journal*.jsonl")):
+        time_s = 0.0
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+            try:
+                event = json.loads(line)
+                kind, case_id = event["event"], event.get("id")
+                time_s = float(event.get("unix_s", time_s))
+            except (ValueError, KeyError, TypeError, AttributeError):
+                continue
+            events.append((time_s, kind, case_id, event))
+    return sorted(events, key=lambda entry: entry[0])
+
+
+def read_failures(folder):
+    """Reason of the last failure by case id."""
     reasons = {}
-    if not path.exists():
-        return reasons
-    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-        try:
-            event = json.loads(line)
-            kind, case_id = event["event"], event.get("id")
-        except (ValueError, KeyError, TypeError, AttributeError):
-            continue
+    for _, kind, case_id, event in read_events(folder):
         if kind == "failed":
             reasons[case_id] = str(event.get("reason", "no reason given"))
         elif kind in ("started", "finished"):
@@ -195,7 +204,7 @@ def load(folder):
     job = folder / "job.toml"
     if job.exists():
         sweep.job_text = job.read_text(encoding="utf-8", errors="replace")
-    failures = read_failures(folder / "journal.jsonl")
+    failures = read_failures(folder)
     for case in cases:
         if case.path.exists():
             try:

@@ -2,8 +2,10 @@
 
 #include "io/files.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <unistd.h>
@@ -37,8 +39,10 @@ void take(const Json& line, JournalContents& contents) {
     if (name == "run_started" || name == "run_ended") {
         contents.running = name == "run_started";
         if (name == "run_ended") contents.last_run_ended = line.at("how");
-        if (name == "run_started")
+        if (name == "run_started") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
+            contents.unix_time_s = line.at("unix_s");
+        }
         return;
     }
     CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
@@ -48,10 +52,13 @@ void take(const Json& line, JournalContents& contents) {
         history.state = CaseHistory::State::started;
     } else if (name == "finished") {
         history.state = CaseHistory::State::finished;
-        history.seconds = line.at("seconds");
+        history.times = {line.at("seconds"), line.value("estimated_seconds", 0.0),
+                         line.value("engine", std::string())};
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
         history.reason = line.at("reason");
+        history.blame =
+            line.value("blame", std::string()) == "files" ? Blame::files : Blame::case_itself;
     }
 }
 
@@ -59,13 +66,14 @@ void take(const Json& line, JournalContents& contents) {
 
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
-void Journal::run_started(int ranks, int teams, std::size_t cases_left,
-                          const std::vector<std::string>& overrides) const {
+void Journal::run_started(const RunStart& start) const {
     Json line = event("run_started");
-    line["ranks"] = ranks;
-    line["teams"] = teams;
-    line["cases_left"] = cases_left;
-    if (!overrides.empty()) line["overrides"] = overrides;
+    line["ranks"] = start.ranks;
+    line["teams"] = start.teams;
+    line["cases_left"] = start.cases_left;
+    line["git_id"] = start.git_id;
+    if (start.allow_mixed) line["allow_mixed"] = true;
+    if (!start.overrides.empty()) line["overrides"] = start.overrides;
     append_line(path_, text(line));
 }
 
@@ -96,16 +104,19 @@ void Journal::resumed(const std::string& id, long step) const {
     append_line(path_, text(line));
 }
 
-void Journal::finished(const std::string& id, double seconds) const {
+void Journal::finished(const std::string& id, const CaseTimes& times) const {
     Json line = event("finished");
     line["id"] = id;
-    line["seconds"] = seconds;
+    line["seconds"] = times.seconds;
+    line["estimated_seconds"] = times.estimated_seconds;
+    line["engine"] = times.engine;
     append_line(path_, text(line));
 }
 
-void Journal::failed(const std::string& id, const std::string& reason) const {
+void Journal::failed(const std::string& id, const std::string& reason, Blame blame) const {
     Json line = event("failed");
     line["id"] = id;
+    line["blame"] = blame == Blame::files ? "files" : "case";
     line["reason"] = reason;
     append_line(path_, text(line));
 }
@@ -122,6 +133,37 @@ JournalContents read_journal(const std::filesystem::path& path) {
         }
     }
     return contents;
+}
+
+std::string journal_name(const std::string& part, const std::string& host) {
+    return fmt::format("journal{}{}{}{}.jsonl", part.empty() ? "" : ".", part,
+                       host.empty() ? "" : "@", host);
+}
+
+JournalContents read_journals(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> paths;
+    std::error_code missing; // a folder that is gone has none
+    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("journal") && name.ends_with(".jsonl")) paths.push_back(entry.path());
+    }
+    std::ranges::sort(paths); // ties go the same way every time
+    JournalContents all;
+    for (const auto& path : paths) {
+        JournalContents one = read_journal(path);
+        for (auto& [id, history] : one.cases) {
+            const auto known = all.cases.find(id);
+            if (known == all.cases.end() || known->second.unix_time_s <= history.unix_time_s)
+                all.cases[id] = std::move(history);
+        }
+        all.running = all.running || one.running;
+        if (one.unix_time_s >= all.unix_time_s) {
+            all.overrides = std::move(one.overrides);
+            all.last_run_ended = std::move(one.last_run_ended);
+            all.unix_time_s = one.unix_time_s;
+        }
+    }
+    return all;
 }
 
 std::string host_name() {

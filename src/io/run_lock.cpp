@@ -1,39 +1,140 @@
 #include "io/run_lock.hpp"
 
 #include "base/error.hpp"
+#include "io/files.hpp"
+#include "io/journal.hpp"
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sstream>
 #include <sys/file.h>
-#include <thread>
 #include <unistd.h>
 
 namespace shearwake {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto between_beats = 2s;
+/// Three beats, and what a network file system may keep from another host.
+constexpr auto watching = 10s;
+constexpr std::size_t beat_length = 320;
+
+int open_or_throw(const std::filesystem::path& file) {
+    const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (fd < 0)
+        throw UsageError(fmt::format("cannot open {}: {}", file.string(), std::strerror(errno)),
+                         ExitCode::environment, trouble_of(errno));
+    return fd;
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& by) {
+    throw UsageError(fmt::format(
+        "{} is being computed by another run{}: wait for it or stop it; different parts, --shard "
+        "I/N, can be computed at the same time",
+        file.parent_path().parent_path().string(), by));
+}
+
+/// What the holder writes.
+struct Beat {
+    std::string host;
+    long process = 0, count = 0;
+    bool operator==(const Beat&) const = default;
+};
+
+Beat read_beat(int fd) {
+    char text[beat_length + 1] = {};
+    Beat beat;
+    if (::pread(fd, text, beat_length, 0) > 0)
+        std::istringstream(text) >> beat.host >> beat.process >> beat.count;
+    return beat;
+}
+
+int lock_byte(int fd, short kind, std::size_t number) {
+    struct flock range {};
+    range.l_type = kind;
+    range.l_whence = SEEK_SET;
+    range.l_start = static_cast<off_t>(number);
+    range.l_len = 1;
+    // Of the open file: released only with it, whatever else the program opens and closes.
+    return ::fcntl(fd, F_OFD_SETLK, &range);
+}
+
+} // namespace
 
 RunLock::RunLock(const std::filesystem::path& file, Sharing sharing)
-    : fd_(::open(file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-    if (fd_ < 0)
-        throw UsageError(fmt::format("cannot open {}: {}", file.string(), std::strerror(errno)),
-                         ExitCode::environment);
+    : file_(file), fd_(open_or_throw(file)) {
+    try {
+        lock_or_throw(sharing);
+        refuse_if_held_elsewhere();
+    } catch (...) {
+        ::close(fd_);
+        throw;
+    }
+    if (sharing == Sharing::with_others) return;
+    write_beat(0);
+    beats_ = std::thread([this] { beat(); });
+}
+
+void RunLock::lock_or_throw(Sharing sharing) {
     const int kind = (sharing == Sharing::alone ? LOCK_EX : LOCK_SH) | LOCK_NB;
     // `status` holds it for a moment when it looks.
     for (int attempt = 0; ::flock(fd_, kind) != 0; ++attempt) {
         if (errno != EWOULDBLOCK && errno != EINTR) return; // no locks here
         if (attempt == 20) {
-            ::close(fd_);
-            throw UsageError(fmt::format(
-                "{} is being computed by another run: wait for it or stop it; --shard I/N lets "
-                "several runs share the work",
-                file.parent_path().string()));
+            const Beat holder = read_beat(fd_);
+            refuse(file_, holder.host.empty()
+                              ? ""
+                              : fmt::format(" (process {} on {})", holder.process, holder.host));
         }
-        std::this_thread::sleep_for(std::chrono::milliseconds(25));
+        std::this_thread::sleep_for(25ms);
+    }
+    system_locks_ = true;
+}
+
+void RunLock::refuse_if_held_elsewhere() const {
+    const Beat before = read_beat(fd_);
+    if (before.host.empty()) return;
+    // On this host the system's lock can be trusted, and a process that is gone holds nothing.
+    const bool here = before.host == host_name();
+    if (here && system_locks_) return;
+    if (here && ::kill(static_cast<pid_t>(before.process), 0) != 0 && errno == ESRCH) return;
+    const auto end = std::chrono::steady_clock::now() + watching;
+    while (std::chrono::steady_clock::now() < end) {
+        std::this_thread::sleep_for(between_beats / 4);
+        if (read_beat(fd_) != before)
+            refuse(file_, fmt::format(" (process {} on {})", before.process, before.host));
     }
 }
 
+void RunLock::write_beat(long count) const {
+    std::string text = fmt::format("{} {} {}", host_name(), ::getpid(), count);
+    text.resize(beat_length, ' ');
+    // A beat that cannot be written is missing, no more.
+    [[maybe_unused]] const ssize_t written = ::pwrite(fd_, text.data(), text.size(), 0);
+}
+
+void RunLock::beat() {
+    std::unique_lock guard(mutex_);
+    for (long count = 1; !ended_.wait_for(guard, between_beats, [this] { return ending_; });
+         ++count)
+        write_beat(count);
+}
+
 RunLock::~RunLock() {
+    if (beats_.joinable()) {
+        {
+            const std::lock_guard guard(mutex_);
+            ending_ = true;
+        }
+        ended_.notify_all();
+        beats_.join();
+        [[maybe_unused]] const int emptied = ::ftruncate(fd_, 0);
+    }
     ::close(fd_);
 }
 
@@ -45,6 +146,20 @@ std::optional<bool> is_locked(const std::filesystem::path& file) {
     if (refused == 0) return false;
     if (refused == EWOULDBLOCK) return true;
     return std::nullopt;
+}
+
+CaseClaims::CaseClaims(const std::filesystem::path& file) : fd_(open_or_throw(file)) {}
+
+CaseClaims::~CaseClaims() {
+    ::close(fd_);
+}
+
+bool CaseClaims::claim(std::size_t number) const {
+    return lock_byte(fd_, F_WRLCK, number) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
+void CaseClaims::release(std::size_t number) const {
+    lock_byte(fd_, F_UNLCK, number);
 }
 
 } // namespace shearwake

@@ -1,13 +1,21 @@
 #pragma once
 
+#include <condition_variable>
 #include <filesystem>
+#include <mutex>
 #include <optional>
+#include <string>
+#include <thread>
 
 namespace shearwake {
 
 /// Held by rank 0 while a run computes into a folder: alone, or beside others that each compute
 /// their own part of the sweep. The system releases it when the program ends, however it ends.
-/// File systems without locks grant everything.
+///
+/// Some network file systems have no locks, or grant every host the same one. Therefore the holder
+/// that is alone also writes its host, its process and a count into the file that rises every few
+/// seconds: what another host still counts up is in use, whatever the lock says; what it does not
+/// has ended with a crash. A folder that was left so costs the next run some seconds of watching.
 class RunLock {
 public:
     enum class Sharing { alone, with_others };
@@ -20,10 +28,40 @@ public:
     RunLock& operator=(const RunLock&) = delete;
 
 private:
+    void lock_or_throw(Sharing sharing);
+    void refuse_if_held_elsewhere() const;
+    void write_beat(long count) const;
+    void beat();
+
+    std::filesystem::path file_;
     int fd_;
+    bool system_locks_ = false; // the system has granted it
+    std::mutex mutex_;
+    std::condition_variable ended_;
+    bool ending_ = false;
+    std::thread beats_;
 };
 
 /// Whether a run holds the lock now; nothing where the file system cannot say.
 std::optional<bool> is_locked(const std::filesystem::path& file);
+
+/// The cases that runs are at work on, so that no case is computed twice at the same time whatever
+/// the runs were told to do: byte n of a file is locked while case n is at work. File systems
+/// without locks grant everything.
+class CaseClaims {
+public:
+    /// Throws UsageError (environment) when the file cannot be opened. Not collective.
+    explicit CaseClaims(const std::filesystem::path& file);
+    ~CaseClaims();
+    CaseClaims(const CaseClaims&) = delete;
+    CaseClaims& operator=(const CaseClaims&) = delete;
+
+    /// False when another process has it.
+    bool claim(std::size_t number) const;
+    void release(std::size_t number) const;
+
+private:
+    int fd_;
+};
 
 } // namespace shearwake

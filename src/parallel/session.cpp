@@ -21,10 +21,7 @@ std::string with_causes(const std::exception& error) {
 }
 
 [[noreturn]] void abort_all(int rank, const std::string& what) {
-    fmt::print(stderr, "shearwake: internal error on rank {}: {}\n", rank, what);
-    std::fflush(stderr);
-    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::internal));
-    std::abort();
+    abort_all_ranks(fmt::format("internal error on rank {}: {}", rank, what), ExitCode::internal);
 }
 
 } // namespace
@@ -53,8 +50,11 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
     return code;
 }
 
-void abort_all_ranks(const std::string& reason) {
-    abort_all(Comm::world().rank(), reason);
+void abort_all_ranks(const std::string& reason, ExitCode code) {
+    fmt::print(stderr, "shearwake: {}\n", reason);
+    std::fflush(stderr);
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
+    std::abort();
 }
 
 std::string mpi_version() {

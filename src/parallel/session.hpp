@@ -13,9 +13,9 @@ namespace shearwake {
 /// and context and aborts all ranks. All ranks return the same code.
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program);
 
-/// Prints the reason and ends all ranks at once: for what one rank alone has met where the others
-/// wait in a collective call. Not collective.
-[[noreturn]] void abort_all_ranks(const std::string& reason);
+/// Prints the reason and ends all ranks at once with that code: for what one rank alone has met
+/// where the others wait in a collective call. Not collective.
+[[noreturn]] void abort_all_ranks(const std::string& reason, ExitCode code);
 
 /// "Open MPI v4.1.4" of the library that is linked.
 std::string mpi_version();

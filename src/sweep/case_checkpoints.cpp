@@ -194,6 +194,16 @@ bool has_checkpoint(const fs::path& stem, const CheckpointOwner& owner) {
     return false;
 }
 
+double seconds_saved(const fs::path& stem, const CheckpointOwner& owner) {
+    double most = 0.0;
+    for (const fs::path& path : paths_of(stem)) {
+        CheckpointFacts facts;
+        if (fs::exists(path) && trouble_with_checkpoint(path, owner, facts).empty())
+            most = std::max(most, facts.seconds);
+    }
+    return most;
+}
+
 void remove_checkpoints(const fs::path& stem) {
     for (const fs::path& path : paths_of(stem)) {
         fs::remove(path);

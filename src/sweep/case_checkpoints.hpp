@@ -77,6 +77,9 @@ private:
 /// collective.
 bool has_checkpoint(const std::filesystem::path& stem, const CheckpointOwner& owner);
 
+/// Seconds that a case has been computed for until its newest state; 0 without one. Not collective.
+double seconds_saved(const std::filesystem::path& stem, const CheckpointOwner& owner);
+
 /// Not collective.
 void remove_checkpoints(const std::filesystem::path& stem);
 

@@ -31,6 +31,9 @@ struct RunArguments : JobArguments {
     CheckpointSchedule checkpoints;
     bool retry_failed = false;
     bool fail_fast = false;
+    bool allow_mixed = false;       // go on in a folder with results of another program
+    std::string walltime;           // empty: the scheduler's, or none
+    std::filesystem::path log_json; // empty: none
     bool quiet = false;
 };
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "config/job.hpp"
+#include "io/case_index.hpp"
+#include "io/run_lock.hpp"
 
 #include <filesystem>
 #include <string>
@@ -14,7 +16,20 @@ struct OutputFolder {
 
     std::filesystem::path job() const { return root / "job.toml"; }
     std::filesystem::path plan() const { return root / "plan.json"; }
-    std::filesystem::path journal() const { return root / "journal.jsonl"; }
+    /// Of a part of the sweep, on a further host: see journal_name().
+    std::filesystem::path journal(const std::string& part = "", const std::string& host = "") const;
+    /// Beside the journal of the same part and host.
+    std::filesystem::path index(const std::string& part = "", const std::string& host = "") const;
+    /// Held by every run, and by a run of a part beside it.
+    std::filesystem::path run_lock() const { return root / "locks" / "run"; }
+    std::filesystem::path part_lock(const std::string& part) const { return root / "locks" / part; }
+    std::filesystem::path claims() const { return root / "locks" / "cases"; }
+    /// A user who makes this file stops the runs; they start again when it is gone.
+    std::filesystem::path stop_file() const { return root / "STOP"; }
+    /// What is kept of a case that failed.
+    std::filesystem::path failure(const std::string& id) const {
+        return root / "failed" / (id + ".txt");
+    }
     std::filesystem::path cases() const { return root / "cases"; }
     std::filesystem::path tables() const { return root / "tables"; }
     std::filesystem::path report() const { return root / "report"; }
@@ -29,10 +44,11 @@ struct OutputFolder {
 /// or cannot be written. Not collective.
 void prepare_output(const OutputFolder& folder, const Job& job);
 
-/// Removes what a killed run has left half-written of the cases to be computed, `ids`, but not what
-/// a state of this program goes with, and the states of cases that are whole. Other runs may be at
-/// work on the other cases. Not collective.
+/// Removes what a killed run has left half-written of the cases to be computed, `work` (places in
+/// the plan), but not what a state of this program goes with, nor what another run is at work on,
+/// and the states of cases that are whole. Not collective.
 void clear_half_written(const OutputFolder& folder, const Plan& plan,
-                        const std::vector<std::string>& ids);
+                        const std::vector<std::size_t>& work, CaseIndex& index,
+                        RunLock::Sharing beside);
 
 } // namespace shearwake

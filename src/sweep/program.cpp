@@ -68,6 +68,13 @@ void add_run(CLI::App& app, Action& action) {
                      "save every so many steps besides (0: no)")
         ->type_name("N")
         ->check(CLI::NonNegativeNumber);
+    verb->add_option("--walltime", arguments->walltime,
+                     "begin no case that will not end within (default: the Slurm job's limit)")
+        ->type_name("S|H:MM:SS");
+    verb->add_option("--log-json", arguments->log_json, "add the progress to this file as JSON")
+        ->type_name("FILE");
+    verb->add_flag("--allow-mixed", arguments->allow_mixed,
+                   "go on in a folder with results of another version of the program");
     verb->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
     verb->add_flag("--fail-fast", arguments->fail_fast, "stop at the first failed case");
     verb->add_flag("--quiet", arguments->quiet, "no progress, no warnings");

@@ -1,5 +1,8 @@
 #include "sweep/progress.hpp"
 
+#include "io/files.hpp"
+#include "io/journal.hpp"
+
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -29,11 +32,26 @@ std::string duration(double seconds) {
 
 } // namespace
 
-Progress::Progress(Style style)
-    : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()),
+Progress::Progress(Style style, std::filesystem::path log)
+    : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
       began_(std::chrono::steady_clock::now()), last_(began_) {}
 
+/// Every ten seconds, and at the end.
+void Progress::log(const SweepCounts& counts) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - logged_ < std::chrono::seconds(10) && counts.done + counts.failed < counts.total)
+        return;
+    logged_ = now;
+    const double elapsed = std::chrono::duration<double>(now - began_).count();
+    append_line(log_,
+                fmt::format(R"({{"time": "{}", "elapsed_s": {:.3f}, "total": {}, "done": {}, )"
+                            R"("failed": {}, "running": {}}})",
+                            timestamp(), elapsed, counts.total, counts.done, counts.failed,
+                            counts.running));
+}
+
 void Progress::update(const SweepCounts& counts) {
+    if (!log_.empty()) log(counts);
     if (quiet_ || counts.total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 
 namespace shearwake {
@@ -18,7 +19,8 @@ struct SweepCounts {
 class Progress {
 public:
     enum class Style { automatic, quiet };
-    explicit Progress(Style style);
+    /// `log`: a file that gets a JSON object a line besides; empty: none.
+    Progress(Style style, std::filesystem::path log);
 
     /// Cheap: at most a few times a second it has something to say.
     void update(const SweepCounts& counts);
@@ -27,9 +29,12 @@ public:
     void finish();
 
 private:
+    void log(const SweepCounts& counts);
     std::string line(const SweepCounts& counts) const;
 
     bool quiet_, live_;
+    std::filesystem::path log_;
+    std::chrono::steady_clock::time_point logged_;
     bool drawn_ = false;
     std::chrono::steady_clock::time_point began_, last_;
     long last_percent_ = 0;

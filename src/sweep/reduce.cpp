@@ -11,10 +11,8 @@ namespace shearwake {
 ExitCode reduce_command(const std::filesystem::path& path, const Comm& world) {
     const OutputFolder folder{path};
     on_root(world, [&] {
-        const ReducedTables written = reduce({.plan = folder.plan(),
-                                              .journal = folder.journal(),
-                                              .cases = folder.cases(),
-                                              .tables = folder.tables()});
+        const ReducedTables written =
+            reduce({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
         fmt::print("{} cases, {} of them whole, {} failed or missing\n", written.rows,
                    written.whole, written.rows - written.whole);
         fmt::print("table: {}\n       {}\nnext: shearwake report {}\n", written.csv.string(),

@@ -5,13 +5,13 @@
 #include "io/journal.hpp"
 #include "io/xdmf.hpp"
 #include "parallel/agree.hpp"
-#include "parallel/session.hpp"
 #include "sweep/case_content.hpp"
 #include "sweep/memory.hpp"
 #include "sweep/surface_recorder.hpp"
 
 #include <chrono>
 #include <fmt/format.h>
+#include <new>
 
 namespace shearwake {
 namespace {
@@ -59,9 +59,10 @@ Beginning beginning_of(const std::filesystem::path& path, const Case& c,
 }
 
 /// Engines and recorder throw CaseFailure on all ranks together. Anything else has struck one rank
-/// alone, whose open file the others would wait for while it unwinds: it ends here.
+/// alone, whose open file the others would wait for while it unwinds: unless it is a team of its
+/// own it ends here.
 template <class Work>
-void or_abort(const Work& work) {
+void or_end_alone(const Comm& team, const CaseHooks& hooks, const Work& work) {
     try {
         work();
     } catch (const CaseFailure&) {
@@ -69,16 +70,19 @@ void or_abort(const Work& work) {
     } catch (const UsageError&) {
         throw;
     } catch (const std::exception& error) {
-        abort_all_ranks(error.what());
+        const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+        const std::string reason = memory ? "out of memory" : error.what();
+        if (team.size() == 1) throw CaseFailure(reason);
+        hooks.end_alone(reason);
     }
 }
 
 /// Leaves early when a stop was asked for. What fails on the way (a full disk) may go on from the
 /// newest state; a field that is not finite may not.
 void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& recorder,
-             CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
+             CaseFileWriter& writer, CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
     try {
-        or_abort([&] { engine.run(c, team, recorder, &checkpoints); });
+        or_end_alone(team, hooks, [&] { engine.run(c, team, recorder, &checkpoints); });
     } catch (const FieldDiverges&) {
         checkpoints.discard();
         throw;
@@ -91,7 +95,7 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
         return;
     }
     try {
-        or_abort([&] { recorder.finish(); });
+        or_end_alone(team, hooks, [&] { recorder.finish(); });
     } catch (const Error&) {
         checkpoints.discard();
         throw;
@@ -102,8 +106,7 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
                                     const Comm& team, const std::filesystem::path& path,
-                                    CaseCheckpoints& checkpoints,
-                                    const std::function<void()>& tick) {
+                                    CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
     const auto began = std::chrono::steady_clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
@@ -116,8 +119,8 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     const SurfaceLayout layout = layout_of(c);
     CaseFileWriter writer(path, team, layout, beginning_of(path, c, layout, team, checkpoints));
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
-    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
-    compute(c, engine, team, recorder, writer, checkpoints);
+    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, hooks.tick);
+    compute(c, engine, team, recorder, writer, checkpoints, hooks);
     if (checkpoints.stop()) return std::nullopt;
 
     std::vector<VariableGroup> groups;
@@ -129,12 +132,13 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
                    std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     facts.ended = timestamp();
     facts.solver = recorder.solver();
-    writer.commit(groups, case_attributes(planned, facts));
-    checkpoints.discard();
+    // The case file last: where it is there, all else is.
     on_root(team, [&] {
         if (c.record.frames) write_xdmf(path, layout);
         if (!c.record.volumes_s.empty()) write_volume_xdmf(path, writer.volume());
     });
+    writer.commit(groups, case_attributes(planned, facts));
+    checkpoints.discard();
     return CaseOutcome{facts.wall_s, facts.solver};
 }
 

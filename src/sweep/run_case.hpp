@@ -25,12 +25,18 @@ struct CaseOutcome {
     SolverReport solver;
 };
 
+/// What a case needs of the run around it.
+struct CaseHooks {
+    std::function<void()> tick; // now and then
+    /// Called by one rank of several for what it alone has met; must not return.
+    std::function<void(const std::string&)> end_alone;
+};
+
 /// Computes one case on a team, from its newest state on if it has one, and writes its file.
 /// Returns nothing when it was saved to go on later. Collective over the team. Throws CaseFailure
 /// on all its ranks together; nothing half-written is left then but what a state goes with.
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
                                     const Comm& team, const std::filesystem::path& path,
-                                    CaseCheckpoints& checkpoints,
-                                    const std::function<void()>& tick);
+                                    CaseCheckpoints& checkpoints, const CaseHooks& hooks);
 
 } // namespace shearwake

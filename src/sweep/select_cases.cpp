@@ -2,8 +2,6 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "io/case_file_reader.hpp"
-#include "io/journal.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -45,11 +43,16 @@ void must_exist(const std::vector<std::string>& only, const Plan& plan) {
 
 } // namespace
 
-Selection select_cases(const Plan& plan, const OutputFolder& folder,
+std::string part_name(const RunArguments& arguments) {
+    const Shard shard = parse_shard(arguments.shard);
+    if (!arguments.shard.empty()) return fmt::format("{}-of-{}", shard.number, shard.of);
+    return arguments.only.empty() ? "" : "only-" + arguments.only.front();
+}
+
+Selection select_cases(const Plan& plan, const JournalContents& journal, CaseIndex& index,
                        const RunArguments& arguments) {
     const Shard shard = parse_shard(arguments.shard);
     must_exist(arguments.only, plan);
-    const JournalContents journal = read_journal(folder.journal());
     Selection selection{.total = plan.cases.size()};
     for (std::size_t i = 0; i < plan.cases.size(); ++i) {
         const std::string& id = plan.cases[i].id;
@@ -60,13 +63,14 @@ Selection select_cases(const Plan& plan, const OutputFolder& folder,
             ++selection.not_selected;
             continue;
         }
-        if (is_whole(folder.case_file(id), id)) {
+        if (index.is_whole(id)) {
             ++selection.whole;
             continue;
         }
         const auto history = journal.cases.find(id);
-        const bool failed =
-            history != journal.cases.end() && history->second.state == CaseHistory::State::failed;
+        const bool failed = history != journal.cases.end() &&
+                            history->second.state == CaseHistory::State::failed &&
+                            history->second.blame == Blame::case_itself;
         if (failed && !arguments.retry_failed)
             ++selection.failed_before;
         else

@@ -1,9 +1,10 @@
 #pragma once
 
+#include "io/case_index.hpp"
+#include "io/journal.hpp"
 #include "model/plan.hpp"
 #include "parallel/comm.hpp"
 #include "sweep/commands.hpp"
-#include "sweep/output_folder.hpp"
 
 #include <cstddef>
 #include <vector>
@@ -19,9 +20,15 @@ struct Selection {
     std::size_t not_selected = 0;  // by --only or --shard
 };
 
-/// Looks at every case file and at the journal. Throws UsageError for an unknown id or a shard that
-/// is none. Not collective.
-Selection select_cases(const Plan& plan, const OutputFolder& folder, const RunArguments& arguments);
+/// Failures that files and disks are to blame for are tried again, those of the case itself only
+/// when asked for. Throws UsageError for an unknown id or a shard that is none. Not collective.
+Selection select_cases(const Plan& plan, const JournalContents& journal, CaseIndex& index,
+                       const RunArguments& arguments);
+
+/// The part of the sweep that a run is told to do, as its journal and lock are named: empty for all
+/// of it, "2-of-8" for a shard, "only-<id>" after the first case named. Throws UsageError for a
+/// shard that is none. Not collective.
+std::string part_name(const RunArguments& arguments);
 
 /// Rank 0's selection on every rank. Collective.
 Selection share(const Selection& selection, const Comm& world);

@@ -1,6 +1,6 @@
 #include "sweep/commands.hpp"
 
-#include "io/case_file_reader.hpp"
+#include "io/case_index.hpp"
 #include "io/journal.hpp"
 #include "io/plan_file.hpp"
 #include "io/run_lock.hpp"
@@ -21,19 +21,21 @@ struct Tally {
     bool at_work = false; // a run computes into the folder now
 };
 
-Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder) {
+Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder,
+               CaseIndex& index) {
     Tally tally;
     // A killed run could not say that it ended; its lock is gone all the same.
-    tally.at_work = is_locked(folder.journal()).value_or(journal.running);
+    tally.at_work = is_locked(folder.run_lock()).value_or(journal.running);
     for (const IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
-        if (is_whole(folder.case_file(c.id), c.id)) {
+        const CaseDigest* digest = index.find(c.id);
+        if (digest && digest->whole()) {
             ++tally.done;
-            if (known) tally.seconds += entry->second.seconds;
+            if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
             continue;
         }
-        if (std::filesystem::exists(folder.case_file(c.id))) tally.damaged.push_back(c.id);
+        if (digest) tally.damaged.push_back(c.id);
         if (known && entry->second.state == CaseHistory::State::failed) {
             ++tally.failed;
         } else if (known && entry->second.state == CaseHistory::State::started) {
@@ -47,8 +49,9 @@ Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const Outp
 
 void print_status(const OutputFolder& folder) {
     const PlanIndex plan = read_plan(folder.plan());
-    const JournalContents journal = read_journal(folder.journal());
-    const Tally tally = tally_of(plan, journal, folder);
+    const JournalContents journal = read_journals(folder.root);
+    CaseIndex index(folder.root);
+    const Tally tally = tally_of(plan, journal, folder, index);
     fmt::print("{}: {}\n", plan.name, plan.title);
     fmt::print("{} cases: {} done, {} running, {} failed, {} left", plan.cases.size(), tally.done,
                tally.running, tally.failed, tally.left + tally.interrupted);
@@ -61,9 +64,13 @@ void print_status(const OutputFolder& folder) {
                    tally.seconds / static_cast<double>(tally.done));
     for (const IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
-        if (entry == journal.cases.end() || is_whole(folder.case_file(c.id), c.id)) continue;
+        if (entry == journal.cases.end() || index.is_whole(c.id)) continue;
         if (entry->second.state == CaseHistory::State::failed)
-            fmt::print("failed {} {}: {}\n", c.id, settings_text(c.settings), entry->second.reason);
+            fmt::print("failed {} {}: {}{}\n", c.id, settings_text(c.settings),
+                       entry->second.reason,
+                       std::filesystem::exists(folder.failure(c.id))
+                           ? fmt::format(" (all of it: {})", folder.failure(c.id).string())
+                           : "");
     }
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: its file is not whole; a run computes it again\n", id);
@@ -76,6 +83,7 @@ void print_status(const OutputFolder& folder) {
         fmt::print("next: {} --retry-failed\n", run);
     else
         fmt::print("next: {}\n", reduce_command_line(folder));
+    index.save();
 }
 
 } // namespace

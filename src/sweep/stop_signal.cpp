@@ -1,6 +1,7 @@
 #include "sweep/stop_signal.hpp"
 
 #include <csignal>
+#include <ctime>
 #include <initializer_list>
 
 namespace shearwake {
@@ -9,12 +10,24 @@ namespace {
 // The one global: a signal handler can reach nothing else.
 volatile std::sig_atomic_t stop = 0;
 
+volatile std::sig_atomic_t second = 0; // when the last one came
+
+/// Seconds of a clock that nobody sets; it may be asked in a handler.
+std::sig_atomic_t now_s() {
+    struct timespec now {};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::sig_atomic_t>(now.tv_sec);
+}
+
 void on_signal(int signal) {
-    if (stop != 0 && signal != SIGUSR1) {
+    // A batch system, its script and mpirun may all pass on one and the same SIGUSR1.
+    const bool repeated = signal == SIGUSR1 && now_s() - second <= 2;
+    if (stop != 0 && !repeated) {
         std::signal(signal, SIG_DFL);
         std::raise(signal);
     }
     stop = 1;
+    second = now_s();
 }
 
 } // namespace

@@ -1,61 +1,58 @@
 #include "sweep/teams.hpp"
 
-#include "sweep/memory.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 namespace shearwake {
 namespace {
 
-/// What further ranks bring: measured with `shearwake bench`, 1.7 times on two ranks.
-constexpr double efficiency_of_team = 0.85;
+/// Ten thousand cases are as well laid out by a few hundred of them.
+constexpr std::size_t most_samples = 256;
 
-double speed_of(int ranks) {
-    return ranks == 1 ? 1.0 : 1.0 + efficiency_of_team * (ranks - 1);
-}
-
-Estimate estimate_of(const PlannedCase& planned, int ranks) {
-    return make_engine(planned.physics.solver)->estimate(planned.physics, ranks);
-}
-
-/// Estimates of all cases on teams of one size; equal grids have equal estimates, so that ten
-/// thousand cases cost a handful of them.
-std::vector<Estimate> estimates_of(const std::vector<const PlannedCase*>& cases, int ranks) {
-    std::vector<Estimate> all;
-    for (const PlannedCase* planned : cases)
-        all.push_back(estimate_of(*planned, ranks));
-    return all;
+/// Evenly spread over the cases.
+std::vector<const PlannedCase*> sample_of(const std::vector<const PlannedCase*>& cases) {
+    if (cases.size() <= most_samples) return cases;
+    std::vector<const PlannedCase*> sample;
+    for (std::size_t i = 0; i < most_samples; ++i)
+        sample.push_back(cases[i * (cases.size() - 1) / (most_samples - 1)]);
+    return sample;
 }
 
 } // namespace
 
 TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
-                        double memory_per_rank_B) {
+                        double memory_per_rank_B, CaseCosts& costs) {
     TeamLayout best;
     std::ptrdiff_t best_unfit = std::numeric_limits<std::ptrdiff_t>::max();
     best.seconds = std::numeric_limits<double>::infinity();
+    const std::vector<const PlannedCase*> sample = sample_of(cases);
+    const double each =
+        sample.empty() ? 0.0
+                       : static_cast<double>(cases.size()) / static_cast<double>(sample.size());
     for (int size = 1; size <= ranks; ++size) {
         if (wanted > 0 && size != std::min(wanted, ranks)) continue;
         if (wanted <= 0 && ranks % size != 0) continue;
         TeamLayout layout{.ranks_per_case = size, .teams = ranks / size};
+        const int busy =
+            static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
         double longest = 0.0, work = 0.0, shared = 0.0;
         bool useful = true;
-        for (const Estimate& e : estimates_of(cases, size)) {
-            const double seconds = e.seconds / speed_of(std::min(size, e.useful_ranks));
+        for (const PlannedCase* planned : sample) {
+            const CaseCost& cost = costs.of(planned->physics);
+            const double seconds = seconds_on(cost, size, busy, costs.machine());
             longest = std::max(longest, seconds);
-            shared = std::max(shared, e.shared_seconds / speed_of(size));
-            work += seconds;
-            useful = useful && size <= e.useful_ranks;
+            shared = std::max(shared, shared_seconds_on(cost, size, costs.machine()));
+            work += each * seconds;
+            useful = useful && size <= cost.useful_ranks;
         }
         if (!useful && wanted <= 0) continue;
         // What is shared is computed by every team for itself.
         layout.seconds = shared + std::max(longest, work / layout.teams);
-        const auto unfit = std::count_if(cases.begin(), cases.end(), [&](const PlannedCase* c) {
-            return memory_needed_B(c->physics, size) > memory_per_rank_B;
+        layout.busy = layout.seconds > 0.0 ? (work / layout.teams + shared) / layout.seconds : 1.0;
+        const auto unfit = std::ranges::count_if(sample, [&](const PlannedCase* c) {
+            return costs.memory_per_rank_B(c->physics, size) > memory_per_rank_B;
         });
         // Small teams when it is a tie.
         const bool better = unfit == best_unfit && layout.seconds < 0.99 * best.seconds;
@@ -67,7 +64,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
     return best;
 }
 
-std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases) {
+std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,
+                                       CaseCosts& costs) {
     struct Rank {
         double group_seconds, seconds;
         std::size_t group;
@@ -77,16 +75,18 @@ std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& ca
         groups; // a case of each medium and grid, its longest
     for (const PlannedCase* planned : cases) {
         const Case& c = planned->physics;
-        const double seconds = estimate_of(*planned, 1).seconds;
+        const CaseCost& cost = costs.of(c);
+        // Where nothing is shared each case is a group of its own.
         const auto same = [&](const auto& group) {
-            return group.first->medium == c.medium && group.first->domain == c.domain &&
-                   group.first->time == c.time &&
+            return cost.shared_s > 0.0 && group.first->medium == c.medium &&
+                   group.first->domain == c.domain && group.first->time == c.time &&
                    group.first->measure.depths_m == c.measure.depths_m;
         };
-        auto group = std::find_if(groups.begin(), groups.end(), same);
+        auto group =
+            cost.shared_s > 0.0 ? std::find_if(groups.begin(), groups.end(), same) : groups.end();
         if (group == groups.end()) group = groups.insert(groups.end(), {&c, 0.0});
-        group->second = std::max(group->second, seconds);
-        ranks.push_back({0.0, seconds, static_cast<std::size_t>(group - groups.begin())});
+        group->second = std::max(group->second, cost.compute_s);
+        ranks.push_back({0.0, cost.compute_s, static_cast<std::size_t>(group - groups.begin())});
     }
     for (Rank& rank : ranks)
         rank.group_seconds = groups[rank.group].second;

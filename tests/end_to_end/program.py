@@ -170,8 +170,10 @@ def plan_ids(out):
 
 
 def journal(out):
-    lines = (out / "journal.jsonl").read_text(encoding="utf-8").splitlines()
-    return [json.loads(line) for line in lines]
+    """The events of all journals, in the order of time."""
+    lines = [json.loads(line) for path in sorted(out.glob("journal*.jsonl"))
+             for line in path.read_text(encoding="utf-8").splitlines()]
+    return sorted(lines, key=lambda line: line["unix_s"])
 
 
 def started(out):

@@ -51,7 +51,7 @@ class SavedCase(ProgramTest):
         self.write_job(self.JOB)
 
     def events(self, name):
-        lines = journal(self.out) if (self.out / "journal.jsonl").exists() else []
+        lines = journal(self.out)
         return [line for line in lines if line["event"] == name]
 
     def states(self):

@@ -123,12 +123,14 @@ class Resume(ProgramTest):
         self.shearwake("run", "job.toml", "--shard", "1/12")
         part = self.out / "cases" / f"{plan_ids(self.out)[1]}.h5.part"
         part.write_bytes(b"half")
-        with open(self.out / "journal.jsonl", "a", encoding="utf-8") as file:
+        own = self.out / "journal.1-of-12.jsonl"
+        with open(own, "a", encoding="utf-8") as file:
             file.write('{"event":"star')  # cut short, without an end of line
         said = self.shearwake("run", "job.toml", "--shard", "2/12").said
         self.says(said, "1 computed now")
         self.assertFalse(part.exists())
-        lines = (self.out / "journal.jsonl").read_text(encoding="utf-8").splitlines()
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/12").said, "1 there before")
+        lines = own.read_text(encoding="utf-8").splitlines()
         self.assertEqual(sum("run_started" in line and line.startswith('{"event":"run_started"')
                              for line in lines), 2, "an event was lost in the line that was cut short")
 

@@ -52,11 +52,11 @@ TEST_CASE("the journal tells the latest of each case, and passes over a line cut
     const test::TemporaryFolder folder;
     const Journal journal(folder / "journal.jsonl");
     CHECK(read_journal(folder / "journal.jsonl").cases.empty());
-    journal.run_started(2, 1, 3, {});
+    journal.run_started({.ranks = 2, .cases_left = 3});
     journal.started("a", 2);
-    journal.finished("a", 0.5);
+    journal.finished("a", {0.5, 0.25, "layered"});
     journal.started("b", 2);
-    journal.failed("b", "a reason with \"quotes\",\na line break and \xff");
+    journal.failed("b", "a reason with \"quotes\",\na line break and \xff", Blame::files);
     journal.resumed("b", 20); // says nothing new of a case that has failed
     journal.started("c", 2);
     journal.checkpointed("c", 40);
@@ -64,7 +64,9 @@ TEST_CASE("the journal tells the latest of each case, and passes over a line cut
     JournalContents contents = read_journal(folder / "journal.jsonl");
     CHECK(contents.running);
     CHECK(contents.cases.at("a").state == CaseHistory::State::finished);
-    CHECK(contents.cases.at("a").seconds == 0.5);
+    CHECK(contents.cases.at("a").times.seconds == 0.5);
+    CHECK(contents.cases.at("a").times.estimated_seconds == 0.25);
+    CHECK(contents.cases.at("b").blame == Blame::files);
     CHECK(contents.cases.at("b").state == CaseHistory::State::failed);
     CHECK(contents.cases.at("b").reason.find("line break") != std::string::npos);
     CHECK(contents.cases.at("c").state == CaseHistory::State::started);

@@ -45,10 +45,9 @@ TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") 
     write("good", 0.2, std::numeric_limits<double>::quiet_NaN(), "no disc");
     write("reference", 0.1, 2.0, "");
     write_file(folder / "cases/damaged.h5", "no HDF5");
-    Journal(folder / "journal.jsonl").failed("failed", "out of memory");
+    Journal(folder / "journal.jsonl").failed("failed", "out of memory", Blame::case_itself);
 
-    const ReduceInput input{folder / "plan.json", folder / "journal.jsonl", folder / "cases",
-                            folder / "tables"};
+    const ReduceInput input{folder / "", folder / "plan.json", folder / "tables"};
     const Table table = table_of(input);
     const auto cell = [&](std::size_t row, const std::string& column) {
         const auto found = std::find(table.columns.begin(), table.columns.end(), column);

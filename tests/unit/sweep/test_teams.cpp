@@ -30,28 +30,32 @@ Cases alike(int count) {
     return cases;
 }
 
+TeamLayout laid_out(const Cases& cases, int ranks, int wanted, double memory_B) {
+    CaseCosts costs(cases.pointers(), {});
+    return choose_teams(cases.pointers(), ranks, wanted, memory_B, costs);
+}
+
 } // namespace
 
 TEST_CASE("many small cases go side by side, one alone gets all ranks", "[teams]") {
-    const TeamLayout many = choose_teams(alike(400).pointers(), 4, 0, plenty_B);
+    const TeamLayout many = laid_out(alike(400), 4, 0, plenty_B);
     CHECK(many.ranks_per_case == 1);
     CHECK(many.teams == 4);
-    const TeamLayout one = choose_teams(alike(1).pointers(), 4, 0, plenty_B);
+    const TeamLayout one = laid_out(alike(1), 4, 0, plenty_B);
     CHECK(one.ranks_per_case == 4);
     CHECK(one.teams == 1);
 }
 
 TEST_CASE("a wanted team size is kept, and ranks left over join the last team", "[teams]") {
-    const TeamLayout layout = choose_teams(alike(10).pointers(), 5, 2, plenty_B);
+    const TeamLayout layout = laid_out(alike(10), 5, 2, plenty_B);
     CHECK(layout.ranks_per_case == 2);
     CHECK(layout.teams == 2);
     std::vector<int> sizes(2, 0);
     for (int rank = 0; rank < 5; ++rank)
         ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
     CHECK(sizes == std::vector<int>{2, 3});
-    CHECK(choose_teams(alike(3).pointers(), 2, 64, plenty_B).ranks_per_case ==
-          2);                                           // no more than there are
-    CHECK(choose_teams({}, 3, 0, plenty_B).teams >= 1); // nothing to do
+    CHECK(laid_out(alike(3), 2, 64, plenty_B).ranks_per_case == 2); // no more than there are
+    CHECK(laid_out({}, 3, 0, plenty_B).teams >= 1);                 // nothing to do
 }
 
 TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams]") {
@@ -59,10 +63,10 @@ TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams]") {
     const Case& c = cases.planned.front().physics;
     const double on_one_B = memory_needed_B(c, 1), on_four_B = memory_needed_B(c, 4);
     REQUIRE(on_four_B < on_one_B);
-    CHECK(choose_teams(cases.pointers(), 4, 0, on_one_B).ranks_per_case == 1);
-    CHECK(choose_teams(cases.pointers(), 4, 0, on_four_B).ranks_per_case == 4);
+    CHECK(laid_out(cases, 4, 0, on_one_B).ranks_per_case == 1);
+    CHECK(laid_out(cases, 4, 0, on_four_B).ranks_per_case == 4);
     // Where none fits, the fastest layout lets each fail by itself.
-    CHECK(choose_teams(cases.pointers(), 4, 0, 1.0).ranks_per_case == 1);
+    CHECK(laid_out(cases, 4, 0, 1.0).ranks_per_case == 1);
 }
 
 TEST_CASE("long cases come first and those of one medium together", "[teams]") {
@@ -70,7 +74,8 @@ TEST_CASE("long cases come first and those of one medium together", "[teams]") {
     cases.planned[1].physics.domain.nx = 512; // long
     cases.planned[2].physics.medium.layers[0].c_s_m_s = 4.0;
     cases.planned[4].physics.medium.layers[0].c_s_m_s = 4.0;
-    const auto order = order_of_work(cases.pointers());
+    CaseCosts costs(cases.pointers(), {});
+    const auto order = order_of_work(cases.pointers(), costs);
     CHECK(order.front() == 1);
     CHECK(std::set<std::size_t>(order.begin(), order.end()).size() == 6);
     const auto place = [&](std::size_t index) {
@@ -84,5 +89,5 @@ TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
     const Case& c = cases.planned[0].physics;
     const double on_two_B = memory_needed_B(c, 2);
     REQUIRE(on_two_B < memory_needed_B(c, 1));
-    CHECK(choose_teams(cases.pointers(), 4, 0, on_two_B).ranks_per_case == 2);
+    CHECK(laid_out(cases, 4, 0, on_two_B).ranks_per_case == 2);
 }

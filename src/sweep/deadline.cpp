@@ -1,0 +1,97 @@
+#include "sweep/deadline.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace shearwake {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// [days-][[hours:]minutes:]seconds, as Slurm and this program's user write it.
+std::optional<double> seconds_in(const std::string& text) {
+    std::size_t at = 0;
+    const auto number = [&]() -> std::optional<double> {
+        const std::size_t begin = at;
+        while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])) != 0)
+            ++at;
+        if (at == begin || at - begin > 9) return std::nullopt;
+        return std::stod(text.substr(begin, at - begin));
+    };
+    double days = 0.0;
+    std::vector<double> parts;
+    do {
+        const auto part = number();
+        if (!part) return std::nullopt;
+        if (at < text.size() && text[at] == '-' && parts.empty() && days == 0.0)
+            days = *part;
+        else
+            parts.push_back(*part);
+    } while (at < text.size() && (text[at] == ':' || text[at] == '-') && ++at > 0);
+    if (at != text.size() || parts.empty() || parts.size() > 3) return std::nullopt;
+    if (days > 0.0 && parts.size() != 3) return std::nullopt;
+    double seconds = 0.0;
+    for (const double part : parts)
+        seconds = 60.0 * seconds + part;
+    return 86400.0 * days + seconds;
+}
+
+/// The first line that a command prints; empty when it cannot be run.
+std::string said_by(const std::string& command) {
+    struct Close {
+        void operator()(std::FILE* pipe) const { ::pclose(pipe); }
+    };
+    const std::unique_ptr<std::FILE, Close> pipe(::popen(command.c_str(), "r"));
+    std::array<char, 256> line{};
+    if (!pipe || !std::fgets(line.data(), line.size(), pipe.get())) return "";
+    const std::string text = line.data();
+    return text.substr(0, text.find_last_not_of(" \n") + 1);
+}
+
+double left_in_slurm_s() {
+    if (const char* end = std::getenv("SLURM_JOB_END_TIME")) {
+        const double now =
+            std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
+                .count();
+        const double left = std::strtod(end, nullptr) - now;
+        // An end that is long past or years away is none.
+        return left > -60.0 && left < 3.2e8 ? std::max(left, 0.0) : never;
+    }
+    const char* job = std::getenv("SLURM_JOB_ID");
+    if (!job || std::string(job).find_first_not_of("0123456789") != std::string::npos) return never;
+    return seconds_in(said_by(std::string("squeue -h -o %L -j ") + job + " 2>/dev/null"))
+        .value_or(never); // UNLIMITED, or no squeue
+}
+
+} // namespace
+
+double parse_walltime(const std::string& text) {
+    const auto seconds = seconds_in(text);
+    if (!seconds || *seconds <= 0.0)
+        throw UsageError("--walltime wants seconds, or days-hours:minutes:seconds as in 5400, "
+                         "1:30:00 or 2-00:00:00; it got " +
+                         text);
+    return *seconds;
+}
+
+Deadline::Deadline(const std::string& walltime, const Comm& world) {
+    const double given_s = walltime.empty() ? never : parse_walltime(walltime);
+    const double slurm_s = world.is_root() ? left_in_slurm_s() : 0.0;
+    limit_s_ = std::min(given_s, world.max(slurm_s));
+}
+
+double Deadline::left_s() const {
+    const double kept_s = std::min(60.0, 0.05 * limit_s_);
+    return limit_s_ - kept_s -
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+}
+
+} // namespace shearwake

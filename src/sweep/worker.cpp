@@ -1,0 +1,320 @@
+#include "sweep/worker.hpp"
+
+#include "io/case_file_reader.hpp"
+#include "io/case_index.hpp"
+#include "io/files.hpp"
+#include "io/plan_file.hpp"
+#include "parallel/agree.hpp"
+#include "parallel/session.hpp"
+#include "sweep/provenance.hpp"
+#include "sweep/stop_signal.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <thread>
+
+namespace shearwake {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// An estimate may be short by as much before a case is begun that will not end in time.
+constexpr double allowance = 1.2;
+/// Waits before a case is tried again that a file has ended.
+constexpr std::array waits_for_files = {1s, 5s};
+/// Whatever ended that many cases in a row ends the others as well.
+constexpr int most_file_failures_in_a_row = 3;
+
+int engine_number(const Case& c) {
+    return std::holds_alternative<LayeredOptions>(c.solver) ? 0 : 1;
+}
+
+/// This host's name where the journal of rank 0's host is another's. Collective.
+std::string further_host(const Comm& world) {
+    const std::string mine = host_name();
+    return world.broadcast(mine) == mine ? "" : mine;
+}
+
+} // namespace
+
+Worker::Worker(const WorkList& list, const JournalContents& learned, const Comm& world,
+               const Comm& team, Progress& progress)
+    : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
+      journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count) {
+    together(world, [&] {
+        if (team_.is_root()) claims_.emplace(list_.folder.claims());
+    });
+    if (!world.is_root()) return;
+    for (const auto& [id, history] : learned.cases) {
+        const CaseTimes& times = history.times;
+        if (!(times.estimated_seconds > 0.0)) continue;
+        const int engine = times.engine == "layered" ? 0 : 1;
+        counters_.fetch_add(taken_us + engine, std::lround(1e6 * times.seconds));
+        counters_.fetch_add(estimated_us + engine, std::lround(1e6 * times.estimated_seconds));
+    }
+}
+
+void Worker::work() {
+    while (true) {
+        long index = -1;
+        if (team_.is_root()) index = next();
+        index = team_.broadcast(index);
+        if (index < 0) break;
+        one_case(*list_.cases[static_cast<std::size_t>(index)]);
+        if (team_.is_root()) claims_->release(list_.numbers[static_cast<std::size_t>(index)]);
+    }
+    if (team_.is_root()) counters_.fetch_add(teams_ended, 1);
+}
+
+/// The next case for this team, on its root; -1 when there is none.
+long Worker::next() {
+    while (true) {
+        if (stop_asked()) counters_.fetch_add(stopping, 1);
+        if (counters_.read(stopping) != 0) return -1;
+        const long index = counters_.fetch_add(next_case, 1);
+        if (index >= static_cast<long>(list_.cases.size())) return -1;
+        const PlannedCase& planned = *list_.cases[static_cast<std::size_t>(index)];
+        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        if (!in_time(planned)) {
+            counters_.fetch_add(put_off, 1);
+            continue;
+        }
+        if (!claims_->claim(number)) {
+            counters_.fetch_add(elsewhere, 1);
+            continue;
+        }
+        // Another run may have ended it since this one looked.
+        if (is_whole(list_.folder.case_file(planned.id), planned.id)) {
+            claims_->release(number);
+            counters_.fetch_add(elsewhere, 1);
+            continue;
+        }
+        return index;
+    }
+}
+
+double Worker::estimated_s(const PlannedCase& planned) const {
+    return seconds_on(list_.costs.of(planned.physics), team_.size(), list_.teams,
+                      list_.costs.machine());
+}
+
+/// Whether a case that begins now ends before the time is up, by the engine's estimate and by what
+/// cases have taken so far. A case that is longer than the whole time is begun where it has most of
+/// it: what can be saved goes on in the next run, and nothing else would ever be tried.
+bool Worker::in_time(const PlannedCase& planned) {
+    if (!list_.deadline.exists()) return true;
+    const Case& c = planned.physics;
+    const int engine = engine_number(c);
+    const auto estimated = static_cast<double>(counters_.read(estimated_us + engine));
+    const double learned =
+        estimated > 0.0 ? static_cast<double>(counters_.read(taken_us + engine)) / estimated : 1.0;
+    const bool shares = before_ && before_->medium == c.medium && before_->domain == c.domain;
+    const double shared =
+        shares ? 0.0 : shared_seconds_on(list_.costs.of(c), team_.size(), list_.costs.machine());
+    const double needed = allowance * learned * (estimated_s(planned) + shared);
+    const double before =
+        seconds_saved(list_.folder.checkpoints(planned.id), {planned.id, program_git_id()});
+    const double left = list_.deadline.left_s(), limit = list_.deadline.limit_s();
+    if (needed - before <= left) return true;
+    return needed > 0.9 * limit && left > 0.8 * limit;
+}
+
+void Worker::learn(const PlannedCase& planned, const CaseTimes& times) {
+    const int engine = engine_number(planned.physics);
+    counters_.fetch_add(taken_us + engine, std::lround(1e6 * times.seconds));
+    counters_.fetch_add(estimated_us + engine, std::lround(1e6 * times.estimated_seconds));
+}
+
+/// A case may meet a file system that fails for a moment: it is tried again. What is its own fault
+/// is not. The ranks of the team agree on each failure, so they do the same.
+void Worker::one_case(const PlannedCase& planned) {
+    if (team_.is_root()) counters_.fetch_add(begun, 1);
+    case_log_.clear();
+    for (std::size_t attempt = 0;; ++attempt) {
+        Trouble trouble = Trouble::lasting;
+        Blame blame = Blame::case_itself;
+        std::string reason;
+        try {
+            compute(planned);
+            file_failures_in_a_row_ = 0;
+            break;
+        } catch (const FileFailure& failure) {
+            trouble = failure.trouble(), blame = Blame::files, reason = failure.what();
+        } catch (const CaseFailure& failure) {
+            reason = failure.what();
+        } catch (const UsageError& failure) { // the file system refuses
+            trouble = failure.trouble(), blame = Blame::files, reason = failure.what();
+        }
+        engine_.reset(); // what a failed case leaves there is not trusted
+        if (trouble == Trouble::lasting || attempt == waits_for_files.size()) {
+            record(planned, reason, blame);
+            break;
+        }
+        if (team_.is_root())
+            say(fmt::format("case {} is tried again in {} s: {}", planned.id,
+                            waits_for_files[attempt].count(), reason));
+        std::this_thread::sleep_for(waits_for_files[attempt]);
+    }
+    before_ = &planned.physics;
+    tick();
+}
+
+void Worker::compute(const PlannedCase& planned) {
+    on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
+    if (!engine_) engine_ = make_engine(planned.physics.solver);
+    CaseCheckpoints checkpoints(
+        list_.folder.checkpoints(planned.id), {planned.id, program_git_id()},
+        list_.arguments.checkpoints, team_, journal_,
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }});
+    const auto outcome = run_case(
+        planned, list_.facts, *engine_, team_, list_.folder.case_file(planned.id), checkpoints,
+        {[this] { tick(); }, [&](const std::string& reason) { end_alone(planned, reason); }});
+    if (!outcome) {
+        if (team_.is_root()) counters_.fetch_add(begun, -1);
+        return;
+    }
+    const CaseTimes times{outcome->seconds, estimated_s(planned),
+                          engine_name(planned.physics.solver)};
+    on_root(team_, [&] {
+        journal_.finished(planned.id, times);
+        add_to_index(list_.folder.index(list_.part, host_), list_.folder.case_file(planned.id));
+        std::error_code none;
+        std::filesystem::remove(list_.folder.failure(planned.id), none);
+    });
+    tell(planned, outcome->solver);
+    if (!team_.is_root()) return;
+    learn(planned, times);
+    counters_.fetch_add(done, 1);
+}
+
+/// One line of what iterated or chose what no case before it did; else nothing.
+void Worker::tell(const PlannedCase& planned, const SolverReport& solver) {
+    std::vector<std::string> news;
+    if (solver.iterations > 0)
+        news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
+                                   solver.iterations, solver.most_iterations));
+    for (const std::string& note : solver.notes)
+        if (told_.insert(note).second) news.push_back(note);
+    if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
+        progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
+}
+
+/// All ranks of the team are here.
+void Worker::record(const PlannedCase& planned, const std::string& reason, Blame blame) {
+    if (!team_.is_root()) return;
+    say(fmt::format("case {} failed: {}", planned.id, reason));
+    try {
+        journal_.failed(planned.id, reason, blame);
+        keep_failure(planned, reason);
+    } catch (const UsageError& error) {
+        progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
+    }
+    counters_.fetch_add(failed, 1);
+    if (list_.arguments.fail_fast) counters_.fetch_add(stopping, 1);
+    if (blame != Blame::files) return;
+    counters_.fetch_add(failed_files, 1);
+    std::error_code unknown;
+    if (!std::filesystem::exists(list_.folder.plan(), unknown)) {
+        counters_.fetch_add(folder_gone, 1);
+        counters_.fetch_add(stopping, 1);
+    } else if (++file_failures_in_a_row_ == most_file_failures_in_a_row) {
+        progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
+                                  most_file_failures_in_a_row));
+        counters_.fetch_add(stopping, 1);
+    }
+}
+
+/// One rank alone has met what no other knows of, in the middle of a computation that they share:
+/// MPI has no way back from there. The case is written down as failed and all ranks end, so that
+/// the same command goes on without it.
+void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
+    const std::string words =
+        fmt::format("rank {} of its team of {} alone: {}", team_.rank(), team_.size(), reason);
+    try {
+        journal_.failed(planned.id, words, Blame::case_itself);
+        keep_failure(planned, words);
+    } catch (const UsageError&) { // then it is tried again
+    }
+    abort_all_ranks(fmt::format("case {} failed on {}; the other cases are saved or go on from "
+                                "their newest state: start the same command again",
+                                planned.id, words),
+                    ExitCode::stopped_early);
+}
+
+/// All that is needed to look into the case: reason, log, inputs, and how to try it again.
+void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
+    make_directory(list_.folder.failure(planned.id).parent_path());
+    std::string text = fmt::format(
+        "case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
+        "again: shearwake run JOB --only {} --retry-failed\n\nlog:\n",
+        planned.id, timestamp(), host_name(), team_.size(), program_git_id(), reason, planned.id);
+    for (const std::string& line : case_log_)
+        text += "  " + line + "\n";
+    text += fmt::format("\nsettings:\n{}\n\ncase (SI):\n{}", settings_text(planned.settings),
+                        canonical_text(planned.physics));
+    write_file(list_.folder.failure(planned.id), text);
+}
+
+void Worker::say(const std::string& text) {
+    case_log_.push_back(timestamp() + " " + text);
+    progress_.say(text);
+}
+
+/// Whether a signal has come to any team's root, the time is up, or there is a STOP file. Called by
+/// roots between the steps of a case, so it asks rank 0's memory only now and then.
+bool Worker::stop_asked() {
+    if (!signal_told_ && (stop_requested() || list_.deadline.left_s() <= 0.0)) {
+        signal_told_ = true;
+        counters_.fetch_add(signalled, 1);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (world_.is_root() && !signal_told_ && now - last_stop_file_ > 500ms) {
+        last_stop_file_ = now;
+        std::error_code unknown;
+        if (std::filesystem::exists(list_.folder.stop_file(), unknown)) {
+            signal_told_ = true;
+            counters_.fetch_add(signalled, 1);
+        }
+    }
+    if (!signal_seen_ && now - last_look_ > 50ms) {
+        last_look_ = now;
+        signal_seen_ = counters_.read(signalled) > 0;
+    }
+    return signal_told_ || signal_seen_;
+}
+
+void Worker::tick() {
+    if (!world_.is_root()) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_tick_ < 50ms) return;
+    last_tick_ = now;
+    stop_asked(); // the STOP file, for the other teams
+    SweepCounts counts{.total = static_cast<long>(list_.cases.size()),
+                       .done = counters_.read(done),
+                       .failed = counters_.read(failed)};
+    counts.running = counters_.read(begun) - counts.done - counts.failed;
+    progress_.update(counts);
+}
+
+WorkResult Worker::wait_for_others() {
+    while (world_.is_root() && counters_.read(teams_ended) < list_.teams) {
+        tick();
+        std::this_thread::sleep_for(20ms);
+    }
+    world_.barrier();
+    last_tick_ = {}; // the last word is said in any case
+    tick();
+    const auto of = [&](Shared which) {
+        return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);
+    };
+    return {.done = of(done),
+            .failed = of(failed),
+            .failed_files = of(failed_files),
+            .put_off = of(put_off),
+            .elsewhere = of(elsewhere),
+            .stopping = of(stopping) != 0,
+            .folder_gone = of(folder_gone) != 0};
+}
+
+} // namespace shearwake

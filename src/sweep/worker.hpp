@@ -1,0 +1,110 @@
+#pragma once
+
+#include "engines/engine.hpp"
+#include "io/journal.hpp"
+#include "io/run_lock.hpp"
+#include "model/plan.hpp"
+#include "parallel/shared_counters.hpp"
+#include "sweep/case_costs.hpp"
+#include "sweep/commands.hpp"
+#include "sweep/deadline.hpp"
+#include "sweep/output_folder.hpp"
+#include "sweep/progress.hpp"
+#include "sweep/run_case.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// What a run has to do, and where. Refers to what its maker keeps.
+struct WorkList {
+    const std::vector<const PlannedCase*>& cases; // in the order in which they begin
+    const std::vector<std::size_t>& numbers;      // their places in the plan
+    const JobFacts& facts;
+    const OutputFolder& folder;
+    std::string part; // of the sweep: names journal, index and lock
+    const RunArguments& arguments;
+    CaseCosts& costs;
+    const Deadline& deadline;
+    int teams = 1;
+};
+
+/// What became of it. The same on all ranks.
+struct WorkResult {
+    long done = 0;
+    long failed = 0;       // all
+    long failed_files = 0; // of them by files and disks
+    long put_off = 0;      // would not have ended in time
+    long elsewhere = 0;    // another run is at work on them, or has ended them meanwhile
+    bool stopping = false; // no further cases were begun
+    bool folder_gone = false;
+};
+
+/// One team at work: takes cases from a counter that all teams share until there are none, until
+/// the time is up or a stop is asked for.
+class Worker {
+public:
+    /// Collective over the world. `learned`: what earlier runs have taken.
+    Worker(const WorkList& list, const JournalContents& learned, const Comm& world,
+           const Comm& team, Progress& progress);
+
+    void work();
+    /// Rank 0 goes on telling while the other teams finish. Collective over the world.
+    WorkResult wait_for_others();
+
+private:
+    /// Counters of all teams; times in microseconds, by engine.
+    enum Shared {
+        next_case,
+        done,
+        failed,
+        failed_files,
+        begun,
+        stopping,
+        signalled,
+        teams_ended,
+        put_off,
+        elsewhere,
+        folder_gone,
+        taken_us,
+        estimated_us = taken_us + 2,
+        shared_count = estimated_us + 2
+    };
+
+    long next();
+    bool in_time(const PlannedCase& planned);
+    double estimated_s(const PlannedCase& planned) const;
+    void learn(const PlannedCase& planned, const CaseTimes& times);
+    void one_case(const PlannedCase& planned);
+    void compute(const PlannedCase& planned);
+    void tell(const PlannedCase& planned, const SolverReport& solver);
+    void record(const PlannedCase& planned, const std::string& reason, Blame blame);
+    [[noreturn]] void end_alone(const PlannedCase& planned, const std::string& reason);
+    void keep_failure(const PlannedCase& planned, const std::string& reason) const;
+    void say(const std::string& text);
+    bool stop_asked();
+    void tick();
+
+    WorkList list_;
+    const Comm& world_;
+    const Comm& team_;
+    Progress& progress_;
+    std::string host_; // empty: rank 0's
+    Journal journal_;
+    std::optional<CaseClaims> claims_; // of the team's root
+    SharedCounters counters_;
+    std::unique_ptr<Engine> engine_;
+    const Case* before_ = nullptr;      // the team's last case: shares with the next one
+    std::vector<std::string> case_log_; // what was said of the case at work
+    std::set<std::string> told_;        // notes of engines
+    int file_failures_in_a_row_ = 0;
+    std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{};
+    bool signal_told_ = false, signal_seen_ = false;
+};
+
+} // namespace shearwake
