@@ -152,7 +152,8 @@ def groups_of(build, python):
     if (build / "tests" / "mpi_tests").exists():
         groups += [catch("mpi_tests", ranks, 180) for ranks in (1, 2, 3, 5)]
         groups.append(catch("mpi_tests", 8, 180, "*any number of ranks*"))
-    for path in sorted([*ROOT.glob("tests/report/test_*.py"), *ROOT.glob("tests/end_to_end/test_*.py")]):
+    for path in sorted(path for folder in ("report", "end_to_end", "faults", "slurm", "fuzz")
+                       for path in ROOT.glob(f"tests/{folder}/test_*.py")):
         command = [python, "-c", UNITTEST, str(path), "REPORT"]
         groups.append(Group(str(path.relative_to(ROOT)), command, count_unittest, 300))
     return groups

@@ -77,12 +77,8 @@ const std::vector<std::pair<std::string, std::string>> ratios = {
     {"focal_rms_um", "focal_rms_over_reference_1"},
 };
 
-} // namespace
-
-Table table_of(const ReduceInput& input) {
-    const PlanIndex plan = read_plan(input.plan);
+Table build_table(const ReduceInput& input, const PlanIndex& plan, CaseIndex& index) {
     const JournalContents journal = read_journals(input.folder);
-    CaseIndex index(input.folder);
     std::vector<CaseRow> rows;
     std::map<std::string, std::size_t> by_id;
     std::vector<std::string> measures; // of all cases, in the order of the files
@@ -124,10 +120,24 @@ Table table_of(const ReduceInput& input) {
     return table;
 }
 
+} // namespace
+
+Table table_of(const ReduceInput& input) {
+    CaseIndex index(input.folder);
+    return build_table(input, read_plan(input.plan), index);
+}
+
 ReducedTables reduce(const ReduceInput& input) {
     const PlanIndex plan = read_plan(input.plan);
-    const Table table = table_of(input);
+    CaseIndex index(input.folder);
+    const Table table = build_table(input, plan, index);
     ReducedTables written;
+    for (const IndexedCase& c : plan.cases) {
+        const CaseDigest* digest = index.find(c.id);
+        if (!digest || !digest->whole()) continue;
+        if (std::ranges::find(written.programs, digest->git_id) == written.programs.end())
+            written.programs.push_back(digest->git_id);
+    }
     make_directory(input.tables);
     written.csv = input.tables / (plan.name + ".csv");
     written.markdown = input.tables / (plan.name + ".md");

@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace shearwake {
 
@@ -16,6 +18,7 @@ struct ReducedTables {
     std::filesystem::path csv, markdown;
     std::size_t rows = 0;
     std::size_t whole = 0;
+    std::vector<std::string> programs; // their git ids, of the whole cases
 };
 
 /// One row a case, in the plan's order, references last: id, every swept key, every measure, its

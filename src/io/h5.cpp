@@ -1,9 +1,9 @@
 #include "io/h5.hpp"
 
 #include "base/error.hpp"
-#include "io/files.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <hdf5_hl.h>
 #include <fmt/format.h>
@@ -48,13 +48,11 @@ std::optional<std::string> system_reason(const std::string& message) {
     return message.substr(begin, message.find('\'', begin) - begin);
 }
 
-/// By the words of HDF5, which end in those of the system.
+/// By the words of HDF5, which end in those of the system where it has any. MPI tells no reason.
 Trouble trouble_of_words(const std::string& reason) {
-    // MPI tells no reason that would tell more.
-    if (reason.find("MPI") != std::string::npos) return Trouble::passing;
-    for (const int error : passing_errors)
-        if (reason.ends_with(std::strerror(error))) return Trouble::passing;
-    return Trouble::lasting;
+    for (const int error : {ENOSPC, EDQUOT, EROFS, EACCES, EPERM, ENOENT, ENOTDIR, EISDIR, EFBIG})
+        if (reason.ends_with(std::strerror(error))) return Trouble::lasting;
+    return Trouble::passing;
 }
 
 } // namespace
@@ -87,6 +85,11 @@ void check(herr_t status, const std::string& what) {
     throw FileFailure(fmt::format("HDF5 cannot {}: {}", what, reason), trouble_of_words(reason));
 }
 
+void never_tidy_up() {
+    H5dont_atexit();
+    H5open();
+}
+
 Id::Id(hid_t raw, Close closer, const std::string& what) : raw_(raw), close_(closer) {
     if (raw < 0) check(-1, what);
 }
@@ -113,15 +116,20 @@ void Id::close_shared(const std::string& what, const Comm& comm) {
 
 Id open_file(const std::filesystem::path& path, Access access) {
     be_quiet();
+    // What is written is written there and then: of a buffer that is emptied when its dataset is
+    // closed nobody would learn that it could not be.
+    const Id unbuffered = property(H5P_FILE_ACCESS);
+    check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "do without a buffer");
     if (access != Access::create) {
         const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
-        return Id(H5Fopen(path.c_str(), flags, H5P_DEFAULT), H5Fclose, "open " + path.string());
+        return Id(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose,
+                  "open " + path.string());
     }
     // Order of creation is kept, as netCDF-4 readers like it.
     const Id creation = property(H5P_FILE_CREATE);
     check(H5Pset_link_creation_order(creation.raw(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
           "track order");
-    return Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.raw(), H5P_DEFAULT), H5Fclose,
+    return Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.raw(), unbuffered.raw()), H5Fclose,
               "create " + path.string());
 }
 

@@ -33,6 +33,10 @@ private:
     Close close_ = nullptr;
 };
 
+/// To be called before MPI starts. At the end of a program HDF5 1.10 tidies up and falls over files
+/// that it could not write or close; so it does not. What is open then is not closed.
+void never_tidy_up();
+
 /// Throws FileFailure with `what` and HDF5's message if `status` is negative.
 void check(herr_t status, const std::string& what);
 /// The same on all ranks together if it is on any. Collective.

@@ -162,6 +162,8 @@ void Worker::one_case(const PlannedCase& planned) {
 
 void Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
+    // What an engine shares between its cases is in the way of another engine's.
+    if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
     if (!engine_) engine_ = make_engine(planned.physics.solver);
     CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, program_git_id()},

@@ -170,9 +170,12 @@ def plan_ids(out):
 
 
 def journal(out):
-    """The events of all journals, in the order of time."""
-    lines = [json.loads(line) for path in sorted(out.glob("journal*.jsonl"))
-             for line in path.read_text(encoding="utf-8").splitlines()]
+    """The events of all journals, in the order of time; lines that a kill has cut are left out."""
+    lines = []
+    for path in sorted(out.glob("journal*.jsonl")):
+        for line in path.read_text(encoding="utf-8").splitlines():
+            with contextlib.suppress(ValueError):
+                lines.append(json.loads(line))
     return sorted(lines, key=lambda line: line["unix_s"])
 
 

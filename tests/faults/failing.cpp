@@ -1,0 +1,143 @@
+/* Loaded in front of the C library (LD_PRELOAD): a system in a bad way, for the tests beside this.
+ *
+ * Writes, flushes and renames of files whose path holds FAULT_PATH are counted in each process:
+ *   FAULT_KILL_AT=n     the n-th ends the process at once, half of what it writes being written
+ *   FAULT_EIO_AT=n      the n-th fails with an I/O error; FAULT_EIO_COUNT=m: and the m - 1 after it
+ * What C++ allocates in pieces of 1 KB and more is counted as well:
+ *   FAULT_NEW_AT=n      the n-th fails
+ * The time of day:
+ *   FAULT_CLOCK=s       is wrong by s seconds from the 20th time that it is asked
+ * FAULT_RANK=r          all this on MPI rank r only
+ */
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <new>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <time.h>
+#include <unistd.h>
+
+namespace {
+
+long number(const char* name) {
+    const char* rank = getenv("FAULT_RANK");
+    const char* mine = getenv("OMPI_COMM_WORLD_RANK");
+    const char* text = getenv(name);
+    if (!text || (rank && (!mine || strcmp(rank, mine) != 0))) return 0;
+    return atol(text);
+}
+
+int counts(const char* path) {
+    const char* wanted = getenv("FAULT_PATH");
+    return wanted && path && strstr(path, wanted) != nullptr;
+}
+
+int fd_counts(int fd) {
+    char link[64], path[4096];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    const ssize_t length = readlink(link, path, sizeof path - 1);
+    if (length <= 0) return 0;
+    path[length] = '\0';
+    return counts(path);
+}
+
+/* 0: go on; 1: fail; 2: end here. */
+int fate(int relevant) {
+    static long seen = 0;
+    if (!relevant) return 0;
+    const long now = __sync_add_and_fetch(&seen, 1);
+    if (now == number("FAULT_KILL_AT")) return 2;
+    const long first = number("FAULT_EIO_AT"), many = number("FAULT_EIO_COUNT");
+    return first > 0 && now >= first && now < first + (many > 0 ? many : 1);
+}
+
+#define REAL(name) (reinterpret_cast<decltype(&name)>(dlsym(RTLD_NEXT, #name)))
+
+void end(void) {
+    kill(getpid(), SIGKILL);
+}
+
+int failed(void) {
+    errno = EIO;
+    return -1;
+}
+
+} // namespace
+
+extern "C" {
+
+ssize_t write(int fd, const void* data, size_t size) {
+    const int f = fate(fd_counts(fd));
+    if (f == 2) {
+        REAL(write)(fd, data, size / 2);
+        end();
+    }
+    return f ? failed() : REAL(write)(fd, data, size);
+}
+
+ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
+    const int f = fate(fd_counts(fd));
+    if (f == 2) {
+        REAL(pwrite)(fd, data, size / 2, at);
+        end();
+    }
+    return f ? failed() : REAL(pwrite)(fd, data, size, at);
+}
+
+ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
+    const int f = fate(fd_counts(fd));
+    if (f == 2) {
+        REAL(pwrite64)(fd, data, size / 2, at);
+        end();
+    }
+    return f ? failed() : REAL(pwrite64)(fd, data, size, at);
+}
+
+int fsync(int fd) {
+    const int f = fate(fd_counts(fd));
+    if (f == 2) end();
+    return f ? failed() : REAL(fsync)(fd);
+}
+
+int rename(const char* from, const char* to) {
+    const int f = fate(counts(to));
+    if (f == 2) end();
+    return f ? failed() : REAL(rename)(from, to);
+}
+
+int clock_gettime(clockid_t clock, struct timespec* out) {
+    static long asked = 0;
+    static const auto real = REAL(clock_gettime);
+    const int status = real(clock, out);
+    if (clock == CLOCK_REALTIME && __sync_add_and_fetch(&asked, 1) > 20)
+        out->tv_sec += number("FAULT_CLOCK");
+    return status;
+}
+
+time_t time(time_t* out) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    if (out) *out = now.tv_sec;
+    return now.tv_sec;
+}
+
+} // extern "C"
+
+void* operator new(std::size_t size) {
+    static long seen = 0;
+    void* memory = nullptr;
+    if (size < 1024 || __sync_add_and_fetch(&seen, 1) != number("FAULT_NEW_AT"))
+        memory = std::malloc(size > 0 ? size : 1);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}

@@ -1,0 +1,131 @@
+"""What the tests of faults share: sweeps of both engines, kills, a system in a bad way."""
+import contextlib
+import csv
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
+
+from program import (SWEEP, ProgramTest, command, environment, journal, plan,  # noqa: E402
+                     without_reference)
+from test_resume import alive, descendants  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+
+
+def both_engines(frequencies):
+    """A sweep over frequencies and engines; the cases of spectral have checkpoints and iterate."""
+    return without_reference(
+        (SWEEP, f'"load.modulation.am_frequency_Hz" = {[300 + 35 * i for i in range(frequencies)]}\n'
+                '"solver.engine" = ["layered", "spectral"]'),
+        ("duration_ms = 4.0", "duration_ms = 2.0"), ("at_ms = 4.0", "at_ms = 2.0"),
+        ("settled_after_ms = 1.0", "settled_after_ms = 0.0"),
+        ('engine = "layered"', 'engine = "layered"\nspectral = { time_step_us = 2.5 }'))
+
+
+def failing_library(folder):
+    """failing.cpp, compiled."""
+    library = folder / "failing.so"
+    subprocess.run([os.environ.get("CXX", "g++"), "-shared", "-fPIC", "-O1", "-w", "-o", str(library),
+                    str(HERE / "failing.cpp"), "-ldl"], check=True)
+    return library
+
+
+def table_bytes(out):
+    """The table without its column of times, cell by cell as it is printed; it names no hosts."""
+    path = out / "tables" / f"{plan(out)['name']}.csv"
+    with open(path, encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    at = rows[0].index("wall_s")
+    return "\n".join("\x1f".join(row[:at] + row[at + 1:]) for row in rows)
+
+
+class FaultTest(ProgramTest):
+    """Runs that are ended in every way, always by the same command."""
+
+    def run_words(self, ranks_per_case, out):
+        return ("run", "job.toml", "--out", out, "--ranks-per-case", ranks_per_case,
+                "--checkpoint-steps", 20)
+
+    def undisturbed(self, ranks_per_case, ranks=2):
+        out = self.folder / f"whole-{ranks_per_case}"
+        self.shearwake(*self.run_words(ranks_per_case, out), ranks=ranks, timeout_s=1800)
+        self.shearwake("reduce", out)
+        return table_bytes(out)
+
+    def kill_once(self, chance, words, library, longest_s, ranks=2):
+        """One run that is killed; what killed it, or None when it had ended before."""
+        how = chance.choice(["all", "one", "writing", "launcher"])
+        env = environment()
+        if how == "writing":
+            env.update(LD_PRELOAD=str(library), FAULT_PATH="/out/", FAULT_RANK=str(chance.randrange(ranks)),
+                       FAULT_KILL_AT=str(chance.randint(1, 250)))
+        process = subprocess.Popen(command(*words, ranks=ranks), cwd=self.folder, env=env,
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)
+        end = time.monotonic() + (30.0 if how == "writing" else chance.uniform(0.3, longest_s))
+        while time.monotonic() < end and process.poll() is None:
+            time.sleep(0.005)
+        pids = [process.pid, *descendants(process.pid)]
+        if process.poll() is None:
+            # The processes of the program itself come after mpirun's own.
+            programs = [pid for pid in pids[1:] if self.is_program(pid)]
+            victims = {"one": programs and [chance.choice(programs)], "launcher": pids[:1]}
+            for pid in victims.get(how) or pids:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+        code = process.wait(60)
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end", 60)
+        return how if code != 0 else None
+
+    @staticmethod
+    def is_program(pid):
+        with contextlib.suppress(OSError):
+            return os.readlink(f"/proc/{pid}/exe").endswith("/shearwake")
+        return False
+
+    def assert_nothing_twice(self, out, kills, teams):
+        """No case begins again once it has ended, and a kill costs each team one case at most."""
+        ended, begun = set(), {}
+        for line in journal(out):
+            if line["event"] == "finished":
+                ended.add(line["id"])
+            if line["event"] == "started":
+                self.assertNotIn(line["id"], ended, "a case that had ended was begun again")
+                begun[line["id"]] = begun.get(line["id"], 0) + 1
+        self.assertLessEqual(sum(begun.values()) - len(begun), kills * teams)
+
+    def assert_nothing_left(self, out):
+        self.assertEqual(list(out.rglob("*.part")), [])
+        self.assertEqual(list((out / "checkpoints").glob("*")), [])
+        self.assertEqual(list((out / "failed").glob("*")), [])
+
+    def survive(self, seed, ranks_per_case, kills, reference, longest_s):
+        """A sweep under so many kills; returns how it was killed, and that it ended in one piece."""
+        chance = random.Random(seed)
+        out = self.folder / "out" / f"killed-{seed}"
+        words = self.run_words(ranks_per_case, out)
+        done = []
+        while len(done) < kills:
+            how = self.kill_once(chance, words, self.library, longest_s)
+            if how is None:
+                break
+            done.append(how)
+        self.shearwake(*words, ranks=2, timeout_s=1800)
+        self.shearwake("reduce", out)
+        self.assertEqual(table_bytes(out), reference)
+        self.assert_nothing_left(out)
+        self.assert_nothing_twice(out, len(done), 2 // ranks_per_case)
+        return done
+
+    def setUp(self):
+        super().setUp()
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-fault-")
+        self.addCleanup(folder.cleanup)
+        self.library = failing_library(Path(folder.name))

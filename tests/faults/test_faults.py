@@ -1,0 +1,202 @@
+"""A system in a bad way: it stops runs, fails for a moment or for good, loses the folder or the time."""
+import os
+import shutil
+import signal
+import subprocess
+import time
+import unittest
+
+import h5py
+import numpy
+
+from faults import FaultTest, both_engines, command, environment, journal, table_bytes
+from program import LONG, case_files, plan_ids, started
+
+FEW = LONG.replace("1000, 12]", "1000, 30]")
+MANY = LONG.replace("1000, 12]", "1000, 400]")
+
+
+class Stops(FaultTest):
+    def test_a_stop_file_stops_it_until_it_is_removed(self):
+        self.write_job(LONG)
+        process = self.start("run", "job.toml", ranks=2)
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        (self.out / "STOP").touch()
+        said = process.communicate(timeout=30)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.says(said, "STOP asks for a stop: remove it", "next: shearwake run")
+        there = len(case_files(self.out))
+        self.assertLess(there, 12, "it was too fast to be stopped")
+        self.assertEqual(journal(self.out)[-1]["how"], "stopped")
+        self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
+        (self.out / "STOP").unlink()
+        self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} there before")
+        self.assertEqual(len(started(self.out)), 12)
+
+    def test_the_time_that_is_left_stops_it(self):
+        self.write_job(MANY)
+        self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
+                  "--walltime wants", "1:30:00")
+        said = self.shearwake("run", "job.toml", "--walltime", "0:01", expect=75).said
+        self.says(said, "stopped early", "400 cases")
+        first = len(case_files(self.out))
+        self.assertGreater(first, 0, said)
+        env = {**environment(), "SLURM_JOB_END_TIME": str(int(time.time()) + 2)}
+        done = subprocess.run(command("run", "job.toml"), cwd=self.folder, env=env, check=False,
+                              capture_output=True, encoding="utf-8")
+        self.assertEqual(done.returncode, 75, done.stdout + done.stderr)
+        self.assertGreater(len(case_files(self.out)), first)
+        self.assertEqual(len(started(self.out)), len(case_files(self.out)))
+
+    def test_what_cases_take_stands_beside_what_was_expected(self):
+        self.write_job(LONG)
+        self.shearwake("run", "job.toml", "--shard", "1/12")
+        times = [line for line in journal(self.out) if line["event"] == "finished"]
+        self.assertEqual(len(times), 1)
+        self.assertEqual(times[0]["engine"], "layered")
+        self.assertGreater(times[0]["estimated_seconds"], 0.0)
+
+
+class Failing(FaultTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job(both_engines(1))
+
+    def run_with(self, ranks=1, words=(), **faults):
+        env = {**environment(), "LD_PRELOAD": str(self.library),
+               **{f"FAULT_{name}": str(value) for name, value in faults.items()}}
+        done = subprocess.run(command("run", "job.toml", *words, ranks=ranks), cwd=self.folder, env=env,
+                              check=False, capture_output=True, encoding="utf-8", errors="replace",
+                              timeout=120)
+        done.said = done.stdout + done.stderr
+        return done
+
+    def assert_goes_on(self, reference, *words, ranks=1):
+        self.shearwake("run", "job.toml", *words, ranks=ranks)
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table_bytes(self.out), reference)
+        self.assert_nothing_left(self.out)
+
+    def reference(self, *words, ranks=1):
+        whole = self.folder / "whole"
+        self.shearwake("run", "job.toml", "--out", whole, *words, ranks=ranks)
+        self.shearwake("reduce", whole)
+        return table_bytes(whole)
+
+    def test_files_that_fail_for_a_moment_are_tried_again(self):
+        reference = self.reference()
+        again = 0
+        for at in (20, 50):
+            shutil.rmtree(self.out, ignore_errors=True)
+            done = self.run_with(PATH="/out/small/", EIO_AT=at)
+            self.assertEqual(done.returncode, 0, done.said)
+            again += "is tried again in 1 s" in done.said
+            self.shearwake("reduce", self.out)
+            self.assertEqual(table_bytes(self.out), reference)
+        self.assertGreater(again, 0, "no case has met a failure")
+
+    def test_files_that_fail_for_good_are_told_and_gone_on_with(self):
+        reference = self.reference()
+        done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000,
+                             words=("--fail-fast",))
+        self.assertEqual(done.returncode, 6, done.said)
+        self.says(done.said, "is tried again in 5 s", "failed", "Input/output error", "files and disks")
+        failed = sorted((self.out / "failed").iterdir())
+        self.assertEqual(len(failed), 1)
+        self.assertIn(failed[0].stem, plan_ids(self.out))
+        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "again:", "log:",
+                  "is tried again", "settings:", "[medium]")
+        self.assert_goes_on(reference)
+
+    def test_what_one_rank_alone_meets_is_written_down_and_the_others_go_on(self):
+        """Memory that is refused to one rank in the middle of what it does with another one."""
+        together = ("--ranks-per-case", 2)
+        reference = self.reference(*together, ranks=2)
+        done = self.run_with(2, together, RANK=1, NEW_AT=45)
+        # 75: where the other rank could not be told.
+        self.assertIn(done.returncode, (4, 75), done.said)
+        failed = [line["id"] for line in journal(self.out) if line["event"] == "failed"]
+        self.assertEqual(len(failed), 1)
+        self.says((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
+        # The same command goes on without it.
+        said = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).said
+        self.says(said, "1 failed", "1 there before" if done.returncode == 4 else "1 computed now")
+        self.assertEqual(started(self.out).count(failed[0]), 1)
+        self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
+
+    def test_a_folder_that_goes_in_mid_run_is_told(self):
+        self.write_job(MANY)
+        process = self.start("run", "job.toml", ranks=2)
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        shutil.move(self.out, self.folder / "elsewhere")
+        said = process.communicate(timeout=60)[0]
+        self.assertEqual(process.returncode, 6, said)
+        self.says(said, "the output folder", "has gone in mid-run")
+        self.assertNotIn("internal error", said)
+        self.assertFalse((self.out / "cases").exists())
+        there = len(case_files(self.folder / "elsewhere"))
+        shutil.rmtree(self.out, ignore_errors=True)
+        shutil.move(self.folder / "elsewhere", self.out)
+        said = self.shearwake("status", self.out).said
+        self.says(said, f"{there} done", "0 running")
+
+    def test_a_clock_that_is_set_changes_nothing(self):
+        reference = self.reference()
+        for seconds in (-90000, 90000):
+            shutil.rmtree(self.out, ignore_errors=True)
+            done = self.run_with(words=("--walltime", "10:00"), CLOCK=seconds)
+            self.assertEqual(done.returncode, 0, done.said)
+            self.says(self.shearwake("status", self.out).said, "2 done", "0 failed")
+            self.shearwake("reduce", self.out)
+            self.assertEqual(table_bytes(self.out), reference)
+
+
+class Folders(FaultTest):
+    def test_a_shard_that_is_at_work_is_refused_and_others_are_not(self):
+        self.write_job(FEW)
+        first = self.start("run", "job.toml", "--shard", "1/3")
+        self.wait_for(lambda: case_files(self.out), "the first case")
+        first.send_signal(signal.SIGSTOP)
+        self.assertLess(len(case_files(self.out)), 10, "it was too fast to be held")
+        for words in (["--shard", "1/3"], []):
+            said = self.shearwake("run", "job.toml", *words, expect=2).said
+            self.says(said, "is being computed by another run", "--shard")
+        # Parts that overlap share the work case by case.
+        second = self.start("run", "job.toml", "--shard", "1/6")
+        self.says(self.shearwake("status", self.out).said, "a run is at work")
+        first.send_signal(signal.SIGCONT)
+        for process in (first, second):
+            said = process.communicate(timeout=60)[0]
+            self.assertIn(process.returncode, (0, 75), said)
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 there before")
+        self.assertEqual(len(started(self.out)), 10, "a case was computed twice")
+
+    def test_results_of_another_program_are_refused_unless_allowed(self):
+        self.write_job(LONG)
+        self.shearwake("run", "job.toml", "--shard", "1/6")
+        with h5py.File(case_files(self.out)[0], "r+") as file:
+            file.attrs["git_id"] = numpy.bytes_("0123456")
+        said = self.shearwake("run", "job.toml", "--shard", "2/6", expect=2).said
+        self.says(said, "another version of this program, 0123456", "--allow-mixed", "--out")
+        self.shearwake("run", "job.toml", "--shard", "2/6", "--allow-mixed")
+        starts = [line for line in journal(self.out) if line["event"] == "run_started"]
+        self.assertTrue(starts[-1]["allow_mixed"])
+        self.says(self.shearwake("reduce", self.out).said, "two versions of the program", "0123456")
+
+    def test_nobody_else_may_read_what_the_umask_forbids(self):
+        self.write_job(both_engines(1))
+        before = os.umask(0o077)
+        self.addCleanup(os.umask, before)
+        process = self.start("run", "job.toml", "--checkpoint-steps", 20)
+        self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a state")
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate(timeout=30)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
+        self.shearwake("reduce", self.out)
+        for path in (self.out, *self.out.rglob("*")):
+            self.assertEqual(path.stat().st_mode & 0o077, 0, path)
+
+
+if __name__ == "__main__":
+    unittest.main()
