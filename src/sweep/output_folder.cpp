@@ -19,8 +19,8 @@ bool holds_foreign_files(const OutputFolder& folder) {
     for (const auto& entry : std::filesystem::directory_iterator(folder.root)) {
         const std::filesystem::path& path = entry.path();
         const bool ours = path == folder.cases() || path == folder.job() || path == folder.plan() ||
-                          path == folder.stop_file() || path == folder.run_lock().parent_path() ||
-                          path.extension() == ".part";
+                          path == folder.stop_file() || path == folder.root / "slurm" ||
+                          path == folder.run_lock().parent_path() || path.extension() == ".part";
         if (!ours) return true;
     }
     return false;

@@ -1,0 +1,13 @@
+#!/bin/bash
+# A job array, each element one shard of the sweep, @RANKS@ ranks each. scripts/submit fills in @...@.
+#SBATCH --job-name=@NAME@
+#SBATCH --array=1-@SHARDS@
+#SBATCH --ntasks=@RANKS@
+#SBATCH --time=@TIME@
+#SBATCH --output=@OUT@/slurm/%x-%A-%a.log
+#SBATCH --open-mode=append
+#SBATCH --requeue
+#SBATCH --signal=B:USR1@@WARNING@
+cd @FOLDER@ || exit 6
+. @ROOT@/jobs/slurm/step.sh
+run_step @OUT@ @PROGRAM@ run @JOB@ --out @OUT@ --shard "$SLURM_ARRAY_TASK_ID/@SHARDS@" @RUN_OPTIONS@

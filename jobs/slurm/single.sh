@@ -1,0 +1,12 @@
+#!/bin/bash
+# One allocation for the whole sweep: teams of ranks share the cases. scripts/submit fills in @...@.
+#SBATCH --job-name=@NAME@
+#SBATCH --ntasks=@RANKS@
+#SBATCH --time=@TIME@
+#SBATCH --output=@OUT@/slurm/%x-%j.log
+#SBATCH --open-mode=append
+#SBATCH --requeue
+#SBATCH --signal=B:USR1@@WARNING@
+cd @FOLDER@ || exit 6
+. @ROOT@/jobs/slurm/step.sh
+run_step @OUT@ @PROGRAM@ run @JOB@ --out @OUT@ @RUN_OPTIONS@

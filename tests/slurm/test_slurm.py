@@ -1,0 +1,161 @@
+"""jobs/slurm/ and scripts/submit under a real Slurm on this host: an array, a single allocation that
+is warned of its time limit and starts itself again, one that is cancelled."""
+import os
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
+
+from program import LONG, PROGRAM, ROOT, case_files, environment, journal, plan, started  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+MISSING = [name for name in ("sbatch", "srun", "slurmctld", "slurmd", "munged", "squeue", "scontrol")
+           if shutil.which(name) is None and not Path(f"/usr/sbin/{name}").exists()]
+
+
+def free_ports(count):
+    """The first of so many free ports in a row."""
+    for port in range(21000 + os.getpid() % 5000, 60000, 16):
+        sockets = [socket.socket() for _ in range(count)]
+        try:
+            for i, one in enumerate(sockets):
+                one.bind(("127.0.0.1", port + i))
+            return port
+        except OSError:
+            continue
+        finally:
+            for one in sockets:
+                one.close()
+    raise OSError("no free ports")
+
+
+def table_bytes(out):
+    text = (out / "tables" / f"{plan(out)['name']}.csv").read_text(encoding="utf-8").splitlines()
+    at = text[0].split(",").index("wall_s")
+    return [row.split(",")[:at] + row.split(",")[at + 1:] for row in text]
+
+
+@unittest.skipIf(MISSING, f"Slurm is not installed ({', '.join(MISSING)}): apt-get install slurm-wlm munge")
+@unittest.skipIf(os.geteuid() != 0, "only root can start a Slurm of its own")
+class Slurm(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-slurm-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        cls.folder.chmod(0o755)  # munge asks who may reach its socket
+        base = cls.folder / "slurm"
+        cls.env = {**environment(), "SLURM_CONF": str(base / "etc" / "slurm.conf"), "SHEARWAKE": str(PROGRAM),
+                   "PATH": os.environ["PATH"] + ":/usr/sbin:/usr/bin"}
+        cls.addClassCleanup(subprocess.run, [HERE / "sandbox.sh", "stop", base], env=cls.env, check=False)
+        began = subprocess.run([HERE / "sandbox.sh", "start", base, str(free_ports(3)), "2", "4"], env=cls.env,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+        if began.returncode != 0:
+            raise unittest.SkipTest(f"Slurm does not start here: {began.stdout.decode()[-300:]}")
+        cls.job = cls.folder / "job.toml"
+        cls.job.write_text(LONG.replace("1000, 12]", "1000, 24]"), encoding="utf-8")
+        whole = cls.folder / "whole"
+        # As on a laptop.
+        cls.command(["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "2", str(PROGRAM), "run", "job.toml",
+                     "--out", whole, "--ranks-per-case", "1"])
+        cls.command([str(PROGRAM), "reduce", whole])
+        cls.reference = table_bytes(whole)
+
+    @classmethod
+    def command(cls, words, expect=0):
+        done = subprocess.run(list(map(str, words)), cwd=cls.folder, env=cls.env, capture_output=True,
+                              encoding="utf-8", check=False, timeout=60)
+        assert done.returncode == expect, f"{words}:\n{done.stdout}{done.stderr}"
+        return done.stdout
+
+    def submit(self, out, *words):
+        """The numbers of the job that computes and of the one that reduces."""
+        said = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--no-report",
+                             "--run=--ranks-per-case 1", *words])
+        computes, reduces = re.search(r"submitted: (\d+) computes, (\d+) reduces", said).groups()
+        return computes, reduces
+
+    def wait_for(self, condition, what, timeout_s=90):
+        end = time.monotonic() + timeout_s
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"waited in vain for {what}\n{self.told()}")
+            time.sleep(0.1)
+
+    def told(self):
+        """What the queue and all logs say, for a failure."""
+        logs = "\n".join(f"{path}:\n{path.read_text(encoding='utf-8', errors='replace')[-1500:]}"
+                         for path in self.folder.rglob("slurm/*.log"))
+        return self.command(["squeue"]) + logs
+
+    def state(self, job):
+        done = subprocess.run(["scontrol", "show", "job", job], env=self.env, capture_output=True, text=True,
+                              check=False)
+        return re.findall(r"JobState=(\w+)", done.stdout)
+
+    def assert_same(self, out, cases=24):
+        self.assertEqual(table_bytes(out), self.reference)
+        self.assertEqual(list(out.rglob("*.part")), [])
+        self.assertEqual(len(started(out)), cases, "a case was computed twice")
+
+    def ranks_of(self, out):
+        found = []
+        for entry in Path("/proc").iterdir():
+            if entry.name.isdigit():
+                try:
+                    words = (entry / "cmdline").read_bytes().decode(errors="replace").split("\0")
+                except OSError:
+                    continue
+                if words[0] == str(PROGRAM.resolve()) and str(out) in words:
+                    found.append(int(entry.name))
+        return found
+
+    def test_all_of_it(self):
+        """One test, since the time limit takes half a minute, in which the others are done."""
+        limited, array, cancelled = (self.folder / name for name in ("limited", "array", "cancelled"))
+        # A limit of a minute; Slurm looks every half minute whether to warn, 58 s before at the latest.
+        warned, its_table = self.submit(limited, "--ranks", 2, "--time", "1", "--warning", 58)
+        self.wait_for(lambda: case_files(limited), "the first case of the limited job")
+        # Held, so that the warning comes in mid-run whatever the machine's speed.
+        held = self.ranks_of(limited)
+        self.assertEqual(len(held), 2)
+        for pid in held:
+            os.kill(pid, signal.SIGSTOP)
+        self.assertLess(len(case_files(limited)), 24, "it was too fast to be held")
+
+        shards, table = self.submit(array, "--shards", 3, "--time", "10")
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the array and its table")
+        self.assertEqual(set(self.state(shards)), {"COMPLETED"})
+        self.assert_same(array)
+        self.assertEqual({path.name for path in array.glob("journal*")},
+                         {f"journal.{i}-of-3.jsonl" for i in (1, 2, 3)})
+
+        job, _ = self.submit(cancelled, "--ranks", 2, "--time", "10")
+        self.wait_for(lambda: case_files(cancelled), "the first case of the job to be cancelled")
+        self.command(["scancel", job])
+        self.wait_for(lambda: self.state(job) == ["CANCELLED"] and not self.ranks_of(cancelled), "its end")
+        self.assertLess(len(case_files(cancelled)), 24, "it was too fast to be cancelled")
+        _, table = self.submit(cancelled, "--ranks", 2, "--time", "10")
+        self.wait_for(lambda: self.state(table) == ["COMPLETED"], "the table after a cancelled job")
+        self.assertEqual(table_bytes(cancelled), self.reference)
+        self.assertLessEqual(len(started(cancelled)), 24 + 2)
+
+        log = limited / "slurm" / f"small-{warned}.log"
+        self.wait_for(lambda: "SIGUSR1 to the ranks" in log.read_text(encoding="utf-8"), "the warning")
+        for pid in held:
+            os.kill(pid, signal.SIGCONT)
+        self.wait_for(lambda: self.state(its_table) == ["COMPLETED"], "the table of the limited job")
+        self.assertIn("exit code 75", log.read_text(encoding="utf-8"))
+        self.assertIn("stopped", [line.get("how") for line in journal(limited)])
+        self.assert_same(limited)
+
+
+if __name__ == "__main__":
+    unittest.main()
