@@ -1,0 +1,103 @@
+#include "neural/contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Dense>
+#include <numbers>
+
+namespace shearwake::neural {
+namespace {
+
+/// Solves for the loads of one set of pins after another. Neighbouring samples mostly have the same
+/// pins in contact, so the last factors are kept.
+class ContactSolver {
+public:
+    ContactSolver(const std::vector<Vec2>& at_mm, double radius_mm) {
+        const auto pins = static_cast<Eigen::Index>(at_mm.size());
+        const double compliance = (1.0 - poisson_ratio * poisson_ratio) / youngs_modulus_MPa;
+        sinking_.resize(pins, pins);
+        for (Eigen::Index p = 0; p < pins; ++p)
+            for (Eigen::Index q = 0; q < pins; ++q) {
+                const Vec2 between =
+                    at_mm[static_cast<std::size_t>(p)] - at_mm[static_cast<std::size_t>(q)];
+                sinking_(p, q) = compliance * sinking_profile(norm(between), radius_mm);
+            }
+    }
+
+    /// Loads of the pins `pressing`, in their order, for their indentations.
+    Eigen::VectorXd loads(const std::vector<Eigen::Index>& pressing,
+                          const Eigen::VectorXd& indentation_mm) {
+        if (pressing != factored_) {
+            factors_.compute(sinking_(pressing, pressing));
+            factored_ = pressing;
+        }
+        return factors_.solve(indentation_mm);
+    }
+
+private:
+    Eigen::MatrixXd sinking_;
+    std::vector<Eigen::Index> factored_;
+    Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
+};
+
+} // namespace
+
+double fitting_radius_mm(const std::vector<Vec2>& at_mm, double radius_mm) {
+    double radius = radius_mm;
+    for (std::size_t p = 0; p < at_mm.size(); ++p)
+        for (std::size_t q = 0; q < p; ++q)
+            radius = std::min(radius, 0.5 * norm(at_mm[p] - at_mm[q]));
+    return radius;
+}
+
+double sinking_profile(double distance_mm, double radius_mm) {
+    if (distance_mm <= radius_mm) return 1.0 / (2.0 * radius_mm);
+    return std::asin(radius_mm / distance_mm) / (std::numbers::pi * radius_mm);
+}
+
+Lines loads_N(const PinStimulus& stimulus) {
+    const Lines& s = stimulus.indentation_mm;
+    Lines loads(s.count, s.samples);
+    ContactSolver solver(stimulus.at_mm, stimulus.radius_mm);
+    std::vector<Eigen::Index> pressing;
+    Eigen::VectorXd indentation, load;
+    for (std::size_t k = 0; k < s.samples; ++k) {
+        pressing.clear();
+        for (std::size_t p = 0; p < s.count; ++p)
+            if (s.line(p)[k] != 0.0) pressing.push_back(static_cast<Eigen::Index>(p));
+        while (!pressing.empty()) {
+            indentation.resize(static_cast<Eigen::Index>(pressing.size()));
+            for (std::size_t i = 0; i < pressing.size(); ++i)
+                indentation[static_cast<Eigen::Index>(i)] =
+                    std::abs(s.line(static_cast<std::size_t>(pressing[i]))[k]);
+            load = solver.loads(pressing, indentation);
+            if (load.minCoeff() >= 0.0) break;
+            std::vector<Eigen::Index> kept;
+            for (std::size_t i = 0; i < pressing.size(); ++i)
+                if (!(load[static_cast<Eigen::Index>(i)] < 0.0)) kept.push_back(pressing[i]);
+            pressing = std::move(kept);
+        }
+        for (std::size_t i = 0; i < pressing.size(); ++i) {
+            const auto p = static_cast<std::size_t>(pressing[i]);
+            loads.line(p)[k] = std::copysign(load[static_cast<Eigen::Index>(i)], s.line(p)[k]);
+        }
+    }
+    return loads;
+}
+
+Lines load_rates_N_s(const Lines& loads, double rate_Hz) {
+    Lines rates(loads.count, loads.samples);
+    const std::size_t last = loads.samples - 1;
+    if (loads.samples < 2) return rates;
+    for (std::size_t p = 0; p < loads.count; ++p) {
+        const auto P = loads.line(p);
+        const auto Q = rates.line(p);
+        for (std::size_t k = 1; k < last; ++k)
+            Q[k] = 0.5 * rate_Hz * (P[k + 1] - P[k - 1]);
+        Q[0] = Q[1];
+        Q[last] = Q[last - 1];
+    }
+    return rates;
+}
+
+} // namespace shearwake::neural
