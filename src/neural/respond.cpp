@@ -33,10 +33,6 @@ Lines at_neuron_rate(const Lines& lines, double rate_Hz) {
 
 } // namespace
 
-double straight_distance_mm(Vec2 from_mm, Vec2 to_mm) {
-    return norm(to_mm - from_mm);
-}
-
 PinSource::PinSource(const PinStimulus& stimulus)
     : at_mm_(stimulus.at_mm), radius_mm_(stimulus.radius_mm), rate_Hz_(stimulus.rate_Hz) {
     const Lines loads = loads_N(stimulus);
@@ -46,14 +42,15 @@ PinSource::PinSource(const PinStimulus& stimulus)
     samples_ = static_loads_N_.samples;
 }
 
-Drive PinSource::drive(std::span<const Afferent> afferents, const SkinDistance& distance_mm) const {
+Drive PinSource::drive(std::span<const Afferent> afferents, const SkinWays& ways) const {
     Lines dynamic(afferents.size(), rates_N_s_.samples), stress(afferents.size(), samples_);
     bool any_static = false;
     for (std::size_t i = 0; i < afferents.size(); ++i) {
         const Afferent& afferent = afferents[i];
         const double z_mm = depth_mm(afferent.kind);
+        const std::vector<double> ways_mm = ways(afferent.at_mm);
         for (std::size_t p = 0; p < at_mm_.size(); ++p) {
-            const double way_mm = distance_mm(at_mm_[p], afferent.at_mm);
+            const double way_mm = ways_mm[p];
             add_delayed(rates_N_s_.line(p), arrival_samples(way_mm, radius_mm_, rate_Hz_),
                         wave_gain(way_mm, z_mm, radius_mm_), dynamic.line(i));
         }
@@ -88,10 +85,11 @@ std::array<Spikes, lane_count> fire(std::span<const Afferent> afferents, Drive d
 std::vector<Spikes> respond(const PinStimulus& stimulus, std::span<const Afferent> afferents,
                             const RespondOptions& options) {
     const PinSource source(stimulus);
+    const SkinWays ways = options.ways ? options.ways : straight_ways(stimulus.at_mm);
     std::vector<Spikes> spikes;
     for (std::size_t begin = 0; begin < afferents.size(); begin += lane_count) {
         const auto eight = afferents.subspan(begin, std::min(lane_count, afferents.size() - begin));
-        auto fired = fire(eight, source.drive(eight, options.distance_mm), options,
+        auto fired = fire(eight, source.drive(eight, ways), options,
                           options.first_number + static_cast<std::uint32_t>(begin));
         for (std::size_t i = 0; i < eight.size(); ++i)
             spikes.push_back(std::move(fired[i]));

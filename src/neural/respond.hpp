@@ -3,24 +3,18 @@
 #include "neural/afferent.hpp"
 #include "neural/contact.hpp"
 #include "neural/neuron.hpp"
+#include "neural/skin_ways.hpp"
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <vector>
 
 namespace shearwake::neural {
 
-/// The way of a wave along the skin between two places; infinite if there is none.
-using SkinDistance = std::function<double(Vec2 from_mm, Vec2 to_mm)>;
-
-/// The straight line: of an endless flat sheet of skin.
-double straight_distance_mm(Vec2 from_mm, Vec2 to_mm);
-
 struct RespondOptions {
     std::optional<std::uint64_t> noise_key; // none: no noise
     std::uint32_t first_number = 0;         // of the first afferent among all: noise follows it
-    SkinDistance distance_mm = straight_distance_mm;
+    SkinWays ways;                          // from the pins; none: straight ones
 };
 
 /// What reaches eight receptors, at the neurons' rate.
@@ -36,7 +30,8 @@ class PinSource {
 public:
     explicit PinSource(const PinStimulus& stimulus);
     /// Of at most eight afferents.
-    Drive drive(std::span<const Afferent> afferents, const SkinDistance& distance_mm) const;
+    Drive drive(std::span<const Afferent> afferents, const SkinWays& ways) const;
+    const std::vector<Vec2>& at_mm() const { return at_mm_; }
     std::size_t samples() const { return samples_; } // at the neurons' rate
 
 private:

@@ -127,7 +127,9 @@ TEST_CASE("every stage of all 17 neurons is that of TouchSim to 1e-10", "[neural
     const PinSource source(stimulus);
     const std::vector<Afferent> one_a_class = {
         {{}, AfferentClass::SA1, 0}, {{}, AfferentClass::RA, 0}, {{}, AfferentClass::PC, 0}};
-    const auto drive = [&](auto eight) { return source.drive(eight, straight_distance_mm); };
+    const auto drive = [&](auto eight) {
+        return source.drive(eight, straight_ways(stimulus.at_mm));
+    };
     const Lines dynamic = lanes_of(one_a_class, source.samples(),
                                    [&](auto eight) { return drive(eight).dynamic_N_s_mm3; });
     CHECK(worst_over_row_maximum(dynamic, lines_of(*file, name + "/dynamic_5k")) < rounding);
@@ -201,7 +203,7 @@ TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neu
     for (const double row : values_of(*file, "near_rows"))
         near.push_back(afferents[static_cast<std::size_t>(row)]);
     const Lines dynamic = lanes_of(near, source.samples(), [&](auto eight) {
-        return source.drive(eight, straight_distance_mm).dynamic_N_s_mm3;
+        return source.drive(eight, straight_ways(stimulus.at_mm)).dynamic_N_s_mm3;
     });
     CHECK(worst_over_row_maximum(dynamic, lines_of(*file, name + "/flat/near_dynamic_5k")) <
           rounding);
@@ -211,6 +213,8 @@ TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neu
     const auto stored_mm = values_of(*file, "hand_distance_mm");
     for (std::size_t i = 0; i < afferents.size(); ++i)
         ways_mm[{afferents[i].at_mm.x, afferents[i].at_mm.y}] = stored_mm[i];
-    const auto along_the_hand = [&](Vec2, Vec2 to_mm) { return ways_mm.at({to_mm.x, to_mm.y}); };
-    CHECK(fires_alike({.distance_mm = along_the_hand}, "/hand") == afferents.size());
+    const auto along_the_hand = [&](Vec2 to_mm) {
+        return std::vector{ways_mm.at({to_mm.x, to_mm.y})};
+    };
+    CHECK(fires_alike({.ways = along_the_hand}, "/hand") == afferents.size());
 }

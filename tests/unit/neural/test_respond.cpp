@@ -87,7 +87,9 @@ TEST_CASE("the wave comes later the longer its way along the skin, the static st
         stimulus.indentation_mm.values[k] = 0.1;
     const PinSource source(stimulus);
     const std::vector<Afferent> there = {{{17.0, 0.0}, AfferentClass::SA1, 0}};
-    const auto drive = [&](const SkinDistance& way) { return source.drive(there, way); };
+    const auto drive = [&](double way_mm) {
+        return source.drive(there, [=](Vec2) { return std::vector{way_mm}; });
+    };
     const auto first = [](const Line& line) {
         std::size_t k = 0;
         while (k < line.size() && line[k][0] == 0.0)
@@ -95,13 +97,13 @@ TEST_CASE("the wave comes later the longer its way along the skin, the static st
         return k;
     };
     // The central difference of the step at sample 10 begins at 9; 16 mm are 2 ms, 40 mm 5 ms.
-    const Drive straight = drive(straight_distance_mm);
+    const Drive straight = drive(17.0);
     CHECK(first(straight.static_MPa) == 10);
     CHECK(first(straight.dynamic_N_s_mm3) == 9 + 10);
-    const Drive around = drive([](Vec2, Vec2) { return 41.0; });
+    const Drive around = drive(41.0);
     CHECK(first(around.static_MPa) == 10);
     CHECK(first(around.dynamic_N_s_mm3) == 9 + 25);
-    const Drive never = drive([](Vec2, Vec2) { return std::numeric_limits<double>::infinity(); });
+    const Drive never = drive(std::numeric_limits<double>::infinity());
     CHECK(first(never.static_MPa) == 10);
     CHECK(first(never.dynamic_N_s_mm3) == 200);
 }
