@@ -8,6 +8,8 @@
 namespace shearwake::neural {
 namespace {
 
+using PinSet = std::vector<Eigen::Index>; // ascending
+
 /// Solves for the loads of one set of pins after another. Neighbouring samples mostly have the same
 /// pins in contact, so the last factors are kept.
 class ContactSolver {
@@ -24,21 +26,52 @@ public:
             }
     }
 
-    /// Loads of the pins `pressing`, in their order, for their indentations.
-    Eigen::VectorXd loads(const std::vector<Eigen::Index>& pressing,
-                          const Eigen::VectorXd& indentation_mm) {
+    /// Loads of the pins `pressing`, in their order, for their indentations; a sample a column.
+    Eigen::MatrixXd loads(const PinSet& pressing, const Eigen::MatrixXd& indentations_mm) {
         if (pressing != factored_) {
             factors_.compute(sinking_(pressing, pressing));
             factored_ = pressing;
         }
-        return factors_.solve(indentation_mm);
+        return factors_.solve(indentations_mm);
     }
 
 private:
     Eigen::MatrixXd sinking_;
-    std::vector<Eigen::Index> factored_;
+    PinSet factored_;
     Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
 };
+
+/// The pins that are out of their place at a sample.
+void find_moved(const Lines& s, std::size_t k, PinSet& moved) {
+    moved.clear();
+    for (std::size_t p = 0; p < s.count; ++p)
+        if (s.line(p)[k] != 0.0) moved.push_back(static_cast<Eigen::Index>(p));
+}
+
+void put(const Eigen::VectorXd& load, const PinSet& pressing, const Lines& s, std::size_t k,
+         Lines& loads) {
+    for (std::size_t i = 0; i < pressing.size(); ++i) {
+        const auto p = static_cast<std::size_t>(pressing[i]);
+        loads.line(p)[k] = std::copysign(load[static_cast<Eigen::Index>(i)], s.line(p)[k]);
+    }
+}
+
+/// One sample at which some of the pins `pressing` would pull: they are let go until none would.
+void let_go(ContactSolver& solver, PinSet pressing, Eigen::VectorXd load, const Lines& s,
+            std::size_t k, Lines& loads) {
+    while (!pressing.empty() && load.minCoeff() < 0.0) {
+        PinSet kept;
+        for (std::size_t i = 0; i < pressing.size(); ++i)
+            if (!(load[static_cast<Eigen::Index>(i)] < 0.0)) kept.push_back(pressing[i]);
+        pressing = std::move(kept);
+        Eigen::VectorXd indentation(static_cast<Eigen::Index>(pressing.size()));
+        for (std::size_t i = 0; i < pressing.size(); ++i)
+            indentation[static_cast<Eigen::Index>(i)] =
+                std::abs(s.line(static_cast<std::size_t>(pressing[i]))[k]);
+        if (!pressing.empty()) load = solver.loads(pressing, indentation);
+    }
+    put(load, pressing, s, k, loads);
+}
 
 } // namespace
 
@@ -56,31 +89,28 @@ double sinking_profile(double distance_mm, double radius_mm) {
 }
 
 Lines loads_N(const PinStimulus& stimulus) {
+    constexpr std::size_t most_at_once = 512; // columns that stay in the cache
     const Lines& s = stimulus.indentation_mm;
     Lines loads(s.count, s.samples);
+    if (s.samples == 0) return loads;
     ContactSolver solver(stimulus.at_mm, stimulus.radius_mm);
-    std::vector<Eigen::Index> pressing;
-    Eigen::VectorXd indentation, load;
-    for (std::size_t k = 0; k < s.samples; ++k) {
-        pressing.clear();
-        for (std::size_t p = 0; p < s.count; ++p)
-            if (s.line(p)[k] != 0.0) pressing.push_back(static_cast<Eigen::Index>(p));
-        while (!pressing.empty()) {
-            indentation.resize(static_cast<Eigen::Index>(pressing.size()));
-            for (std::size_t i = 0; i < pressing.size(); ++i)
-                indentation[static_cast<Eigen::Index>(i)] =
+    PinSet pressing, next;
+    find_moved(s, 0, next);
+    for (std::size_t begin = 0, end = 0; begin < s.samples; begin = end) {
+        std::swap(pressing, next);
+        for (end = begin + 1; end < s.samples; ++end) {
+            find_moved(s, end, next);
+            if (next != pressing || end - begin == most_at_once) break;
+        }
+        if (pressing.empty()) continue;
+        Eigen::MatrixXd indentations(pressing.size(), end - begin);
+        for (std::size_t i = 0; i < pressing.size(); ++i)
+            for (std::size_t k = begin; k < end; ++k)
+                indentations(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k - begin)) =
                     std::abs(s.line(static_cast<std::size_t>(pressing[i]))[k]);
-            load = solver.loads(pressing, indentation);
-            if (load.minCoeff() >= 0.0) break;
-            std::vector<Eigen::Index> kept;
-            for (std::size_t i = 0; i < pressing.size(); ++i)
-                if (!(load[static_cast<Eigen::Index>(i)] < 0.0)) kept.push_back(pressing[i]);
-            pressing = std::move(kept);
-        }
-        for (std::size_t i = 0; i < pressing.size(); ++i) {
-            const auto p = static_cast<std::size_t>(pressing[i]);
-            loads.line(p)[k] = std::copysign(load[static_cast<Eigen::Index>(i)], s.line(p)[k]);
-        }
+        const Eigen::MatrixXd all = solver.loads(pressing, indentations);
+        for (std::size_t k = begin; k < end; ++k)
+            let_go(solver, pressing, all.col(static_cast<Eigen::Index>(k - begin)), s, k, loads);
     }
     return loads;
 }

@@ -67,7 +67,7 @@ private:
         for (const Vec2 a : corners_) {
             std::vector<double>& row = between_.emplace_back();
             for (const Vec2 b : corners_)
-                row.push_back(a == b || is_side(a, b) || sees(a, b) ? norm(b - a) : never);
+                row.push_back(a == b || is_side(a, b) || corners_see(a, b) ? norm(b - a) : never);
         }
     }
 
@@ -80,16 +80,23 @@ private:
         return false;
     }
 
-    /// Whether the straight way stays on the skin.
+    /// Whether the straight way from or to a place on the skin stays on it: it does where it
+    /// crosses no side.
     bool sees(Vec2 a, Vec2 b) const {
-        for (std::size_t i = 0, n = outline_.size(); i < n; ++i)
-            if (crosses(a, b, outline_[i], outline_[(i + 1) % n])) return false;
-        return contains(outline_, 0.5 * (a + b));
+        const std::size_t n = outline_.size();
+        for (std::size_t i = 0, before = n - 1; i < n; before = i++)
+            if (crosses(a, b, outline_[before], outline_[i])) return false;
+        return true;
+    }
+    /// The same from corner to corner: between them may be a gap as well.
+    bool corners_see(Vec2 a, Vec2 b) const {
+        return sees(a, b) && contains(outline_, 0.5 * (a + b));
     }
 
     /// Dijkstra's: the shortest ways from a pin to every corner.
     std::vector<double> search(Vec2 pin) const {
         std::vector<double> way(corners_.size(), never);
+        if (!contains(outline_, pin)) return way;
         for (std::size_t c = 0; c < corners_.size(); ++c)
             if (sees(pin, corners_[c])) way[c] = norm(corners_[c] - pin);
         std::vector<bool> settled(corners_.size(), false);
