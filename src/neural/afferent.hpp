@@ -1,12 +1,10 @@
 #pragma once
 
 #include "base/vec2.hpp"
+#include "model/afferents.hpp"
 
-#include <array>
 #include <cstddef>
 #include <span>
-#include <string>
-#include <vector>
 
 // The mechanoreceptors and their nerve fibres: the forward model of Saal, Delhaye, Rayhaun and
 // Bensmaia, PNAS 114 (2017) E5693, doi 10.1073/pnas.1704856114 (TouchSim). Its weights hold numbers
@@ -14,12 +12,10 @@
 
 namespace shearwake::neural {
 
-/// Slowly adapting (Merkel), rapidly adapting (Meissner), Pacinian.
-enum class AfferentClass { SA1, RA, PC };
-inline constexpr std::array all_classes = {AfferentClass::SA1, AfferentClass::RA,
-                                           AfferentClass::PC};
+using shearwake::AfferentClass;
+using shearwake::all_classes;
+using shearwake::name_of;
 
-std::string name_of(AfferentClass kind);
 /// Depth of its receptor below the skin surface.
 double depth_mm(AfferentClass kind);
 

@@ -1,6 +1,6 @@
 #include "neural/afferent.hpp"
 
-#include <cassert>
+#include <array>
 
 namespace shearwake::neural {
 namespace {
@@ -85,19 +85,6 @@ constexpr std::array<NeuronRow, 4> PC_rows = {{
 // clang-format on
 
 } // namespace
-
-std::string name_of(AfferentClass kind) {
-    switch (kind) {
-    case AfferentClass::SA1:
-        return "SA1";
-    case AfferentClass::RA:
-        return "RA";
-    case AfferentClass::PC:
-        return "PC";
-    }
-    assert(false);
-    return "";
-}
 
 double depth_mm(AfferentClass kind) {
     return kind == AfferentClass::SA1 ? 0.3 : kind == AfferentClass::RA ? 1.6 : 2.0;

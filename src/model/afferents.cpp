@@ -1,0 +1,15 @@
+#include "model/afferents.hpp"
+
+namespace shearwake {
+
+std::string name_of(AfferentClass kind) {
+    return kind == AfferentClass::SA1 ? "SA1" : kind == AfferentClass::RA ? "RA" : "PC";
+}
+
+std::optional<AfferentClass> class_named(const std::string& name) {
+    for (const AfferentClass kind : all_classes)
+        if (name_of(kind) == name) return kind;
+    return std::nullopt;
+}
+
+} // namespace shearwake

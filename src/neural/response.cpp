@@ -1,0 +1,86 @@
+#include "neural/response.hpp"
+
+#include "neural/check_stimulus.hpp"
+#include "neural/silence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+namespace shearwake::neural {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// |sum exp(2 pi i f t)|
+double resultant(const std::vector<double>& times_s, double frequency_Hz) {
+    std::complex<double> sum = 0.0;
+    for (const double t_s : times_s)
+        sum += std::polar(1.0, 2.0 * std::numbers::pi * std::fmod(frequency_Hz * t_s, 1.0));
+    return std::abs(sum);
+}
+
+} // namespace
+
+SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
+                            std::size_t count, const AfferentOptions& options, std::uint64_t key) {
+    const SilencedStimulus silenced = with_silence(without_overlap(stimulus), options.silence_s);
+    const double duration_s =
+        static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
+    const auto afferents = std::span(scene.afferents).subspan(first, count);
+    RespondOptions how{.noise_key = std::nullopt,
+                       .first_number = static_cast<std::uint32_t>(first),
+                       .ways = straight_ways(stimulus.at_mm)};
+    if (options.noise == Switch::on) how.noise_key = key;
+    if (!scene.skin_mm.empty()) how.ways = ways_within(scene.skin_mm, stimulus.at_mm);
+    const std::vector<Spikes> spikes = respond(silenced.stimulus, afferents, how);
+
+    constexpr double slack_s = 1e-9; // for rounding
+    SpikeTimes times_s(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const NeuronRow& row = neuron_rows(afferents[i].kind)[afferents[i].row];
+        const double delay_s = options.conduction_delay == Switch::on ? 1e-3 * row.delay_ms : 0.0;
+        for (const std::uint32_t sample : spikes[i]) {
+            const double t_s = spike_time_s(sample) - silenced.before_s;
+            if (t_s > slack_s && t_s < duration_s + slack_s) times_s[i].push_back(t_s + delay_s);
+        }
+    }
+    return times_s;
+}
+
+std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
+                                           const SpikeTimes& times_s, double duration_s,
+                                           double frequency_Hz,
+                                           const std::function<double(Vec2)>& distance_mm) {
+    std::vector<ClassResponse> responses;
+    for (const AfferentClass kind : all_classes) {
+        ClassResponse r{.kind = kind};
+        double squares = 0.0, resultants = 0.0, counted = 0.0, first_s = nothing;
+        for (std::size_t i = 0; i < afferents.size(); ++i) {
+            if (afferents[i].kind != kind) continue;
+            ++r.afferents;
+            const std::vector<double>& train = times_s[i];
+            if (train.empty()) continue;
+            ++r.active;
+            r.spikes += train.size();
+            const auto n = static_cast<double>(train.size());
+            squares += n * std::pow(distance_mm(afferents[i].at_mm), 2);
+            first_s = std::isnan(first_s) ? train.front() : std::min(first_s, train.front());
+            if (train.size() < fewest_for_locking || !(frequency_Hz > 0.0)) continue;
+            resultants += resultant(train, frequency_Hz);
+            counted += n;
+        }
+        if (r.afferents == 0) continue;
+        const auto n = static_cast<double>(r.spikes);
+        r.mean_rate_Hz = r.active > 0 ? n / duration_s / static_cast<double>(r.active) : nothing;
+        r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : nothing;
+        r.locking = counted > 0.0 ? resultants / counted : nothing;
+        r.first_spike_ms = 1e3 * first_s;
+        responses.push_back(r);
+    }
+    return responses;
+}
+
+} // namespace shearwake::neural

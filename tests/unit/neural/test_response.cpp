@@ -1,0 +1,249 @@
+#include "neural/response.hpp"
+
+#include "base/error.hpp"
+#include "neural/carrier.hpp"
+#include "neural/check_stimulus.hpp"
+#include "neural/silence.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace shearwake;
+using namespace shearwake::neural;
+
+namespace {
+
+PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
+    PinStimulus s{.at_mm = std::move(at_mm), .radius_mm = 1.0, .rate_Hz = rate_Hz};
+    const auto samples = static_cast<std::size_t>(0.1 * rate_Hz);
+    s.indentation_mm = Lines(s.at_mm.size(), samples);
+    for (std::size_t p = 0; p < s.at_mm.size(); ++p)
+        for (std::size_t k = 0; k < samples; ++k)
+            s.indentation_mm.line(p)[k] =
+                0.05 * (1.0 - std::cos(2.0 * M_PI * 200.0 * static_cast<double>(k) / rate_Hz));
+    return s;
+}
+
+AfferentOptions palm() {
+    AfferentOptions options;
+    options.patch_m = usual_patch_m(options.places);
+    return options;
+}
+
+std::string words(const std::vector<Remark>& remarks) {
+    std::string all;
+    for (const Remark& r : remarks)
+        all += (r.severity == Severity::error ? "error: " : "warning: ") + r.key + ": " +
+               r.message + "\n";
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("silence is put before, and the last value fades out after", "[neural]") {
+    PinStimulus s{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 1000.0};
+    s.indentation_mm = Lines(1, 4);
+    s.indentation_mm.values = {1.0, 2.0, 3.0, 4.0};
+    const SilencedStimulus out = with_silence(s, 2e-3);
+    CHECK(out.before_s == 2e-3);
+    const auto& values = out.stimulus.indentation_mm.values;
+    REQUIRE(values.size() == 8);
+    CHECK(std::vector(values.begin(), values.begin() + 6) ==
+          std::vector{0.0, 0.0, 1.0, 2.0, 3.0, 4.0});
+    CHECK(values[6] == Approx(2.0).epsilon(1e-14)); // cos^2(pi/4)
+    CHECK(values[7] == 0.0);
+    CHECK(with_silence(s, 0.0).stimulus.indentation_mm.values == s.indentation_mm.values);
+}
+
+TEST_CASE("with silence a stimulus lasts a whole number of the neurons' samples", "[neural]") {
+    const double rate_Hz = GENERATE(1000.0, 16000.0, 20000.0, 48000.0, 44100.0);
+    const auto samples = with_silence(tapping({{}}, rate_Hz), 0.02).stimulus.indentation_mm.samples;
+    const double neuron_samples = static_cast<double>(samples) / rate_Hz * 5000.0;
+    CHECK(std::abs(neuron_samples - std::round(neuron_samples)) < 1e-6); // as the code asks for
+}
+
+TEST_CASE("silence only delays what is sampled at the neurons' rate", "[neural]") {
+    AfferentOptions options = palm();
+    options.classes = {AfferentClass::PC};
+    const Scene scene = make_scene(options);
+    PinStimulus stimulus = tapping({{126.0, 10.0}});
+    for (std::size_t k = 0; k < 25; ++k) // at rest at both ends
+        stimulus.indentation_mm.values[k] = stimulus.indentation_mm.values[475 + k] = 0.0;
+    // But for the last sample, at which the bare line has no next one.
+    const auto but_the_last = [&] {
+        SpikeTimes times_s = response_to_pins(stimulus, scene, 0, 500, options, 1);
+        for (std::vector<double>& train : times_s)
+            std::erase_if(train, [](double t_s) { return t_s > 0.0999; });
+        return times_s;
+    };
+    const SpikeTimes silent = but_the_last();
+    options.silence_s = 0.0;
+    const SpikeTimes bare = but_the_last();
+    std::size_t spikes = 0;
+    for (std::size_t i = 0; i < bare.size(); ++i) {
+        REQUIRE(silent[i].size() == bare[i].size());
+        spikes += bare[i].size();
+        for (std::size_t k = 0; k < bare[i].size(); ++k)
+            CHECK(silent[i][k] == Approx(bare[i][k]).margin(1e-9)); // rounding
+    }
+    CHECK(spikes > 100);
+}
+
+TEST_CASE("a scene gives the same spikes in whatever parts, noise on", "[neural]") {
+    AfferentOptions options = palm();
+    options.noise = Switch::on;
+    const Scene scene = make_scene(options);
+    const PinStimulus stimulus = tapping({{120.0, 5.0}, {126.0, 10.0}}, 20000.0);
+    const std::size_t n = scene.afferents.size();
+    const auto whole = response_to_pins(stimulus, scene, 0, n, options, 11);
+    SpikeTimes parts;
+    for (std::size_t rank = 0; rank < 3; ++rank) {
+        const std::size_t first = n * rank / 3, end = n * (rank + 1) / 3;
+        for (auto& train : response_to_pins(stimulus, scene, first, end - first, options, 11))
+            parts.push_back(std::move(train));
+    }
+    CHECK(parts == whole);
+}
+
+TEST_CASE("the conduction delay of each neuron is added to its spikes", "[neural]") {
+    AfferentOptions options = palm();
+    options.sheet = SkinSheet::flat;
+    options.places = AfferentList{{{{}, AfferentClass::PC, 2}}};
+    const Scene scene = make_scene(options);
+    const PinStimulus stimulus = tapping({scene.afferents[0].at_mm});
+    const auto at_once = response_to_pins(stimulus, scene, 0, 1, options, 1);
+    options.conduction_delay = Switch::on;
+    const auto later = response_to_pins(stimulus, scene, 0, 1, options, 1);
+    REQUIRE(!at_once[0].empty());
+    CHECK(later[0][0] - at_once[0][0] == Approx(6.775949651679992e-3).epsilon(1e-12));
+}
+
+TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike", "[neural]") {
+    const std::vector<Afferent> afferents = {{{3.0, 0.0}, AfferentClass::PC, 0},
+                                             {{0.0, 4.0}, AfferentClass::PC, 0},
+                                             {{}, AfferentClass::PC, 0},
+                                             {{}, AfferentClass::RA, 0}};
+    SpikeTimes times_s = {{0.012, 0.022, 0.032, 0.042, 0.052}, {0.0153}, {}, {}};
+    const auto of =
+        class_responses(afferents, times_s, 0.5, 100.0, [](Vec2 at) { return norm(at); });
+    REQUIRE(of.size() == 2);
+    CHECK(of[0].kind == AfferentClass::RA);
+    CHECK(of[0].spikes == 0);
+    CHECK(std::isnan(of[0].spread_mm));
+    const ClassResponse& PC = of[1];
+    CHECK(PC.afferents == 3);
+    CHECK(PC.active == 2);
+    CHECK(PC.spikes == 6);
+    CHECK(PC.mean_rate_Hz == Approx(6.0 / 0.5 / 2.0));
+    CHECK(PC.spread_mm == Approx(std::sqrt((5.0 * 9.0 + 16.0) / 6.0)));
+    CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; the lone spike says nothing
+    CHECK(PC.first_spike_ms == Approx(12.0));
+    // At four times the phase apart nothing is left: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
+    times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
+    CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1].locking <
+          1e-12);
+    CHECK(std::isnan(
+        class_responses(afferents, times_s, 0.5, 0.0, [](Vec2) { return 0.0; })[1].locking));
+}
+
+TEST_CASE("a carrier that its sampling cannot carry is refused", "[neural]") {
+    CarrierInput carrier{.amplitude_m = 50e-6, .sampling_Hz = 80e3};
+    CHECK_THROWS_AS(carrier_stimulus(carrier, {{}}, 1.0, 0.1), UsageError);
+    CHECK_THROWS_WITH(carrier_stimulus(carrier, {{}}, 1.0, 0.1),
+                      Catch::Contains("2 samples a cycle") && Catch::Contains("200"));
+    carrier.sampling_Hz = 200e3;
+    CHECK(carrier_stimulus(carrier, {{}}, 1.0, 0.1).indentation_mm.samples == 20000);
+}
+
+TEST_CASE("a carrier is signed, rectified or squared, times its modulation", "[neural]") {
+    CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0, .am_depth = 1.0};
+    const auto line = [&](CarrierWave wave) {
+        carrier.wave = wave;
+        return carrier_stimulus(carrier, {{}}, 1.0, 0.005).indentation_mm.values;
+    };
+    const auto s = line(CarrierWave::signed_), r = line(CarrierWave::rectified),
+               q = line(CarrierWave::squared);
+    CHECK(q[0] == 0.0);
+    for (std::size_t k = 0; k < 1000; k += 7) {
+        CHECK(r[k] == std::max(s[k], 0.0));
+        CHECK(q[k] == Approx(s[k] * s[k] / 0.05).margin(1e-15));
+    }
+    // m = 1 in the middle of the period; sin(2 pi/5) is its largest sample.
+    CHECK(s[501] == Approx(0.05 * std::sin(2.0 * M_PI / 5.0)).epsilon(1e-4));
+}
+
+TEST_CASE("an unmodulated carrier, squared, is felt at its onset alone; modulated, throughout",
+          "[neural]") {
+    AfferentOptions options = palm();
+    options.classes = {AfferentClass::PC};
+    const Scene scene = make_scene(options);
+    CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0};
+    const auto spikes_in = [&](double from_s, double to_s) {
+        const auto stimulus = carrier_stimulus(carrier, {{126.0, 10.0}}, 1.0, 0.1);
+        std::size_t count = 0;
+        for (const auto& train :
+             response_to_pins(stimulus, scene, 0, scene.afferents.size(), options, 1))
+            count +=
+                static_cast<std::size_t>(std::count_if(train.begin(), train.end(), [&](double t_s) {
+                    return t_s > from_s && t_s <= to_s;
+                }));
+        return count;
+    };
+    CHECK(spikes_in(0.0, 0.02) > 50); // 100 mm at 8 m/s are 12.5 ms
+    CHECK(spikes_in(0.02, 0.1) == 0);
+    carrier.am_depth = 1.0;
+    CHECK(spikes_in(0.02, 0.06) > 500);
+    CHECK(spikes_in(0.06, 0.1) > 500);
+}
+
+TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
+    const Polygon skin = make_hand().outline_mm;
+    PinStimulus s = tapping({{126.0, 10.0}, {126.0, 11.0}});
+    CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+               Catch::Contains("warning: pin_radius_mm") && Catch::Contains("0.5 mm"));
+    s.radius_mm = 0.5;
+    CHECK(check_stimulus(s, 0.02, skin).empty());
+    SECTION("a negative radius") {
+        s.radius_mm = -1.0;
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+                   Catch::Contains("error: pin_radius_mm: must be above 0, and is -1"));
+    }
+    SECTION("pins at one place") {
+        s.at_mm[1] = s.at_mm[0];
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: two pins"));
+    }
+    SECTION("pins off the hand") {
+        s.at_mm[1] = {20.0, 20.0}; // between index and middle finger
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+                   Catch::Contains("warning: pins: 1 of 2 pins"));
+        CHECK(check_stimulus(s, 0.02, {}).empty());
+        s.at_mm[0] = {300.0, 0.0};
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: all 2"));
+    }
+    SECTION("not a number") {
+        s.indentation_mm.line(1)[20] = std::numeric_limits<double>::quiet_NaN();
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+                   Catch::Contains("error: trace: 1 values") &&
+                       Catch::Contains("pin 1, sample 20 (counted from 0; 4 ms)"));
+    }
+    SECTION("mixed signs") {
+        s.indentation_mm.line(1)[20] = -1.0;
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+                   Catch::Contains("warning: trace: at 1 of 500 samples"));
+    }
+    SECTION("a step at the start, a jump at the ends") {
+        s.indentation_mm.line(1)[0] = 0.05;
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("begins at 50 um"));
+        s.rate_Hz = 10000.0;
+        CHECK_THAT(words(check_stimulus(s, 0.0, skin)),
+                   Catch::Contains("warning: silence_ms") && Catch::Contains("rings at both ends"));
+    }
+    SECTION("slow sampling") {
+        s.rate_Hz = 500.0;
+        CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
+                   Catch::Contains("500 samples a second carry vibrations up to 250 Hz"));
+    }
+}
