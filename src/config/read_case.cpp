@@ -2,6 +2,7 @@
 
 #include "base/text.hpp"
 #include "config/presets.hpp"
+#include "config/read_afferents.hpp"
 
 #include <algorithm>
 #include <array>
@@ -294,8 +295,8 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
 }
 
 std::span<const std::string_view> case_tables() {
-    static constexpr std::array<std::string_view, 7> tables = {
-        "medium", "load", "domain", "time", "solver", "measure", "record"};
+    static constexpr std::array<std::string_view, 8> tables = {
+        "medium", "load", "domain", "time", "solver", "measure", "record", "afferents"};
     return tables;
 }
 
@@ -309,7 +310,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     Reader medium = root.optional_table("medium"), load = root.optional_table("load"),
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
-           record = root.optional_table("record");
+           record = root.optional_table("record"), afferents = root.optional_table("afferents");
     c.medium = read_medium(medium, files.load_map);
     c.load = read_load(load, c.medium, other_kinds, files.load_text);
     c.domain = read_domain(domain);
@@ -317,6 +318,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.solver = read_solver(solver, c.time);
     c.measure = read_measure(measure, c.time, c.load, c.medium);
     c.record = read_record(record, c.domain, c.time, c.measure);
+    c.afferents = read_afferents(afferents, c.domain, files.load_text);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }
 

@@ -12,4 +12,8 @@ std::optional<AfferentClass> class_named(const std::string& name) {
     return std::nullopt;
 }
 
+std::size_t neuron_count(AfferentClass kind) {
+    return kind == AfferentClass::RA ? 9 : 4;
+}
+
 } // namespace shearwake

@@ -19,6 +19,8 @@ inline constexpr std::array all_classes = {AfferentClass::SA1, AfferentClass::RA
 /// "SA1" ..., and the class of such a name if it is one.
 std::string name_of(AfferentClass kind);
 std::optional<AfferentClass> class_named(const std::string& name);
+/// How many neurons were fitted to fibres of the class.
+std::size_t neuron_count(AfferentClass kind);
 
 /// A nerve fibre: where it ends in the skin, what it is, and which of the fitted neurons it has.
 struct ListedAfferent {
@@ -51,10 +53,10 @@ using AfferentPlaces = std::variant<HandAfferents, GridAfferents, AfferentList>;
 struct PinInput {
     bool operator==(const PinInput&) const = default;
 };
-/// The stress that the engine computes at the receptors.
-struct StressInput {
-    bool operator==(const StressInput&) const = default;
-};
+/// Fewest samples of a carrier's cycle: with fewer, harmonics of what is rectified or squared fall
+/// onto what is slow, and a carrier at a multiple of the sampling rate onto nothing or onto its
+/// bare envelope.
+inline constexpr double fewest_samples_a_cycle = 5.0;
 enum class CarrierWave { signed_, rectified, squared };
 /// Pins move as prescribed, at amplitude A, c = sin(2 pi f t) and m = 1 - depth/2 (1 + cos 2 pi
 /// f_am t): A m c, A max(m c, 0) or A (m c)^2.
@@ -67,7 +69,7 @@ struct CarrierInput {
     double am_depth = 0.0;
     bool operator==(const CarrierInput&) const = default;
 };
-using AfferentInput = std::variant<PinInput, StressInput, CarrierInput>;
+using AfferentInput = std::variant<PinInput, CarrierInput>;
 
 /// How waves travel: on a sheet without end, or within the outline of the hand.
 enum class SkinSheet { flat, hand };
@@ -78,8 +80,8 @@ struct AfferentOptions {
     AfferentPlaces places;
     std::vector<AfferentClass> classes = {all_classes.begin(), all_classes.end()};
     std::uint64_t seed = 1;
-    Vec2 patch_m; // the middle of the patch on the hand, and how the patch is turned there
-    double patch_rad = 0.0;
+    std::optional<Vec2> patch_m; // its middle on the hand; none: that of the part of the hand
+    double patch_rad = 0.0;      // how it is turned there
     SkinSheet sheet = SkinSheet::hand;
     AfferentInput input;
     std::vector<Vec2> pins_m = {{}}; // on the patch

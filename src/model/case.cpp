@@ -2,6 +2,7 @@
 
 #include "base/hash.hpp"
 #include "base/overloaded.hpp"
+#include "model/afferents_text.hpp"
 #include "model/load_text.hpp"
 
 namespace shearwake {
@@ -168,6 +169,7 @@ std::string canonical_text(const Case& c) {
     }
     put_record(t, c.record);
     put_solver(t, c.solver);
+    if (c.afferents) put_afferents(t, *c.afferents); // as before where there are none
     return t.take();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/afferents.hpp"
 #include "model/load.hpp"
 #include "model/medium.hpp"
 #include "model/volume.hpp"
@@ -94,6 +95,7 @@ struct Case {
     MeasureOptions measure;
     RecordOptions record;
     SolverOptions solver;
+    std::optional<AfferentOptions> afferents; // none: what is felt is not asked for
     bool operator==(const Case&) const = default;
 };
 

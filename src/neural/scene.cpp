@@ -16,12 +16,23 @@ Vec2 turned(Vec2 v, double angle_rad) {
 
 } // namespace
 
-Vec2 on_hand_mm(const AfferentOptions& options, Vec2 patch_m) {
-    return 1e3 * (options.patch_m + turned(patch_m, options.patch_rad));
+Patch patch_of(const AfferentOptions& options) {
+    if (options.patch_m) return {*options.patch_m, options.patch_rad};
+    const auto* part = std::get_if<HandAfferents>(&options.places);
+    const Hand hand = make_hand();
+    const Polygon around = part && part->part == "fingertip"
+                               ? regions_of(hand, *part).front().outline_mm
+                               : region(hand, "palm").outline_mm;
+    const Vec2 middle_mm = centroid(around);
+    return {{1e-3 * std::round(middle_mm.x), 1e-3 * std::round(middle_mm.y)}, options.patch_rad};
 }
 
-Vec2 on_patch_m(const AfferentOptions& options, Vec2 hand_mm) {
-    return turned(1e-3 * hand_mm - options.patch_m, -options.patch_rad);
+Vec2 on_hand_mm(const Patch& patch, Vec2 at_m) {
+    return 1e3 * (patch.middle_m + turned(at_m, patch.turn_rad));
+}
+
+Vec2 on_patch_m(const Patch& patch, Vec2 hand_mm) {
+    return turned(1e-3 * hand_mm - patch.middle_m, -patch.turn_rad);
 }
 
 std::vector<HandRegion> regions_of(const Hand& hand, const HandAfferents& places) {
@@ -30,39 +41,30 @@ std::vector<HandRegion> regions_of(const Hand& hand, const HandAfferents& places
     return {region(hand, fmt::format("D{}d", places.digit))};
 }
 
-Vec2 usual_patch_m(const AfferentPlaces& places) {
-    const Hand hand = make_hand();
-    const auto* part = std::get_if<HandAfferents>(&places);
-    const bool is_tip = part && part->part == "fingertip";
-    const Polygon around =
-        is_tip ? regions_of(hand, *part).front().outline_mm : region(hand, "palm").outline_mm;
-    const Vec2 middle_mm = centroid(around);
-    return {1e-3 * std::round(middle_mm.x), 1e-3 * std::round(middle_mm.y)};
-}
-
 Scene make_scene(const AfferentOptions& options) {
-    Scene scene{.hand = make_hand(), .afferents = {}, .pins_mm = {}, .skin_mm = {}};
+    Scene scene{.hand = make_hand(), .patch = patch_of(options)};
     const double to_mm = 1e3;
-    std::visit(
-        overloaded{
-            [&](const HandAfferents& places) {
-                scene.afferents =
-                    populate(regions_of(scene.hand, places), options.classes, options.seed);
-            },
-            [&](const GridAfferents& grid) {
-                scene.afferents = grid_of_afferents({}, to_mm * grid.extent_m, to_mm * grid.pitch_m,
-                                                    options.classes, options.seed);
-                for (Afferent& afferent : scene.afferents)
-                    afferent.at_mm = on_hand_mm(options, 1e-3 * afferent.at_mm);
-            },
-            [&](const AfferentList& list) {
-                for (const ListedAfferent& one : list.all)
-                    scene.afferents.push_back({on_hand_mm(options, one.at_m), one.kind, one.row});
-            },
-        },
-        options.places);
+    std::visit(overloaded{
+                   [&](const HandAfferents& places) {
+                       scene.afferents =
+                           populate(regions_of(scene.hand, places), options.classes, options.seed);
+                   },
+                   [&](const GridAfferents& grid) {
+                       scene.afferents =
+                           grid_of_afferents({}, to_mm * grid.extent_m, to_mm * grid.pitch_m,
+                                             options.classes, options.seed);
+                       for (Afferent& afferent : scene.afferents)
+                           afferent.at_mm = on_hand_mm(scene.patch, 1e-3 * afferent.at_mm);
+                   },
+                   [&](const AfferentList& list) {
+                       for (const ListedAfferent& one : list.all)
+                           scene.afferents.push_back(
+                               {on_hand_mm(scene.patch, one.at_m), one.kind, one.row});
+                   },
+               },
+               options.places);
     for (const Vec2 pin_m : options.pins_m)
-        scene.pins_mm.push_back(on_hand_mm(options, pin_m));
+        scene.pins_mm.push_back(on_hand_mm(scene.patch, pin_m));
     if (options.sheet == SkinSheet::hand) scene.skin_mm = scene.hand.outline_mm;
     return scene;
 }

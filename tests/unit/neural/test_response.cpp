@@ -28,9 +28,7 @@ PinStimulus tapping(std::vector<Vec2> at_mm, double rate_Hz = 5000.0) {
 }
 
 AfferentOptions palm() {
-    AfferentOptions options;
-    options.patch_m = usual_patch_m(options.places);
-    return options;
+    return {};
 }
 
 std::string words(const std::vector<Remark>& remarks) {

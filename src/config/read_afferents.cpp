@@ -1,0 +1,211 @@
+#include "config/read_afferents.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "config/afferents_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+const Range lengths = Range::between(1e-3, 1e4);
+constexpr double most_points = 1e5; // of a grid of pins or afferents
+
+void refuse_unless(Reader& reader, const char* key, bool has_use, const char* where) {
+    if (!has_use && reader.has(key))
+        reader.error(key, fmt::format("has a meaning only with {}", where));
+}
+
+AfferentPlaces read_list(Reader& reader, const TextLoader& load_text) {
+    const std::string name = reader.word("file");
+    if (name.empty()) return AfferentList{};
+    if (!load_text) {
+        reader.error("file", "names a file, and none can be read here");
+        return AfferentList{};
+    }
+    try {
+        AfferentsFile file = read_listed_afferents(load_text(name));
+        if (!file.problem.empty()) reader.error("file", file.problem);
+        return AfferentList{std::move(file.afferents)};
+    } catch (const UsageError& error) {
+        reader.error("file", error.what());
+    }
+    return AfferentList{};
+}
+
+AfferentPlaces read_grid(Reader& reader) {
+    GridAfferents grid{.extent_m = reader.point("extent_mm", Range::between(0.0, 1e4)),
+                       .pitch_m = reader.number("pitch_mm", lengths)};
+    const double points =
+        (grid.extent_m.x / grid.pitch_m + 1.0) * (grid.extent_m.y / grid.pitch_m + 1.0);
+    if (!(points <= most_points))
+        reader.error("pitch_mm", fmt::format("makes {:.0f} points; at most {:.0f} are possible",
+                                             points, most_points));
+    return grid;
+}
+
+AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
+    static const std::array<std::string, 5> all = {"palm", "fingertip", "hand", "grid", "csv"};
+    const std::string where = reader.choice_or("where", "palm", all);
+    refuse_unless(reader, "extent_mm", where == "grid", "where = \"grid\"");
+    refuse_unless(reader, "pitch_mm", where == "grid", "where = \"grid\"");
+    refuse_unless(reader, "file", where == "csv", "where = \"csv\"");
+    refuse_unless(reader, "digit", where == "fingertip", "where = \"fingertip\"");
+    refuse_unless(reader, "classes", where != "csv",
+                  "a where other than \"csv\", whose file names them");
+    if (where == "csv") return read_list(reader, load_text);
+    if (where == "grid") return read_grid(reader);
+    HandAfferents part{.part = where};
+    const double digit = reader.number_or("digit", 2.0, Range::between(1.0, 5.0));
+    if (digit != std::floor(digit)) reader.error("digit", "must be a whole number");
+    part.digit = static_cast<int>(digit);
+    return part;
+}
+
+std::vector<AfferentClass> read_classes(Reader& reader) {
+    const auto names = reader.find_words("classes");
+    if (!names) return {all_classes.begin(), all_classes.end()};
+    std::vector<AfferentClass> classes; // in a fixed order, each once
+    for (const AfferentClass kind : all_classes)
+        if (std::find(names->begin(), names->end(), name_of(kind)) != names->end())
+            classes.push_back(kind);
+    for (const std::string& name : *names)
+        if (!class_named(name))
+            reader.error("classes", fmt::format("must hold some of \"SA1\", \"RA\" and \"PC\", and "
+                                                "holds \"{}\"",
+                                                excerpt(name)));
+    if (names->empty()) reader.error("classes", "must hold a class: \"SA1\", \"RA\" or \"PC\"");
+    return classes;
+}
+
+CarrierInput read_carrier(Reader table) {
+    static const std::array<std::string, 3> waves = {"signed", "rectified", "squared"};
+    CarrierInput carrier;
+    const std::string wave = table.choice_or("wave", "squared", waves);
+    carrier.wave = wave == "signed"      ? CarrierWave::signed_
+                   : wave == "rectified" ? CarrierWave::rectified
+                                         : CarrierWave::squared;
+    carrier.amplitude_m = table.number("amplitude_um", Range::above(0.0));
+    carrier.frequency_Hz =
+        table.number_or("frequency_kHz", carrier.frequency_Hz, Range::between(0.1, 1000.0));
+    const double fewest_Hz = fewest_samples_a_cycle * carrier.frequency_Hz;
+    carrier.sampling_Hz =
+        table.number_or("sampling_kHz", std::max(5000.0, fewest_Hz), Range::between(5.0, 1e5));
+    carrier.am_frequency_Hz = table.number_or("am_frequency_Hz", 0.0, Range::between(0.0, 2000.0));
+    carrier.am_depth = table.number_or("am_depth", 1.0, Range::between(0.0, 1.0));
+    if (carrier.am_frequency_Hz == 0.0) carrier.am_depth = 0.0;
+    if (carrier.sampling_Hz < fewest_Hz * (1.0 - 1e-9))
+        table.error("sampling_kHz",
+                    fmt::format("gives {:.3g} samples a cycle of {:g} kHz, which aliases: what is "
+                                "sampled is another wave or none; it must be at least {:g}",
+                                carrier.sampling_Hz / carrier.frequency_Hz,
+                                1e-3 * carrier.frequency_Hz, 1e-3 * fewest_Hz));
+    table.finish();
+    return carrier;
+}
+
+AfferentInput read_input(Reader& reader) {
+    static const std::array<std::string, 2> inputs = {"pins", "carrier"};
+    const std::string input = reader.choice_or("input", "pins", inputs);
+    refuse_unless(reader, "carrier", input == "carrier", "input = \"carrier\"");
+    if (input == "carrier") return read_carrier(reader.table("carrier"));
+    return PinInput{};
+}
+
+std::vector<Vec2> read_pin_line(Reader table) {
+    const Vec2 from_m = table.point("from_mm"), to_m = table.point("to_mm");
+    const double count = table.number("count", Range::between(2.0, 1000.0));
+    if (count != std::floor(count)) table.error("count", "must be a whole number");
+    table.finish();
+    std::vector<Vec2> pins_m;
+    for (int i = 0; i < static_cast<int>(count); ++i)
+        pins_m.push_back(from_m + static_cast<double>(i) / (count - 1.0) * (to_m - from_m));
+    return pins_m;
+}
+
+std::vector<Vec2> read_pin_grid(Reader table) {
+    const Vec2 extent_m = table.point("extent_mm", Range::between(0.0, 1e4)),
+               center_m = table.point_or("center_mm", {});
+    const double pitch_m = table.number("pitch_mm", lengths);
+    table.finish();
+    const auto half = [&](double length_m) { return std::floor(0.5 * length_m / pitch_m + 1e-9); };
+    std::vector<Vec2> pins_m;
+    const double half_x = half(extent_m.x), half_y = half(extent_m.y);
+    if ((2.0 * half_x + 1.0) * (2.0 * half_y + 1.0) > 1000.0) {
+        table.error("pitch_mm", fmt::format("makes {:.0f} pins; at most 1000 are possible",
+                                            (2.0 * half_x + 1.0) * (2.0 * half_y + 1.0)));
+        return {{}};
+    }
+    for (double i = -half_x; i <= half_x; ++i)
+        for (double j = -half_y; j <= half_y; ++j)
+            pins_m.push_back(center_m + pitch_m * Vec2{i, j});
+    return pins_m;
+}
+
+std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
+    const int given = reader.has("pins_mm") + reader.has("pin_line") + reader.has("pin_grid");
+    std::vector<Vec2> pins_m = {{}};
+    const char* key = "pins_mm";
+    if (given > 1)
+        reader.error("pins_mm", "pin_line and pin_grid say the same: one of them is enough");
+    if (const auto points_m = reader.find_points("pins_mm")) pins_m = *points_m;
+    if (reader.has("pin_line")) {
+        pins_m = read_pin_line(reader.optional_table("pin_line"));
+        key = "pin_line";
+    }
+    if (reader.has("pin_grid")) {
+        pins_m = read_pin_grid(reader.optional_table("pin_grid"));
+        key = "pin_grid";
+    }
+    if (pins_m.empty() || pins_m.size() > 1000)
+        reader.error(key, fmt::format("must hold 1 to 1000 pins, and holds {}", pins_m.size()));
+    for (const Vec2& pin_m : pins_m) {
+        if (domain.nx == 0 || (std::abs(pin_m.x) <= 0.5 * domain.extent_x_m() &&
+                               std::abs(pin_m.y) <= 0.5 * domain.extent_y_m()))
+            continue;
+        reader.error(key, fmt::format("must lie in the domain, within {:.6g} and {:.6g} mm of its "
+                                      "middle; [{:.6g}, {:.6g}] does not",
+                                      500.0 * domain.extent_x_m(), 500.0 * domain.extent_y_m(),
+                                      1e3 * pin_m.x, 1e3 * pin_m.y));
+        break;
+    }
+    return pins_m;
+}
+
+} // namespace
+
+std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
+                                              const TextLoader& load_text) {
+    if (reader.empty()) return std::nullopt;
+    AfferentOptions options;
+    options.places = read_places(reader, load_text);
+    options.classes = read_classes(reader);
+    const double seed = reader.number_or("seed", 1.0, Range::between(0.0, 1e15));
+    if (seed != std::floor(seed)) reader.error("seed", "must be a whole number");
+    options.seed = static_cast<std::uint64_t>(seed);
+    if (reader.has("patch_mm")) options.patch_m = reader.point("patch_mm");
+    options.patch_rad = reader.number_or("patch_deg", 0.0, Range::between(-360.0, 360.0));
+    static const std::array<std::string, 2> sheets = {"hand", "flat"};
+    const bool on_hand = std::holds_alternative<HandAfferents>(options.places);
+    options.sheet = reader.choice_or("skin", on_hand ? "hand" : "flat", sheets) == "hand"
+                        ? SkinSheet::hand
+                        : SkinSheet::flat;
+    options.input = read_input(reader);
+    options.pins_m = read_pins(reader, domain);
+    options.pin_radius_m =
+        reader.number_or("pin_radius_mm", options.pin_radius_m, Range::above(0.0));
+    options.silence_s = reader.number_or("silence_ms", options.silence_s, Range::between(0.0, 1e4));
+    const auto switched = [&](const char* key) {
+        return reader.flag_or(key, false) ? Switch::on : Switch::off;
+    };
+    options.noise = switched("noise");
+    options.conduction_delay = switched("conduction_delay");
+    reader.finish();
+    return options;
+}
+
+} // namespace shearwake
