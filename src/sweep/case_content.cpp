@@ -150,16 +150,20 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
                                         const std::optional<MachFit>& mach,
                                         const std::vector<double>& mean_u2) {
     std::vector<VariableGroup> groups = {{"", root_series(c, depths)}};
-    for (const Column& column : summarise(c, depths, traces, mach, mean_u2))
-        groups.front().variables.push_back({.name = column.name,
-                                            .dimensions = {},
-                                            .values = {column.value},
-                                            .units = column.unit,
-                                            .long_name = column.long_name,
-                                            .note = column.note});
+    add_columns(summarise(c, depths, traces, mach, mean_u2), groups.front());
     if (!traces.empty()) groups.push_back(trace_group(c, traces));
     if (!mean_u2.empty()) groups.push_back(mean_group(c, mean_u2));
     return groups;
+}
+
+void add_columns(const std::vector<Column>& columns, VariableGroup& group) {
+    for (const Column& column : columns)
+        group.variables.push_back({.name = column.name,
+                                   .dimensions = {},
+                                   .values = {column.value},
+                                   .units = column.unit,
+                                   .long_name = column.long_name,
+                                   .note = column.note});
 }
 
 std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts) {

@@ -17,6 +17,9 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
                                         const std::optional<MachFit>& mach,
                                         const std::vector<double>& mean_u2);
 
+/// Columns of the table as scalars of a group.
+void add_columns(const std::vector<Column>& columns, VariableGroup& group);
+
 /// How and when it was computed.
 struct RunFacts {
     std::string job_title;

@@ -91,6 +91,9 @@ SurfaceRecorder::SurfaceRecorder(const Case& c, const Comm& team, CaseFileWriter
         depths_.push_back({depth_m, std::vector<SurfaceSums>(frames)});
     for (const Vec2 at_m : c.record.traces_m)
         traces_.push_back({at_m, std::vector<double>(frames)});
+    if (c.afferents && std::holds_alternative<PinInput>(c.afferents->input))
+        for (const Vec2 at_m : c.afferents->pins_m)
+            pins_.push_back({at_m, std::vector<double>(frames)});
 }
 
 void SurfaceRecorder::begin(const Slab& slab) {
@@ -108,7 +111,10 @@ void SurfaceRecorder::frame(const Frame& frame) {
     const std::vector<Vec2> places = foci(case_.load.modulation, case_.time.frame_s(frame.number));
     depths_[frame.depth].frames[n] = surface_sums(frame.u_z_m, slab_.x_start, case_.domain, region_,
                                                   places, case_.measure.focal_radius_m);
-    if (frame.depth == 0) add_to_traces(frame);
+    if (frame.depth == 0)
+        for (std::vector<TraceSeries>* series : {&traces_, &pins_})
+            for (TraceSeries& trace : *series)
+                add_to(trace, frame);
     if (frame.depth == 0) add_to_mean(frame);
     if (frame.depth == 0 && frame.number == instant_) {
         instant_held_ = true;
@@ -163,6 +169,8 @@ void SurfaceRecorder::save(StateWriter& state) {
     for (std::size_t i = 0; i < traces_.size(); ++i)
         put_part(fmt::format("trace_{}", i), traces_[i].u_m);
     if (!mean_weights_.empty()) state.put("mean_u2", surface_rows(), mean_rows_.data());
+    for (std::size_t i = 0; i < pins_.size(); ++i)
+        put_part(fmt::format("pin_{}", i), pins_[i].u_m);
     state.put("instant_held", instant_held_ ? 1.0 : 0.0);
     if (instant_held_) state.put("instant", surface_rows(), instant_rows_.data());
 }
@@ -187,13 +195,16 @@ void SurfaceRecorder::restore(StateReader& state) {
         for (std::size_t at = 0; at < mine.size(); at += length)
             add(std::span(mine).subspan(at, length), frames);
     }
-    for (std::size_t i = 0; i < traces_.size(); ++i) {
-        std::vector<double>& u = traces_[i].u_m;
-        get_parts(fmt::format("trace_{}", i), u.size());
+    const auto get_series = [&](const std::string& name, std::vector<double>& u) {
+        get_parts(name, u.size());
         std::fill(u.begin(), u.end(), 0.0);
         for (std::size_t at = 0; at < mine.size(); ++at)
             u[at % u.size()] += mine[at];
-    }
+    };
+    for (std::size_t i = 0; i < traces_.size(); ++i)
+        get_series(fmt::format("trace_{}", i), traces_[i].u_m);
+    for (std::size_t i = 0; i < pins_.size(); ++i)
+        get_series(fmt::format("pin_{}", i), pins_[i].u_m);
     if (!mean_weights_.empty()) state.get("mean_u2", surface_rows(), mean_rows_.data());
     instant_held_ = state.get("instant_held") != 0.0;
     if (!instant_held_) return;
@@ -201,28 +212,25 @@ void SurfaceRecorder::restore(StateReader& state) {
     state.get("instant", surface_rows(), instant_rows_.data());
 }
 
-void SurfaceRecorder::add_to_traces(const Frame& frame) {
+void SurfaceRecorder::add_to(TraceSeries& trace, const Frame& frame) const {
     const Domain& d = case_.domain;
-    for (TraceSeries& trace : traces_) {
-        const double x = trace.at_m.x / d.spacing_m + static_cast<double>(d.nx / 2);
-        const double y = trace.at_m.y / d.spacing_m + static_cast<double>(d.ny / 2);
-        const double x_floor = std::floor(x + 1e-9), y_floor = std::floor(y + 1e-9);
-        const auto wx = cubic_weights(std::max(0.0, x - x_floor));
-        const auto wy = cubic_weights(std::max(0.0, y - y_floor));
-        double sum = 0.0;
-        for (std::ptrdiff_t a = 0; a < 4; ++a) {
-            const std::ptrdiff_t i = (static_cast<std::ptrdiff_t>(x_floor) + a - 1 + d.nx) % d.nx;
-            const std::ptrdiff_t row = i - slab_.x_start;
-            if (row < 0 || row >= slab_.x_count) continue;
-            for (std::ptrdiff_t b = 0; b < 4; ++b) {
-                const std::ptrdiff_t j =
-                    (static_cast<std::ptrdiff_t>(y_floor) + b - 1 + d.ny) % d.ny;
-                sum += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
-                       frame.u_z_m(row, j);
-            }
+    const double x = trace.at_m.x / d.spacing_m + static_cast<double>(d.nx / 2);
+    const double y = trace.at_m.y / d.spacing_m + static_cast<double>(d.ny / 2);
+    const double x_floor = std::floor(x + 1e-9), y_floor = std::floor(y + 1e-9);
+    const auto wx = cubic_weights(std::max(0.0, x - x_floor));
+    const auto wy = cubic_weights(std::max(0.0, y - y_floor));
+    double sum = 0.0;
+    for (std::ptrdiff_t a = 0; a < 4; ++a) {
+        const std::ptrdiff_t i = (static_cast<std::ptrdiff_t>(x_floor) + a - 1 + d.nx) % d.nx;
+        const std::ptrdiff_t row = i - slab_.x_start;
+        if (row < 0 || row >= slab_.x_count) continue;
+        for (std::ptrdiff_t b = 0; b < 4; ++b) {
+            const std::ptrdiff_t j = (static_cast<std::ptrdiff_t>(y_floor) + b - 1 + d.ny) % d.ny;
+            sum += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
+                   frame.u_z_m(row, j);
         }
-        trace.u_m[static_cast<std::size_t>(frame.number)] = sum;
     }
+    trace.u_m[static_cast<std::size_t>(frame.number)] = sum;
 }
 
 void SurfaceRecorder::add_to_mean(const Frame& frame) {
@@ -256,8 +264,9 @@ void SurfaceRecorder::finish() {
                     1e3 * case_.time.frame_s(static_cast<std::ptrdiff_t>(n)), 1e3 * depth.depth_m));
         }
     }
-    for (TraceSeries& trace : traces_)
-        team_.sum(trace.u_m);
+    for (std::vector<TraceSeries>* series : {&traces_, &pins_})
+        for (TraceSeries& trace : *series)
+            team_.sum(trace.u_m);
     mean_u2_ = team_.gather(mean_rows_);
     const std::vector<double> instant = team_.gather(instant_rows_);
     on_root(team_, [&] { fit_mach(instant); });

@@ -37,6 +37,8 @@ public:
 
     const std::vector<DepthSeries>& depths() const { return depths_; }
     const std::vector<TraceSeries>& traces() const { return traces_; }
+    /// The same at the pins of the case's afferents.
+    const std::vector<TraceSeries>& pins() const { return pins_; }
     /// On rank 0 only; empty elsewhere.
     const std::optional<MachFit>& mach() const { return mach_; }
     /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
@@ -52,7 +54,7 @@ private:
     StateRows surface_rows() const {
         return {case_.domain.nx, slab_.x_start, slab_.x_count, case_.domain.ny};
     }
-    void add_to_traces(const Frame& frame);
+    void add_to(TraceSeries& trace, const Frame& frame) const;
     void add_to_mean(const Frame& frame);
     void check_volumes() const;
     void fit_mach(const std::vector<double>& instant);
@@ -67,7 +69,7 @@ private:
     std::vector<std::ptrdiff_t> kept_;
     std::vector<double> mean_weights_; // of each frame, 1 in all; empty: no window fits
     std::vector<DepthSeries> depths_;
-    std::vector<TraceSeries> traces_;
+    std::vector<TraceSeries> traces_, pins_;
     std::vector<double> mean_rows_; // of this rank, so far
     std::vector<double> mean_u2_;
     std::vector<double> instant_rows_;

@@ -1,0 +1,222 @@
+#include "sweep/afferent_result.hpp"
+
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "neural/carrier.hpp"
+#include "neural/check_stimulus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace shearwake {
+namespace {
+
+using neural::Scene;
+using neural::SpikeTimes;
+
+neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions& options,
+                                const Scene& scene) {
+    const PointMotion& pins = motion.pins;
+    const double radius_mm = 1e3 * options.pin_radius_m;
+    if (const auto* carrier = std::get_if<CarrierInput>(&options.input)) {
+        const double duration_s =
+            static_cast<double>(pins.u_m.empty() ? 0 : pins.u_m.front().size()) / pins.rate_Hz;
+        return neural::carrier_stimulus(*carrier, scene.pins_mm, radius_mm, duration_s);
+    }
+    neural::PinStimulus stimulus{
+        .at_mm = scene.pins_mm, .radius_mm = radius_mm, .rate_Hz = pins.rate_Hz};
+    stimulus.indentation_mm = neural::Lines(pins.u_m.size(), pins.u_m.front().size());
+    for (std::size_t p = 0; p < pins.u_m.size(); ++p)
+        std::transform(pins.u_m[p].begin(), pins.u_m[p].end(),
+                       stimulus.indentation_mm.line(p).begin(), [](double u) { return 1e3 * u; });
+    return stimulus;
+}
+
+/// Warnings; a mistake is thrown. The same on all ranks.
+std::vector<std::string> notes_on(const neural::PinStimulus& stimulus,
+                                  const AfferentOptions& options, const Scene& scene) {
+    std::vector<std::string> notes;
+    if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
+        if (carrier->wave == CarrierWave::signed_)
+            notes.push_back("afferents.carrier.wave: a signed carrier holds nothing below 2.5 kHz, "
+                            "where skin and nerves follow: what fires is moved by its ends alone");
+    for (const Remark& remark :
+         neural::check_stimulus(stimulus, options.silence_s, scene.skin_mm)) {
+        const std::string text = fmt::format("afferents.{}: {}", remark.key, remark.message);
+        if (remark.severity == Severity::error) throw CaseFailure(text);
+        notes.push_back(text);
+    }
+    return notes;
+}
+
+/// All ranks' spikes on rank 0: counts and times travel as numbers.
+SpikeTimes gathered(const SpikeTimes& mine, const Comm& team) {
+    std::vector<double> counts, times_s;
+    for (const auto& train : mine) {
+        counts.push_back(static_cast<double>(train.size()));
+        times_s.insert(times_s.end(), train.begin(), train.end());
+    }
+    counts = team.gather(counts);
+    times_s = team.gather(times_s);
+    SpikeTimes all;
+    auto next = times_s.begin();
+    for (const double count : counts) {
+        const auto end = next + static_cast<std::ptrdiff_t>(count);
+        all.emplace_back(next, end);
+        next = end;
+    }
+    return all;
+}
+
+VariableGroup afferents_group(const Scene& scene, const SpikeTimes& times_s) {
+    std::vector<double> number, x, y, hand_x, hand_y, depth, kind, row, count, spike, time;
+    for (std::size_t i = 0; i < scene.afferents.size(); ++i) {
+        const neural::Afferent& one = scene.afferents[i];
+        const Vec2 at_m = on_patch_m(scene.patch, one.at_mm);
+        number.push_back(static_cast<double>(i));
+        x.push_back(at_m.x);
+        y.push_back(at_m.y);
+        hand_x.push_back(1e-3 * one.at_mm.x);
+        hand_y.push_back(1e-3 * one.at_mm.y);
+        depth.push_back(1e-3 * neural::depth_mm(one.kind));
+        kind.push_back(static_cast<double>(one.kind));
+        row.push_back(static_cast<double>(one.row));
+        count.push_back(static_cast<double>(times_s[i].size()));
+        for (const double t_s : times_s[i]) {
+            spike.push_back(static_cast<double>(spike.size()));
+            time.push_back(t_s);
+        }
+    }
+    const std::vector<std::string> each = {"afferent"};
+    return {"afferents",
+            {{"afferent", each, number, "1", "number of the afferent", ""},
+             {"spike", {"spike"}, spike, "1", "number of the spike, afferent by afferent", ""},
+             {"x", each, x, "m", "position along x of the simulated patch", ""},
+             {"y", each, y, "m", "position along y of the simulated patch", ""},
+             {"hand_x", each, hand_x, "m",
+              "position on the hand, from the index finger's pad to "
+              "the wrist",
+              ""},
+             {"hand_y", each, hand_y, "m",
+              "position on the hand, from the thumb to the little "
+              "finger",
+              ""},
+             {"depth", each, depth, "m", "depth of the receptor", ""},
+             {"class", each, kind, "1", "0: SA1, 1: RA, 2: PC", ""},
+             {"row", each, row, "1", "which of the neurons fitted to this class, from 0 on", ""},
+             {"spike_count", each, count, "1", "spikes of the afferent", ""},
+             {"spike_time",
+              {"spike"},
+              time,
+              "s",
+              "time of the spike since the load began, each "
+              "afferent's in its order",
+              ""}}};
+}
+
+VariableGroup pins_group(const FeltMotion& motion, const AfferentOptions& options,
+                         const Scene& scene) {
+    std::vector<double> number, x, y, hand_x, hand_y, time, u;
+    for (std::size_t p = 0; p < scene.pins_mm.size(); ++p) {
+        const Vec2 at_m = on_patch_m(scene.patch, scene.pins_mm[p]);
+        number.push_back(static_cast<double>(p));
+        x.push_back(at_m.x);
+        y.push_back(at_m.y);
+        hand_x.push_back(1e-3 * scene.pins_mm[p].x);
+        hand_y.push_back(1e-3 * scene.pins_mm[p].y);
+    }
+    const std::vector<std::string> each = {"pin"};
+    VariableGroup group{"pins",
+                        {{"pin", each, number, "1", "number of the pin", ""},
+                         {"x", each, x, "m", "position along x of the simulated patch", ""},
+                         {"y", each, y, "m", "position along y of the simulated patch", ""},
+                         {"hand_x", each, hand_x, "m", "position on the hand along its x", ""},
+                         {"hand_y", each, hand_y, "m", "position on the hand along its y", ""}}};
+    if (!std::holds_alternative<PinInput>(options.input)) return group; // prescribed: see the case
+    for (std::size_t k = 0; k < motion.pins.u_m.front().size(); ++k)
+        time.push_back(static_cast<double>(k) / motion.pins.rate_Hz);
+    for (const auto& line : motion.pins.u_m)
+        u.insert(u.end(), line.begin(), line.end());
+    group.variables.push_back({"time", {"time"}, time, "s", "time since the load began", ""});
+    group.variables.push_back({"u_z",
+                               {"pin", "time"},
+                               u,
+                               "m",
+                               "normal displacement of the pin, positive into the tissue",
+                               ""});
+    return group;
+}
+
+std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes) {
+    std::vector<Column> columns;
+    for (const neural::ClassResponse& r : classes) {
+        const std::string kind = name_of(r.kind);
+        const std::string silent = r.spikes > 0 ? "" : "no afferent of this class fires";
+        const auto add = [&](const char* name, const char* unit, const std::string& what,
+                             double value, const std::string& note) {
+            columns.push_back(
+                {kind + name, unit, what, value, std::isnan(value) ? note : std::string()});
+        };
+        add("_spikes_1", "1", "spikes of all " + kind + " afferents", static_cast<double>(r.spikes),
+            "");
+        add("_active_1", "1", kind + " afferents that fire", static_cast<double>(r.active), "");
+        add("_rate_Hz", "Hz", "mean rate of the " + kind + " afferents that fire", r.mean_rate_Hz,
+            silent);
+        add("_spread_mm", "mm", "rms distance of " + kind + " spikes from the path of the focus",
+            r.spread_mm, silent);
+        add("_locking_1", "1",
+            "vector strength of " + kind + " spikes at the modulation frequency, each afferent's",
+            r.locking,
+            !silent.empty() ? silent
+                            : fmt::format("no modulation, or no afferent with {} spikes",
+                                          neural::fewest_for_locking));
+        add("_first_spike_ms", "ms", "time of the first " + kind + " spike", r.first_spike_ms,
+            silent);
+    }
+    return columns;
+}
+
+} // namespace
+
+AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team) {
+    const Scene scene = neural::make_scene(options);
+    const neural::PinStimulus stimulus = stimulus_of(motion, options, scene);
+    AfferentResult result;
+    result.notes = notes_on(stimulus, options, scene);
+
+    const std::size_t n = scene.afferents.size();
+    const auto ranks = static_cast<std::size_t>(team.size()),
+               rank = static_cast<std::size_t>(team.rank());
+    const std::size_t first = n * rank / ranks, end = n * (rank + 1) / ranks;
+    const SpikeTimes times_s = gathered(
+        response_to_pins(stimulus, scene, first, end - first, options, stable_hash(motion.name)),
+        team);
+    if (!team.is_root()) return result;
+
+    const double duration_s =
+        static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
+    const auto from_path_mm = [&](Vec2 hand_mm) {
+        const Vec2 at_m = on_patch_m(scene.patch, hand_mm);
+        double nearest_m = std::numeric_limits<double>::infinity();
+        for (const Vec2 place_m : motion.path_m)
+            nearest_m = std::min(nearest_m, norm(at_m - place_m));
+        return 1e3 * nearest_m;
+    };
+    result.classes = neural::class_responses(scene.afferents, times_s, duration_s,
+                                             motion.modulation_Hz, from_path_mm);
+    result.columns = columns_of(result.classes);
+    result.groups = {afferents_group(scene, times_s), pins_group(motion, options, scene)};
+    return result;
+}
+
+std::vector<Remark> check_afferents(const AfferentOptions& options) {
+    const Scene scene = neural::make_scene(options);
+    neural::PinStimulus still{
+        .at_mm = scene.pins_mm, .radius_mm = 1e3 * options.pin_radius_m, .rate_Hz = 5000.0};
+    still.indentation_mm = neural::Lines(scene.pins_mm.size(), 2);
+    return neural::check_stimulus(still, options.silence_s, scene.skin_mm);
+}
+
+} // namespace shearwake

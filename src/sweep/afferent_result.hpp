@@ -1,0 +1,40 @@
+#pragma once
+
+#include "measures/summary.hpp"
+#include "model/case.hpp"
+#include "model/check.hpp"
+#include "model/point_motion.hpp"
+#include "model/record.hpp"
+#include "neural/response.hpp"
+#include "parallel/comm.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// What a motion makes nerve fibres do, as it is written and told.
+struct AfferentResult {
+    std::vector<VariableGroup> groups; // "afferents", "pins"
+    std::vector<Column> columns;
+    std::vector<std::string> notes; // what is doubtful, one line each
+    std::vector<neural::ClassResponse> classes;
+};
+
+/// What is needed of a case beside its motion.
+struct FeltMotion {
+    PointMotion pins;         // of the input "pins"; else only their places and the duration count
+    std::vector<Vec2> path_m; // places of the focus, for the spread; on the patch
+    double modulation_Hz = 0.0; // 0: none
+    std::string name;           // the key of the noise: a case's id
+};
+
+/// Afferents are shared out among the ranks; on rank 0 the result holds all of them, elsewhere
+/// none. The same spikes on any number of ranks. Throws CaseFailure, on all ranks alike, when pins
+/// or traces have a mistake. Collective.
+AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team);
+
+/// Mistakes and doubts about the pins of a case that need no simulation.
+std::vector<Remark> check_afferents(const AfferentOptions& options);
+
+} // namespace shearwake

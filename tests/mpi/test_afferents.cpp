@@ -1,0 +1,55 @@
+#include "base/error.hpp"
+#include "sweep/afferent_result.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <stdexcept>
+
+using namespace shearwake;
+
+namespace {
+
+const Variable& variable(const AfferentResult& result, const std::string& name) {
+    for (const Variable& v : result.groups.at(0).variables)
+        if (v.name == name) return v;
+    throw std::runtime_error("no variable " + name);
+}
+
+FeltMotion vibration() {
+    FeltMotion motion{.pins = {.rate_Hz = 20000.0}, .modulation_Hz = 200.0, .name = "a case"};
+    motion.path_m = {{}};
+    for (int p = 0; p < 2; ++p) {
+        std::vector<double>& u_m = motion.pins.u_m.emplace_back();
+        for (int k = 0; k < 1000; ++k)
+            u_m.push_back(20e-6 * (1.0 - std::cos(2.0 * M_PI * 200.0 * k / 20000.0)));
+    }
+    return motion;
+}
+
+} // namespace
+
+TEST_CASE("any number of ranks gives the same spikes, noise on", "[mpi][neural]") {
+    const Comm world = Comm::world();
+    AfferentOptions options;
+    options.noise = Switch::on;
+    options.pins_m = {{-3e-3, 0.0}, {3e-3, 0.0}};
+    const AfferentResult shared = felt(vibration(), options, world);
+    const AfferentResult alone = felt(vibration(), options, world.split(world.rank()));
+    // Every rank alone has computed all; rank 0 compares, and all learn of it.
+    long same = 1;
+    if (world.is_root())
+        same = variable(shared, "spike_time").values == variable(alone, "spike_time").values &&
+               variable(shared, "spike_count").values == variable(alone, "spike_count").values &&
+               variable(shared, "spike_time").values.size() > 100;
+    CHECK(world.broadcast(same) == 1);
+    CHECK(alone.columns.size() == 3 * 6);
+}
+
+TEST_CASE("a mistake of the pins is thrown on all ranks together", "[mpi][neural]") {
+    const Comm world = Comm::world();
+    AfferentOptions options;
+    options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // a metre off the hand
+    CHECK_THROWS_AS(felt(vibration(), options, world), CaseFailure);
+}
