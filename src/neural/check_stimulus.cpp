@@ -98,17 +98,20 @@ void check_signs(const PinStimulus& s, Remarks& remarks) {
 
 /// Without silence the first sample is a step from nothing, and what is resampled rings.
 void check_ends(const PinStimulus& s, double silence_s, Remarks& remarks) {
-    double start = 0.0, jump = 0.0;
+    constexpr double rounding = 1e-6; // of the largest value
+    double start = 0.0, jump = 0.0, largest = 0.0;
     for (std::size_t p = 0; p < s.indentation_mm.count; ++p) {
         const auto line = s.indentation_mm.line(p);
         start = std::max(start, std::abs(line.front()));
         jump = std::max(jump, std::abs(line.front() - line.back()));
+        for (const double value : line)
+            largest = std::max(largest, std::abs(value));
     }
-    if (silence_s > 0.0 && start > 0.0)
+    if (silence_s > 0.0 && start > rounding * largest)
         remarks.warning("trace",
                         "it begins at {:.3g} um: after the silence that is a step, which is felt",
                         1e3 * start);
-    if (!(silence_s > 0.0) && !is_neuron_rate(s.rate_Hz) && jump > 0.0)
+    if (!(silence_s > 0.0) && !is_neuron_rate(s.rate_Hz) && jump > rounding * largest)
         remarks.warning("silence_ms",
                         "without silence the jump of {:.3g} um between the last and the first "
                         "sample rings at both ends, at all distances at once",

@@ -57,6 +57,18 @@ struct DiffArguments {
     std::filesystem::path json;           // where to write the differences; empty: nowhere
 };
 
+struct RespondArguments {
+    std::filesystem::path motion;  // CSV or HDF5; empty: a prescribed carrier
+    std::string group;             // of the HDF5 file; empty: /traces or its root
+    std::filesystem::path options; // TOML with [afferents]; empty: defaults
+    std::vector<std::string> overrides;
+    std::filesystem::path out;   // HDF5; empty: only the summary is printed
+    double duration_ms = 1000.0; // of a carrier
+    double modulation_Hz = 0.0;  // that locking refers to, of a motion; 0: none
+
+    bool gives_radius() const;
+};
+
 ExitCode check_command(const JobArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 ExitCode run_command(const RunArguments& arguments, const Comm& world);
@@ -67,6 +79,7 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
+ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls one of them.

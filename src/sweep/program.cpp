@@ -165,6 +165,32 @@ void add_bench(CLI::App& app, Action& action) {
     });
 }
 
+void add_respond(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<RespondArguments>();
+    CLI::App* verb = app.add_subcommand(
+        "respond",
+        "what nerve fibres answer to a motion of the skin: spikes, without a simulation");
+    verb->add_option("MOTION", arguments->motion,
+                     "displacement at points, CSV or HDF5; without: a prescribed carrier");
+    verb->add_option("--group", arguments->group,
+                     "group of the HDF5 file (default: traces, or its "
+                     "root)");
+    verb->add_option("--options", arguments->options, "a file with [afferents], such as a job")
+        ->type_name("FILE");
+    verb->add_option("-S", arguments->overrides, "override a key: -S afferents.where=hand")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+    verb->add_option("--out", arguments->out, "write the spikes there (HDF5)")->type_name("FILE");
+    verb->add_option("--duration-ms", arguments->duration_ms, "of a prescribed carrier (1000)")
+        ->check(CLI::Range(1.0, 1e5));
+    verb->add_option("--modulation-Hz", arguments->modulation_Hz,
+                     "frequency that the locking of spikes refers to")
+        ->check(CLI::PositiveNumber);
+    verb->callback([=, &action] {
+        action = [=](const Comm& world) { return respond_command(*arguments, world); };
+    });
+}
+
 constexpr const char* footer =
     "A first sweep:\n"
     "  shearwake check jobs/quickstart.toml\n"
@@ -208,6 +234,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
                   report_command);
     add_diff(app, action);
     add_show(app, action);
+    add_respond(app, action);
     add_bench(app, action);
     if (const auto message = unknown_verb(app, argc, argv)) throw UsageError(*message);
     try {

@@ -1,0 +1,30 @@
+#include "config/afferent_options.hpp"
+
+#include "config/job.hpp"
+#include "config/read_afferents.hpp"
+#include "config/read_case.hpp"
+
+#include <array>
+
+namespace shearwake {
+
+AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
+                                      std::span<const Override> overrides,
+                                      const TextLoader& load_text) {
+    Diagnostics findings;
+    AfferentOptions options;
+    if (NodePtr tree = parse_toml(text, file_name, findings)) {
+        for (const Override& override : overrides)
+            tree = with_override(tree, override, findings);
+        Reader root(tree, "", findings);
+        root.allow(case_tables());
+        root.allow(std::array<std::string_view, 4>{"schema", "job", "sweep", "table"});
+        Reader afferents = root.optional_table("afferents");
+        if (const auto read = read_afferents(afferents, Domain{}, load_text)) options = *read;
+        root.finish();
+    }
+    if (findings.errors() > 0) throw BadJob(findings.sorted());
+    return options;
+}
+
+} // namespace shearwake

@@ -1,0 +1,123 @@
+#include "sweep/commands.hpp"
+
+#include "base/text.hpp"
+#include "config/afferent_options.hpp"
+#include "io/files.hpp"
+#include "io/motion_file.hpp"
+#include "io/record_file.hpp"
+#include "model/afferents_text.hpp"
+#include "parallel/agree.hpp"
+#include "sweep/afferent_result.hpp"
+#include "sweep/case_content.hpp"
+#include "sweep/job_source.hpp"
+#include "sweep/provenance.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake {
+namespace {
+
+AfferentOptions options_of(const RespondArguments& arguments) {
+    std::vector<Override> overrides;
+    for (const std::string& text : arguments.overrides)
+        overrides.push_back(parse_override(text));
+    const bool has_file = !arguments.options.empty();
+    const std::filesystem::path beside = has_file ? arguments.options.parent_path() : ".";
+    return read_afferent_options(has_file ? read_file(arguments.options) : "",
+                                 has_file ? arguments.options.string() : "options", overrides,
+                                 [&](const std::string& file) { return read_file(beside / file); });
+}
+
+/// The motion of the file, whose pins and radius are then those of the options; or as long a time
+/// as a prescribed carrier lasts.
+FeltMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
+    FeltMotion motion{.name = "respond"};
+    if (const auto* carrier = std::get_if<CarrierInput>(&options.input)) {
+        if (!arguments.motion.empty())
+            throw UsageError("a prescribed carrier needs no MOTION: leave one of them out");
+        const auto samples =
+            static_cast<std::size_t>(std::llround(1e-3 * arguments.duration_ms * 5000.0));
+        motion.pins = {.rate_Hz = 5000.0, .u_m = {std::vector<double>(samples)}};
+        motion.modulation_Hz = carrier->am_frequency_Hz;
+    } else {
+        if (arguments.motion.empty())
+            throw UsageError("respond needs a MOTION (CSV or HDF5), or a carrier: -S "
+                             "afferents.input=carrier -S 'afferents.carrier={amplitude_um = 50}'");
+        motion.pins = read_motion(arguments.motion, arguments.group);
+        motion.modulation_Hz = arguments.modulation_Hz;
+        if (!motion.pins.at_m.empty()) options.pins_m = motion.pins.at_m;
+        if (motion.pins.radius_m && !arguments.gives_radius())
+            options.pin_radius_m = *motion.pins.radius_m;
+        if (options.pins_m.size() != motion.pins.u_m.size())
+            throw UsageError(fmt::format("{} pins and {} traces", options.pins_m.size(),
+                                         motion.pins.u_m.size()));
+    }
+    motion.path_m = options.pins_m;
+    return motion;
+}
+
+std::string canonical(const AfferentOptions& options) {
+    TomlText text;
+    put_afferents(text, options);
+    return text.take();
+}
+
+void print(const AfferentResult& result, const std::filesystem::path& out) {
+    for (const std::string& note : result.notes)
+        fmt::print(stderr, "warning: {}\n", note);
+    fmt::print("{:>5} {:>10} {:>7} {:>9} {:>9} {:>10} {:>8} {:>14}\n", "class", "afferents",
+               "active", "spikes", "rate_Hz", "spread_mm", "locking", "first_spike_ms");
+    for (const neural::ClassResponse& r : result.classes) {
+        const auto shown = [](double value, const char* form) {
+            return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(form), value);
+        };
+        fmt::print("{:>5} {:>10} {:>7} {:>9} {:>9} {:>10} {:>8} {:>14}\n", name_of(r.kind),
+                   r.afferents, r.active, r.spikes, shown(r.mean_rate_Hz, "{:.2f}"),
+                   shown(r.spread_mm, "{:.2f}"), shown(r.locking, "{:.3f}"),
+                   shown(r.first_spike_ms, "{:.1f}"));
+    }
+    if (!out.empty()) fmt::print("spikes: {}, group afferents\n", out.string());
+}
+
+} // namespace
+
+bool RespondArguments::gives_radius() const {
+    for (const std::string& text : overrides)
+        if (text.starts_with("afferents.pin_radius")) return true;
+    return false;
+}
+
+ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
+    AfferentOptions options;
+    FeltMotion motion;
+    together(world, [&] { // every rank reads the same small files
+        options = options_of(arguments);
+        motion = motion_of(arguments, options);
+    });
+    motion.name = canonical(options); // what the noise belongs to
+    AfferentResult result;
+    try {
+        result = felt(motion, options, world);
+    } catch (const CaseFailure& failure) {
+        throw UsageError(failure.what());
+    }
+    on_root(world, [&] {
+        std::vector<VariableGroup> groups = {{"", {}}};
+        add_columns(result.columns, groups.front());
+        for (const VariableGroup& group : result.groups)
+            groups.push_back(group);
+        std::vector<Attribute> attributes = {
+            {"title", std::string("responses of afferents")},
+            {"motion", arguments.motion.string()},
+            {"afferents", motion.name},
+            {"notes", fmt::format("{}", fmt::join(result.notes, "\n"))}};
+        for (Attribute& attribute : program_attributes())
+            attributes.push_back(std::move(attribute));
+        if (!arguments.out.empty()) write_record(arguments.out, groups, attributes);
+        print(result, arguments.out);
+    });
+    return ExitCode::done;
+}
+
+} // namespace shearwake
