@@ -3,6 +3,7 @@
 #include "measures/summary.hpp"
 #include "model/case.hpp"
 #include "model/check.hpp"
+#include "model/plan.hpp"
 #include "model/point_motion.hpp"
 #include "model/record.hpp"
 #include "neural/response.hpp"
@@ -28,6 +29,10 @@ struct FeltMotion {
     double modulation_Hz = 0.0; // 0: none
     std::string name;           // the key of the noise: a case's id
 };
+
+/// The motion of a case's pins from t = 0, where nothing has moved, to the last frame but one: as
+/// many samples as the run has intervals. And what else its afferents are asked about.
+FeltMotion felt_motion(const PlannedCase& planned, const std::vector<TraceSeries>& pins);
 
 /// Afferents are shared out among the ranks; on rank 0 the result holds all of them, elsewhere
 /// none. The same spikes on any number of ranks. Throws CaseFailure, on all ranks alike, when pins

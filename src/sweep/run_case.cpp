@@ -103,28 +103,6 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
     }
 }
 
-/// The motion of the case's pins from t = 0, where nothing has moved, to the last frame but one: as
-/// many samples as the run has intervals. And what else its afferents are asked about.
-FeltMotion felt_motion(const PlannedCase& planned, const std::vector<TraceSeries>& pins) {
-    const Case& c = planned.physics;
-    FeltMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
-                      .modulation_Hz = modulation_frequency_Hz(c.load.modulation).value_or(0.0),
-                      .name = planned.id};
-    if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
-        motion.modulation_Hz = carrier->am_frequency_Hz;
-        motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
-    }
-    for (const TraceSeries& pin : pins) {
-        std::vector<double>& u_m = motion.pins.u_m.emplace_back(1, 0.0);
-        u_m.insert(u_m.end(), pin.u_m.begin(), pin.u_m.end() - 1);
-    }
-    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-        for (const Vec2 place_m : foci(c.load.modulation, c.time.frame_s(n)))
-            if (motion.path_m.empty() || !(motion.path_m.back() == place_m))
-                motion.path_m.push_back(place_m);
-    return motion;
-}
-
 } // namespace
 
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,

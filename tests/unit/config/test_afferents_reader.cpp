@@ -71,9 +71,10 @@ TEST_CASE("pins stand on a line or a grid as well", "[config][afferents]") {
 }
 
 TEST_CASE("pins off the domain are told", "[config][afferents]") {
-    CHECK_THAT(findings_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
-               Catch::Contains("afferents.pins_mm must lie in the domain, within 48 and 33.75 mm") &&
-                   Catch::Contains("[60, 0] does not"));
+    CHECK_THAT(
+        findings_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
+        Catch::Contains("afferents.pins_mm must lie in the domain, within 48 and 33.75 mm") &&
+            Catch::Contains("[60, 0] does not"));
 }
 
 TEST_CASE("a grid of afferents lies flat if nothing else is said", "[config][afferents]") {
