@@ -8,8 +8,10 @@ import sys
 import traceback
 from pathlib import Path
 
+import fig_afferents
 import fig_drive
 import fig_frequency
+import fig_hand
 import fig_heat
 import fig_intensity
 import fig_measures
@@ -31,13 +33,14 @@ ENVIRONMENT = 6  # as the program's own exit code for files that are missing
 def of_all():
     """Figures in which every case has its point or its cell, in the order of the page."""
     return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
-            ("heat maps", fig_heat.figures), ("small multiples", fig_multiples.figures)]
+            ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
+            ("small multiples", fig_multiples.figures)]
 
 
 def of_few(sweep):
     """Figures in which a case has a panel or a line of its own: of a large sweep only a few. Lines
     over time and frequency say nothing where curves are too many for a panel."""
-    made = [("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
+    made = [("intensity", fig_intensity.figures), ("drive", fig_drive.figures), ("hand", fig_hand.figures),
             ("surface", fig_surface.figures)]
     if len(layout.groups(sweep)) > style.CURVES:
         return made

@@ -120,7 +120,7 @@ VariableGroup pins_group(const FeltMotion& motion, const AfferentOptions& option
                          const Scene& scene) {
     std::vector<double> number, x, y, hand_x, hand_y, time, u;
     for (std::size_t p = 0; p < scene.pins_mm.size(); ++p) {
-        const Vec2 at_m = on_patch_m(scene.patch, scene.pins_mm[p]);
+        const Vec2 at_m = options.pins_m[p];
         number.push_back(static_cast<double>(p));
         x.push_back(at_m.x);
         y.push_back(at_m.y);
@@ -147,6 +147,20 @@ VariableGroup pins_group(const FeltMotion& motion, const AfferentOptions& option
                                "normal displacement of the pin, positive into the tissue",
                                ""});
     return group;
+}
+
+/// The outline of the hand that the afferents lie on, corner by corner.
+VariableGroup hand_group(const Scene& scene) {
+    std::vector<double> number, x, y;
+    for (const Vec2 corner_mm : scene.hand.outline_mm) {
+        number.push_back(static_cast<double>(number.size()));
+        x.push_back(1e-3 * corner_mm.x);
+        y.push_back(1e-3 * corner_mm.y);
+    }
+    return {"hand",
+            {{"corner", {"corner"}, number, "1", "number of the corner", ""},
+             {"hand_x", {"corner"}, x, "m", "outline of the hand along its x", ""},
+             {"hand_y", {"corner"}, y, "m", "outline of the hand along its y", ""}}};
 }
 
 std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes) {
@@ -227,7 +241,8 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     result.classes = neural::class_responses(scene.afferents, times_s, duration_s,
                                              motion.modulation_Hz, from_path_mm);
     result.columns = columns_of(result.classes);
-    result.groups = {afferents_group(scene, times_s), pins_group(motion, options, scene)};
+    result.groups = {afferents_group(scene, times_s), pins_group(motion, options, scene),
+                     hand_group(scene)};
     return result;
 }
 

@@ -16,7 +16,7 @@ namespace shearwake {
 
 /// What a motion makes nerve fibres do, as it is written and told.
 struct AfferentResult {
-    std::vector<VariableGroup> groups; // "afferents", "pins"
+    std::vector<VariableGroup> groups; // "afferents", "pins", "hand"
     std::vector<Column> columns;
     std::vector<std::string> notes; // what is doubtful, one line each
     std::vector<neural::ClassResponse> classes;

@@ -1,0 +1,50 @@
+"""The responses of each class of afferents against the swept key."""
+import math
+
+import fig_curves as curves_module
+import layout
+import style
+from figure import Figure
+from words import key_name
+
+CLASSES = ["SA1", "RA", "PC"]
+PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
+          ("spread_mm", "spread (mm)"), ("locking_1", "locking (1)")]
+
+
+def class_figure(sweep, folder, kind):
+    columns = [(f"{kind}_{name}", label) for name, label in PANELS]
+    columns = [c for c in columns if curves_module.has_any(sweep, c[0])]
+    if not columns or not any(c.value(f"{kind}_spikes_1") > 0 for c in layout.ordinary(sweep)):
+        return None
+    curves = curves_module.curves_of(sweep)
+    figure, made = curves_module.panels(len(columns), curves, height_in=1.35)
+    for axes, (column, label) in zip(made, columns):
+        for group, colour, marker in curves:
+            x, y = curves_module.points(sweep, group, column)
+            axes.plot(x, y, marker=marker, color=colour, markersize=6, zorder=3,
+                      linestyle="-" if layout.is_numeric(sweep) else "none")
+        labels = curves_module.reference_lines(axes, sweep, curves, column, "--")
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(0.0, low), max(1.06 * high, 1e-9))
+        axes.set_ylabel(label)
+        style.label_right(axes, labels)
+    curves_module.set_x_axis(made[-1], sweep)
+    curves_module.legend_above(figure, sweep, curves)
+    name = f"afferents_{kind}"
+    style.save(figure, folder / f"{name}.png")
+    title = f"{kind} afferents against {key_name(sweep.x)}"
+    return Figure(name, title,
+                  f"What the {kind} afferents answer: all their spikes, the mean rate of those that "
+                  "fire, the rms distance of spikes from the path of the focus, and the vector "
+                  "strength of their spikes at the modulation frequency (1: all at one phase). A "
+                  "panel that is missing has no value in any case.", title)
+
+
+def figures(sweep, folder):
+    if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
+        return []
+    values = {layout.x_position(sweep, c) for c in layout.ordinary(sweep) if c.whole}
+    if len([v for v in values if not math.isnan(v)]) < 2:
+        return []
+    return [f for kind in CLASSES if (f := class_figure(sweep, folder, kind))]

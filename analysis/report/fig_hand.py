@@ -1,0 +1,188 @@
+"""Where on the hand afferents fire, when, and what moves the skin there."""
+import math
+
+import h5py
+import matplotlib.pyplot as plt
+import numpy as np
+
+import layout
+import style
+from figure import Figure
+from words import number
+
+CLASSES = ["SA1", "RA", "PC"]
+COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
+MOST_CASES = 6  # that have a figure of their own
+PLACES = 5  # that are chosen for motion and spikes
+NEAR_mm = 4.0  # afferents so near belong to a place
+MOST_TICKS = 200  # afferents of a class that have a row in a raster
+
+
+class Afferents:
+    """What the case file holds of them, in mm and ms; spikes as one array an afferent."""
+
+    def __init__(self, path):
+        with h5py.File(path, "r") as file:
+            group, pins, hand = file["afferents"], file["pins"], file["hand"]
+            self.x, self.y = 1e3 * group["hand_x"][()], 1e3 * group["hand_y"][()]
+            self.patch = 1e3 * np.stack([group["x"][()], group["y"][()]], axis=1)
+            self.kind = np.array(CLASSES)[group["class"][()].astype(int)]
+            self.count = group["spike_count"][()].astype(int)
+            times = 1e3 * group["spike_time"][()]
+            self.outline = 1e3 * np.stack([hand["hand_x"][()], hand["hand_y"][()]], axis=1)
+            self.pins = 1e3 * np.stack([pins["hand_x"][()], pins["hand_y"][()]], axis=1)
+            self.pins_on_patch = 1e3 * np.stack([pins["x"][()], pins["y"][()]], axis=1)
+            self.u_um = 1e6 * pins["u_z"][()] if "u_z" in pins else None
+            self.time = 1e3 * pins["time"][()] if "time" in pins else None
+        self.spikes = np.split(times, np.cumsum(self.count)[:-1]) if len(self.count) else []
+
+    def of(self, kind):
+        return np.flatnonzero(self.kind == kind)
+
+    def present(self):
+        return [kind for kind in CLASSES if len(self.of(kind))]
+
+
+def duration_ms(case):
+    return 1e3 * case.setting("time", "frames") * case.setting("time", "interval_s")
+
+
+def hand_axes(axes, afferents):
+    """The fingers up, the thumb to the left: a right hand from its palm."""
+    outline = np.vstack([afferents.outline, afferents.outline[:1]])
+    axes.fill(outline[:, 1], -outline[:, 0], color="#f7f3ef", zorder=0)
+    axes.plot(outline[:, 1], -outline[:, 0], color="#999999", linewidth=0.9, zorder=1)
+    axes.set_aspect("equal")
+    axes.axis("off")
+
+
+def hand_figure(sweep, case, afferents, folder, name):
+    """A hand a class, a dot an afferent that fires, its rate as colour."""
+    kinds = afferents.present()
+    rates = 1e3 * afferents.count / duration_ms(case)
+    highest = max(rates.max(), 1e-9)
+    figure, made = plt.subplots(1, len(kinds), squeeze=False, layout="constrained",
+                                figsize=(style.WIDTH_in, 4.3 if len(kinds) < 3 else 3.5))
+    for axes, kind in zip(made[0], kinds):
+        hand_axes(axes, afferents)
+        all_of, fires = afferents.of(kind), afferents.count > 0
+        silent, active = all_of[~fires[all_of]], all_of[fires[all_of]]
+        axes.scatter(afferents.y[silent], -afferents.x[silent], s=0.6, color="#c4c4c4", zorder=2)
+        active = active[np.argsort(rates[active])]
+        shown = axes.scatter(afferents.y[active], -afferents.x[active], s=7, c=rates[active],
+                             cmap=style.sequential_map(), vmin=0.0, vmax=highest, zorder=3,
+                             linewidths=0)
+        axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000",
+                  markersize=4 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8, zorder=4)
+        axes.set_title(f"{kind}: {len(active)} of {len(all_of)} fire", pad=3)
+    bar = figure.colorbar(shown, ax=made[0].tolist(), label="firing rate (Hz)", aspect=28,
+                          shrink=0.8)
+    bar.outline.set_visible(False)
+    bar.ax.grid(False)
+    style.save(figure, folder / f"{name}.png")
+    title = f"Where the hand feels it: {layout.case_label(sweep, case)}"
+    return Figure(name, title, "Afferents that fire, coloured by their mean rate over the run; grey "
+                  "dots are silent; red crosses are the pins by which the skin moves.", title)
+
+
+def evenly(indices, most):
+    return indices if len(indices) <= most else indices[
+        np.linspace(0, len(indices) - 1, most).round().astype(int)]
+
+
+def raster_rows(afferents, kind):
+    """The active ones by their distance from the nearest pin, near ones below."""
+    rows = afferents.of(kind)
+    rows = rows[afferents.count[rows] > 0]
+    between = np.hypot(afferents.x[rows, None] - afferents.pins[None, :, 0],
+                       afferents.y[rows, None] - afferents.pins[None, :, 1])
+    return evenly(rows[np.argsort(between.min(axis=1), kind="stable")], MOST_TICKS)
+
+
+def raster_figure(sweep, case, afferents, folder, name):
+    """Spikes over time; a long run has its first part beside it, where bursts are."""
+    kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
+    if not kinds:
+        return None
+    whole = duration_ms(case)
+    spans = [40.0, whole] if whole > 200.0 else [whole]
+    figure, made = plt.subplots(len(kinds), len(spans), squeeze=False, layout="constrained",
+                                figsize=(style.WIDTH_in, 0.7 + 2.1 * len(kinds)))
+    for line, kind in zip(made, kinds):
+        rows = raster_rows(afferents, kind)
+        for axes, span in zip(line, spans):
+            axes.eventplot([afferents.spikes[i] for i in rows], color=COLOURS[kind],
+                           linelengths=max(0.9, len(rows) / 60.0),
+                           linewidths=0.9 if span < 200.0 else 0.35)
+            axes.set_xlim(0.0, span)
+            axes.set_ylim(-0.5, max(len(rows), 5) - 0.5)
+        line[0].set_ylabel(f"{kind}, near to far")
+        line[0].set_title(f"{afferents.count[afferents.of(kind)].sum()} spikes", loc="left", pad=3)
+    for axes in made[-1]:
+        axes.set_xlabel("time (ms)")
+    style.save(figure, folder / f"{name}.png")
+    title = f"Spikes over time: {layout.case_label(sweep, case)}"
+    return Figure(name, title, f"A line an afferent that fires (at most {MOST_TICKS} of a class, "
+                  "evenly chosen), sorted by its distance from the nearest pin." +
+                  (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
+
+
+def chosen_pins(afferents):
+    return evenly(np.arange(len(afferents.pins)), PLACES)
+
+
+def tick_at(top):
+    """One or five times a power of ten below `top`."""
+    power = 10.0 ** math.floor(math.log10(top))
+    return 5.0 * power if 5.0 * power <= top else power
+
+
+def places_figure(sweep, case, afferents, folder, name):
+    """The motion of a few pins and, below each line, the spikes of the afferents near it."""
+    if afferents.u_um is None:
+        return None
+    pins = chosen_pins(afferents)
+    figure, made = plt.subplots(len(pins), 1, sharex=True, sharey=True, squeeze=False,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.7 + 1.25 * len(pins)))
+    used = set()
+    for axes, pin in zip(made[:, 0], pins):
+        near = np.hypot(*(afferents.patch - afferents.pins_on_patch[pin]).T) < NEAR_mm
+        top = 1.1 * max(np.abs(afferents.u_um).max(), 1e-9)
+        level, step = -1.25 * top, 0.16 * top
+        for kind in afferents.present():
+            for i in np.flatnonzero(near & (afferents.kind == kind) & (afferents.count > 0))[:9]:
+                axes.plot(afferents.spikes[i], np.full(afferents.count[i], level), "|",
+                          color=COLOURS[kind], markersize=4.5, markeredgewidth=0.9)
+                level -= step
+                used.add(kind)
+        axes.plot(afferents.time, afferents.u_um[pin], color=style.INK, linewidth=1.1)
+        x, y = afferents.pins_on_patch[pin]
+        axes.set_title(f"({number(x)}, {number(y)}) mm", loc="left", pad=2, fontsize=9)
+        axes.set_yticks([0.0, tick_at(top)])
+    made[-1, 0].set_xlabel("time (ms)")
+    made[-1, 0].set_xlim(0.0, min(duration_ms(case), 200.0))
+    figure.supylabel("indentation (µm); spikes below", fontsize=9.5)
+    if used:
+        made[0, 0].legend(handles=[plt.Line2D([], [], marker="|", linestyle="none", label=kind,
+                                              color=COLOURS[kind]) for kind in CLASSES
+                                   if kind in used], loc="lower right",
+                          bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
+    style.save(figure, folder / f"{name}.png")
+    title = f"Motion and spikes at chosen places: {layout.case_label(sweep, case)}"
+    return Figure(name, title, "Black: how the pin moves, positive into the skin. Ticks: spikes of "
+                  f"afferents within {number(NEAR_mm)} mm of it, a row each, at most nine of a "
+                  "class.", title)
+
+
+def figures(sweep, folder):
+    made = []
+    cases = [c for c in layout.ordinary(sweep) if c.whole and "afferents" in c.physics]
+    for n, case in enumerate(layout.evenly(cases, MOST_CASES)):
+        afferents = Afferents(case.path)
+        if not len(afferents.count) or math.isnan(duration_ms(case)):
+            continue
+        for what, draw in (("hand", hand_figure), ("raster", raster_figure),
+                           ("places", places_figure)):
+            made.append(draw(sweep, case, afferents, folder, f"{what}_{n + 1}"))
+    return [f for f in made if f]

@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+"""The figures of afferents on small synthetic cases: hand, rasters, chosen places, curves.
+
+Run: python3 tests/report/test_afferents.py    (unittest, numpy, h5py, matplotlib; seconds)
+"""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from test_report import AM, Folder  # noqa: E402
+
+import fig_afferents  # noqa: E402
+import fig_hand  # noqa: E402
+import load  # noqa: E402
+
+
+def add_afferents(path, counts, moves=True):
+    """Three PC and two RA about two pins; afferent i fires counts[i] times, every 5 ms."""
+    with h5py.File(path, "r+") as file:
+        case = file.attrs["case"]
+        file.attrs["case"] = (case + "[time]\nframes = 40\ninterval_s = 0.001\n[afferents]\n"
+                              "where = \"palm\"\n")
+        group = file.create_group("afferents")
+        x = 1e-3 * np.array([0.0, 1.0, 30.0, 0.0, 30.0])
+        group["x"], group["y"], group["hand_x"], group["hand_y"] = x, 0 * x, x + 0.12, 0 * x + 0.01
+        group["class"], group["spike_count"] = [2.0, 2.0, 2.0, 1.0, 1.0], np.array(counts, float)
+        group["spike_time"] = np.concatenate(
+            [0.005 * np.arange(1, n + 1) for n in counts] or [np.zeros(0)])
+        pins = file.create_group("pins")
+        pins["x"], pins["y"] = [0.0, 0.03], [0.0, 0.0]
+        pins["hand_x"], pins["hand_y"] = [0.12, 0.15], [0.01, 0.01]
+        if moves:
+            pins["time"] = 1e-3 * np.arange(40)
+            pins["u_z"] = 1e-6 * np.ones((2, 40))
+        hand = file.create_group("hand")
+        hand["hand_x"], hand["hand_y"] = [0.0, 0.2, 0.2], [0.0, -0.05, 0.1]
+
+
+class AfferentsTest(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.root = Path(self.temporary.name)
+        self.folder = Folder(self.root)
+
+    def add(self, f, counts, **options):
+        scalars = {"PC_spikes_1": sum(counts[:3]), "PC_rate_Hz": 10.0 + f, "RA_spikes_1": 0.0}
+        identity = self.folder.add({AM: f}, scalars=scalars)
+        add_afferents(self.folder.file(identity), counts, **options)
+        return identity
+
+    def drawn(self, figures):
+        (self.root / "report").mkdir(exist_ok=True)
+        return {f.name for f in figures(load.load(self.folder.save()), self.root / "report")}
+
+    def test_spikes_go_to_the_afferent_that_fired_them(self):
+        identity = self.add(100.0, [3, 0, 2, 0, 1])
+        held = fig_hand.Afferents(self.folder.file(identity))
+        self.assertEqual([len(s) for s in held.spikes], [3, 0, 2, 0, 1])
+        np.testing.assert_allclose(held.spikes[2], [5.0, 10.0])
+        self.assertEqual(list(held.of("RA")), [3, 4])
+
+    def test_each_case_has_its_hand_its_raster_and_its_places(self):
+        self.add(100.0, [3, 0, 2, 0, 1])
+        self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "places_1"})
+
+    def test_a_prescribed_motion_has_no_places_and_silence_no_raster(self):
+        self.add(100.0, [3, 0, 2, 0, 1], moves=False)
+        self.add(200.0, [0, 0, 0, 0, 0])
+        self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "hand_2", "places_2"})
+
+    def test_a_raster_begins_with_the_nearest(self):
+        identity = self.add(100.0, [3, 1, 2, 0, 1])
+        held = fig_hand.Afferents(self.folder.file(identity))
+        self.assertEqual(list(fig_hand.raster_rows(held, "PC")), [0, 2, 1])
+
+    def test_classes_that_fire_have_curves_over_the_swept_key(self):
+        self.add(100.0, [3, 0, 2, 0, 0])
+        self.assertEqual(self.drawn(fig_afferents.figures), set())  # a point is no curve
+        self.add(200.0, [3, 0, 2, 0, 0])
+        self.assertEqual(self.drawn(fig_afferents.figures), {"afferents_PC"})
+
+    def test_a_case_without_afferents_has_none_of_these(self):
+        self.folder.add({AM: 100.0})
+        self.folder.add({AM: 200.0})
+        self.assertEqual(self.drawn(fig_hand.figures) | self.drawn(fig_afferents.figures), set())
+
+    def test_the_page_shows_them(self):
+        self.add(100.0, [3, 0, 2, 0, 1])
+        self.add(200.0, [3, 0, 2, 0, 1])
+        page = self.folder.report()
+        self.assertIn("Where the hand feels it: 200", page)
+        self.assertIn("PC afferents against AM frequency", page)
+
+
+if __name__ == "__main__":
+    unittest.main()
