@@ -1,4 +1,5 @@
-"""Reads an output folder: plan, journal, job text and every case file that is whole.
+"""Reads an output folder: plan, journal, job text and every case file that is whole. The case files
+alone will do.
 
 A case without a whole file keeps its place with a status and a reason, as `shearwake reduce`
 gives them; it has no numbers, and the figures pass over it.
@@ -11,6 +12,8 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+
+from from_cases import plan_of_cases
 
 
 class NoPlan(Exception):
@@ -190,20 +193,29 @@ def first_line(error):
     return lines[0] if lines else type(error).__name__
 
 
+def read_plan(folder):
+    """plan.json and job.toml, or what the case files tell of them."""
+    path, job = folder / "plan.json", folder / "job.toml"
+    if path.exists():
+        plan, job_text = json.loads(path.read_text(encoding="utf-8")), ""
+    else:
+        plan, job_text = plan_of_cases(folder)
+    if job.exists():
+        job_text = job.read_text(encoding="utf-8", errors="replace")
+    return plan, job_text
+
+
 def load(folder):
     folder = Path(folder)
     try:
-        plan = json.loads((folder / "plan.json").read_text(encoding="utf-8"))
+        plan, job_text = read_plan(folder)
         table = plan["table"]
         cases = [Case(c["id"], c["settings"], c["is_reference"], c["reference_id"],
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], table["x"],
-                      table["series"], cases, "")
+                      table["series"], cases, job_text)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} holds no plan of shearwake: {first_line(error)}") from error
-    job = folder / "job.toml"
-    if job.exists():
-        sweep.job_text = job.read_text(encoding="utf-8", errors="replace")
     failures = read_failures(folder)
     for case in cases:
         if case.path.exists():

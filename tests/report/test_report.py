@@ -53,7 +53,7 @@ def case_id(number):
 
 
 def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot=True,
-               frames=False, drawn=None):
+               frames=False, drawn=None, facts=None):
     """A case file in the layout of src/sweep/case_content.cpp, a few samples wide."""
     time = 1e-4 * np.arange(1, 41)
     wave = 1.0 + 0.5 * np.sin(2 * np.pi * 500 * time)
@@ -64,7 +64,7 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
             "program": "shearwake 0.1.0", "git_id": "abc", "compiler": "g++", "host": "laptop",
             "build_type": "Release", "mpi_version": "m", "fftw_version": "f", "hdf5_version": "h",
             "ranks": 2, "wall_s": 0.5, "started": "2026-01-02T03:04:05Z",
-            "ended": "2026-01-02T03:04:06Z", "status": "complete"})
+            "ended": "2026-01-02T03:04:06Z", "status": "complete", **(facts or {})})
         file["time"], file["depth"] = time, [0.0]
         file["focus_x"], file["focus_y"] = 7.0 * time, 0.0 * time
         file["force"] = wave
@@ -106,19 +106,23 @@ def draw(file, time, lines):
 class Folder:
     """An output folder: `add` cases, then `report`."""
 
-    def __init__(self, root, title="a sweep", x=AM, series=(), swept=(AM,)):
-        self.path, self.cases = Path(root), []
+    def __init__(self, root, title="a sweep", x=AM, series=(), swept=(AM,),
+                 job="schema = 1 # <& job>\n"):
+        self.path, self.cases, self.job = Path(root), [], job
         self.plan = {"schema": 1, "name": "s", "title": title, "swept_keys": list(swept),
                      "table": {"x": x, "series": list(series)}, "cases": self.cases}
         (self.path / "cases").mkdir()
-        (self.path / "job.toml").write_text("schema = 1 # <& job>\n")
+        (self.path / "job.toml").write_text(job)
 
     def add(self, settings, reference=None, is_reference=False, **content):
         identity = case_id(len(self.cases) + 1)
         self.cases.append({"id": identity, "settings": settings, "is_reference": is_reference,
                            "reference_id": reference or "", "case": ""})
         if content.pop("written", True):
-            write_case(self.file(identity), identity, **content)
+            facts = {"title": self.plan["title"], "settings": json.dumps(settings),
+                     "is_reference": "yes" if is_reference else "no",
+                     "reference_id": reference or "", "job": self.job}
+            write_case(self.file(identity), identity, facts=facts, **content)
         return identity
 
     def file(self, identity):
@@ -330,7 +334,7 @@ class ReportTest(unittest.TestCase):
         self.assertIn("No case is whole yet", page.data)
         self.assertFalse(page.images)
 
-    def test_a_folder_without_plan_is_refused(self):
+    def test_a_folder_without_plan_and_cases_is_refused(self):
         self.assertEqual(report.main([str(self.root)]), report.ENVIRONMENT)
 
 

@@ -1,0 +1,81 @@
+"""The report on folders of which only the case files are left.
+
+Run: python3 tests/report/test_cases_alone.py    (unittest, numpy, h5py, matplotlib; seconds)
+"""
+import shutil
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from test_report import AM, FWHM, Folder, Page, case_id, sweep  # noqa: E402
+
+import load  # noqa: E402
+import report  # noqa: E402
+
+
+class CasesAloneTest(unittest.TestCase):
+    """`whole` is a sweep, `copy` a folder with its `cases` and nothing else."""
+
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.whole = Path(self.temporary.name) / "whole"
+        self.copy = Path(self.temporary.name) / "copy"
+        self.whole.mkdir()
+
+    def cases_alone(self, folder):
+        folder.save()
+        shutil.copytree(self.whole / "cases", self.copy / "cases")
+        return load.load(self.whole), load.load(self.copy)
+
+    def assert_same(self, first, second):
+        for name in ("title", "name", "swept_keys", "x", "series_keys", "job_text"):
+            self.assertEqual(getattr(first, name), getattr(second, name), name)
+        for name in ("id", "settings", "is_reference", "reference_id", "status"):
+            self.assertEqual([getattr(c, name) for c in first.cases],
+                             [getattr(c, name) for c in second.cases], name)
+
+    def test_the_same_page_and_figures_come_from_the_case_files(self):
+        folder = sweep(self.whole, job='[job]\nname = "s"\n# <& job>\n')
+        self.assert_same(*self.cases_alone(folder))
+        expected = Page(folder.report())
+        self.assertEqual(report.main([str(self.copy)]), 0)
+        page = Page((self.copy / "report" / "index.html").read_text(encoding="utf-8"))
+        self.assertEqual(page.rows, expected.rows)
+        self.assertEqual([image["alt"] for image in page.images],
+                         [image["alt"] for image in expected.images])
+        for pattern in ("*.png", "*.pdf"):
+            self.assertEqual({p.name for p in (self.copy / "report").glob(pattern)},
+                             {p.name for p in (self.whole / "report").glob(pattern)})
+        self.assertIn("# <& job>", page.data)
+
+    def test_axes_and_order_are_those_of_the_job(self):
+        kind = "load.modulation.kind"
+        job = (f'[job]\nname = "s"\n[table]\nx = "{AM}"\n[sweep]\n"{kind}" = ["STP", "AM-STM"]\n'
+               f'"{AM}" = [100, 200]\n')
+        folder = Folder(self.whole, swept=[kind, AM], series=[kind], job=job)
+        for word in ("STP", "AM-STM"):
+            for f in (100.0, 200.0):
+                folder.add({kind: word, AM: f}, snapshot=False)
+        self.assert_same(*self.cases_alone(folder))
+
+    def test_a_key_that_goes_with_x_is_no_series(self):
+        folder = Folder(self.whole, swept=[AM, FWHM], job='[job]\nname = "s"\n')
+        for f in (100.0, 200.0):
+            folder.add({AM: f, FWHM: f / 50.0}, snapshot=False)
+        self.assert_same(*self.cases_alone(folder))
+
+    def test_a_damaged_file_is_told(self):
+        folder = sweep(self.whole)
+        bad = folder.file(case_id(2))
+        bad.write_bytes(bad.read_bytes()[:3000])
+        _, copy = self.cases_alone(folder)
+        self.assertEqual({c.id: c.status for c in copy.cases},
+                         {case_id(n): "damaged" if n == 2 else "complete" for n in range(1, 5)})
+
+
+if __name__ == "__main__":
+    unittest.main()
