@@ -1,6 +1,10 @@
 #include "model/array_field.hpp"
 #include "unit/config/jobs.hpp"
 
+#include <cmath>
+#include <complex>
+#include <numbers>
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -107,4 +111,53 @@ TEST_CASE("several foci are places about the one that moves", "[config][footprin
     CHECK(findings_of(job("[[1, 0], [1, 0]]")) ==
           Texts{"job.toml:18:11: error: load.modulation.foci_mm has its foci 1 and 2 at the same "
                 "place"});
+}
+
+namespace {
+
+/// Radiation pressure of the 249 elements, each of 1 Pa m, that meet below their middle: element by
+/// element, from the numbers of the preset as the manual prints them [Pa].
+double pressure_of_249_Pa(double x_m, double y_m) {
+    const double pitch_m = 10.16e-3, radius_m = 4.5e-3, distance_m = 0.2, c_m_s = 346.1;
+    const double k = 2.0 * std::numbers::pi * 40e3 / c_m_s;
+    std::complex<double> p = 0.0;
+    for (int row = 1; row <= 14; ++row)
+        for (int column = 1; column <= 18; ++column) {
+            if (row == 2 && (column == 2 || column == 3 || column == 17)) continue;
+            const double px = (column - 9.5) * pitch_m, py = (row - 7.5) * pitch_m;
+            const double to_focus = std::hypot(px, py, distance_m);
+            const double aside = std::hypot(x_m - px, y_m - py), r = std::hypot(aside, distance_m);
+            const double s = k * radius_m * aside / r; // never 0: no element is below the middle
+            p += std::polar(2.0 * std::cyl_bessel_j(1.0, s) / s / r, k * (r - to_focus));
+        }
+    return std::norm(p) / (1.184 * c_m_s * c_m_s);
+}
+
+/// Distance along a direction at which half of the pressure is left [m].
+double half_of_249_m(double along_x, double along_y) {
+    double low = 0.0, high = 8e-3; // before the first zero
+    for (int i = 0; i < 50; ++i) {
+        const double middle = 0.5 * (low + high);
+        const bool above = pressure_of_249_Pa(middle * along_x, middle * along_y) >
+                           0.5 * pressure_of_249_Pa(0.0, 0.0);
+        (above ? low : high) = middle;
+    }
+    return low;
+}
+
+} // namespace
+
+TEST_CASE("the array of 249 elements presses as the sum of them", "[config][footprint]") {
+    const double strength_Pa_m = GENERATE(2.53, 3.4);
+    const Load load = load_of("shape = \"array\", preset = \"array-249\", distance_mm = 200, "
+                              "pressure_Pa_m = " +
+                              std::to_string(strength_Pa_m));
+    // 249 roundings of phases of 150 rad, some 1e-12.
+    CHECK(load.peak_Pa ==
+          Approx(strength_Pa_m * strength_Pa_m * pressure_of_249_Pa(0.0, 0.0)).epsilon(1e-10));
+    const double width_x_m = half_of_249_m(1.0, 0.0) + half_of_249_m(-1.0, 0.0);
+    const double width_y_m = half_of_249_m(0.0, 1.0) + half_of_249_m(0.0, -1.0);
+    // The program doubles the half towards larger x and y; the three empty places make the two
+    // halves differ by 8e-4 along y, 3e-4 along x.
+    CHECK(fwhm_m(load.footprint) == Approx(std::sqrt(width_x_m * width_y_m)).epsilon(6e-4));
 }
