@@ -163,7 +163,8 @@ def main():
     build = Path(sys.argv[1]).resolve()
     results = build / "test-results"
     results.mkdir(exist_ok=True)
-    os.environ.update(SHEARWAKE=str(build / "shearwake"), SHEARWAKE_PYTHON=sys.executable)
+    os.environ.update(SHEARWAKE=str(build / "shearwake"), SHEARWAKE_PYTHON=sys.executable,
+                      SHEARWAKE_NEEDS_CHROMIUM="yes")  # scripts/setup --tests installs it
     if os.geteuid() == 0:  # a container
         os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     groups = [group for group in groups_of(build, sys.executable)
