@@ -91,6 +91,44 @@ int line_of_endless_key(std::string_view text) {
     return 0;
 }
 
+/// The end of the string that begins at `at` with its quotes.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+    const char quote = text[at];
+    const bool long_one = text.substr(at, 3) == std::string(3, quote);
+    for (std::size_t i = at + (long_one ? 3 : 1); i < text.size(); ++i) {
+        if (text[i] == '\\' && quote == '"') {
+            ++i;
+        } else if (text[i] == '\n' && !long_one) {
+            return i; // never closed
+        } else if (text[i] == quote && !long_one) {
+            return i + 1;
+        } else if (text.substr(i, 3) == std::string(3, quote)) {
+            // Quotes that belong to the string may stand before the closing ones.
+            return std::min(text.find_first_not_of(quote, i), text.size());
+        }
+    }
+    return text.size();
+}
+
+/// The line of the first letter beyond ASCII that stands in no string and no comment, or 0. TOML
+/// has none there, and toml++ 3.3 is undefined for some.
+int line_of_foreign_letter(std::string_view text) {
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+    int line = 1;
+    std::size_t at = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
+    while (at < text.size()) {
+        std::size_t next = at + 1;
+        if (text[at] == '#') next = std::min(text.find('\n', at), text.size());
+        if (text[at] == '"' || text[at] == '\'') next = end_of_string(text, at);
+        if (static_cast<unsigned char>(text[at]) >= 0x80) return line;
+        line +=
+            static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(at),
+                                        text.begin() + static_cast<std::ptrdiff_t>(next), '\n'));
+        at = next;
+    }
+    return 0;
+}
+
 } // namespace
 
 NodePtr parse_toml(std::string_view text, const std::string& file_name, Diagnostics& findings) {
@@ -98,6 +136,12 @@ NodePtr parse_toml(std::string_view text, const std::string& file_name, Diagnost
     if (const int line = line_of_endless_key(text)) {
         findings.error({file, line, 1},
                        fmt::format("a key of more than {} parts, joined by dots", most_levels));
+        return nullptr;
+    }
+    if (const int line = line_of_foreign_letter(text)) {
+        findings.error({file, line, 1}, "a letter beyond ASCII (or a byte that is none) outside of "
+                                        "quotes and comments: write keys and words as in "
+                                        "docs/job-file.md");
         return nullptr;
     }
     try {

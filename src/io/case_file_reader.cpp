@@ -1,6 +1,7 @@
 #include "io/case_file_reader.hpp"
 
 #include "base/error.hpp"
+#include "io/guard.hpp"
 #include "io/h5.hpp"
 
 namespace shearwake {
@@ -28,6 +29,11 @@ void read_attributes(hid_t file, CaseSummary& summary) {
 } // namespace
 
 CaseSummary read_case_summary(const std::filesystem::path& path) {
+    must_survive(path, [&] { read_summary_unguarded(path); });
+    return read_summary_unguarded(path);
+}
+
+CaseSummary read_summary_unguarded(const std::filesystem::path& path) {
     const h5::Id file = h5::open_file(path, h5::Access::read);
     CaseSummary summary;
     read_attributes(file.raw(), summary);
@@ -59,10 +65,14 @@ CaseSummary read_case_summary(const std::filesystem::path& path) {
 
 bool is_whole(const std::filesystem::path& path, const std::string& id) {
     if (!std::filesystem::exists(path)) return false;
-    try {
+    const auto look = [&] {
         const h5::Id file = h5::open_file(path, h5::Access::read);
         return h5::text_attribute(file.raw(), "status") == "complete" &&
                h5::text_attribute(file.raw(), "case_id") == id;
+    };
+    try {
+        must_survive(path, look);
+        return look();
     } catch (const Error&) {
         return false; // truncated or damaged: computed again
     }

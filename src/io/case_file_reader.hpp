@@ -19,6 +19,8 @@ struct CaseSummary {
 
 /// Throws Error with a reason when the file is truncated, damaged or not a case. Not collective.
 CaseSummary read_case_summary(const std::filesystem::path& path);
+/// The same without a guard: HDF5 may break down on the file, and this process with it.
+CaseSummary read_summary_unguarded(const std::filesystem::path& path);
 
 /// Whether the file is there, opens, is complete and is the case of that id.
 bool is_whole(const std::filesystem::path& path, const std::string& id);

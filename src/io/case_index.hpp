@@ -27,6 +27,13 @@ struct CaseDigest {
     bool whole() const { return status == "complete"; }
 };
 
+/// What tells one state of a file from another.
+struct CaseStamp {
+    std::uintmax_t size = 0;
+    std::int64_t changed_ns = 0;
+    bool operator==(const CaseStamp&) const = default;
+};
+
 /// What the case files of an output folder say, kept in `index*.jsonl` beside them, so that ten
 /// thousand need not be opened every time. A line counts while its file has the size and the time
 /// of change that it names; whatever is missing is read from the files. Deleting the index is
@@ -47,10 +54,13 @@ public:
 
 private:
     struct Entry {
-        std::uintmax_t size = 0;
-        std::int64_t changed_ns = 0;
+        CaseStamp stamp;
         CaseDigest digest;
     };
+
+    std::filesystem::path case_file(const std::string& id) const;
+    bool take_known(const std::string& id, const CaseStamp& stamp);
+    void read_missing();
 
     std::filesystem::path folder_;
     std::map<std::string, Entry> known_; // as the lines say

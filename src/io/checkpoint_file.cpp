@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "io/files.hpp"
+#include "io/guard.hpp"
 #include "io/h5_block.hpp"
 #include "io/row_checksum.hpp"
 #include "parallel/agree.hpp"
@@ -58,6 +59,19 @@ RowRange extent_of(const h5::Id& dataset) {
     if (shape.size() != 2) throw Error("an array is not two-dimensional");
     return {.total = static_cast<std::ptrdiff_t>(shape[0]),
             .row_length = static_cast<std::ptrdiff_t>(shape[1])};
+}
+
+/// Everything but the arrays' numbers, which HDF5 does not interpret.
+void look_at_all(const std::filesystem::path& path) {
+    const h5::Id file = h5::open_file(path, h5::Access::read);
+    read_scalars(h5::open_group(file.raw(), "scalars").raw());
+    for (const std::string& name : h5::attribute_names(file.raw()))
+        h5::has_attribute(file.raw(), name);
+    for (const std::string& name : h5::dataset_names(file.raw())) {
+        const h5::Id dataset = h5::open_dataset(file.raw(), name);
+        extent_of(dataset);
+        h5::text_attribute(dataset.raw(), "checksum");
+    }
 }
 
 } // namespace
@@ -136,6 +150,7 @@ void CheckpointFileWriter::commit(const CheckpointOwner& owner, const Checkpoint
 std::string trouble_with_checkpoint(const std::filesystem::path& path, const CheckpointOwner& owner,
                                     CheckpointFacts& facts) {
     try {
+        must_survive(path, [&] { look_at_all(path); });
         const h5::Id file = h5::open_file(path, h5::Access::read);
         if (!h5::has_attribute(file.raw(), "whole")) return "is not whole";
         if (h5::text_attribute(file.raw(), "case_id") != owner.case_id) return "is of another case";

@@ -48,6 +48,16 @@ std::optional<std::string> system_reason(const std::string& message) {
     return message.substr(begin, message.find('\'', begin) - begin);
 }
 
+/// Of a text in a file of others.
+constexpr std::size_t longest_believed = std::size_t{1} << 24;
+
+/// There is room for one value.
+void must_be_single(const Id& attribute, const std::string& name) {
+    const Id space(H5Aget_space(attribute.raw()), H5Sclose, "look at attribute " + name);
+    if (H5Sget_simple_extent_npoints(space.raw()) != 1)
+        throw Error("attribute " + name + " is not a single value");
+}
+
 /// By the words of HDF5, which end in those of the system where it has any. MPI tells no reason.
 Trouble trouble_of_words(const std::string& reason) {
     for (const int error : {ENOSPC, EDQUOT, EROFS, EACCES, EPERM, ENOENT, ENOTDIR, EISDIR, EFBIG})
@@ -230,7 +240,9 @@ std::string text_attribute(hid_t object, const std::string& name) {
     const Id type(H5Aget_type(attribute.raw()), H5Tclose, "look at attribute " + name);
     if (H5Tget_class(type.raw()) != H5T_STRING || H5Tis_variable_str(type.raw()) != 0)
         throw Error("attribute " + name + " is no text of fixed length");
+    must_be_single(attribute, name);
     const std::size_t size = H5Tget_size(type.raw());
+    if (size > longest_believed) throw Error("attribute " + name + " is implausibly long");
     std::string value(size, '\0');
     check(H5Aread(attribute.raw(), type.raw(), value.data()), "read attribute " + name);
     value.resize(std::min(size, value.find('\0')));
@@ -240,6 +252,7 @@ std::string text_attribute(hid_t object, const std::string& name) {
 double number_attribute(hid_t object, const std::string& name) {
     const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose,
                        "open attribute " + name);
+    must_be_single(attribute, name);
     double value = 0.0;
     check(H5Aread(attribute.raw(), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
     return value;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "io/guard.hpp"
 #include "io/h5.hpp"
 #include "parallel/agree.hpp"
 
@@ -178,8 +179,12 @@ MaterialMap read_map_file(const std::filesystem::path& path) {
         throw UsageError(file + (is_there ? " is no file" : " is not there"));
     }
     try {
-        const h5::Id owner = h5::open_file(path, h5::Access::read);
-        MaterialMap map = read_from(owner.raw());
+        const auto read = [&] {
+            const h5::Id owner = h5::open_file(path, h5::Access::read);
+            return read_from(owner.raw());
+        };
+        must_survive(path, read);
+        MaterialMap map = read();
         map.file = file;
         map.content_hash = hash_of(map);
         return map;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/case.hpp"
 #include "parallel/comm.hpp"
 #include "sweep/commands.hpp"
 
@@ -29,6 +30,12 @@ double best_of(int times, const auto& measure) {
 
 /// What all ranks together copy at once, read and written.
 double copy_rate_B_s(const Comm& world);
+
+/// What the engine layered is measured with: three layers of skin, a focus at 7 m/s.
+Case layered_bench_case();
+
+/// What a machine takes for computing, transposing and files, kept for `plan`: see machine.hpp.
+ExitCode bench_machine(const Comm& world);
 
 /// A layer with or without a body, where the time of a step goes, and its floors.
 ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);

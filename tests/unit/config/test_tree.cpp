@@ -75,3 +75,17 @@ TEST_CASE("an excerpt is short and printable", "[config][tree]") {
     CHECK(excerpt("a\n\x01\xff") == "a???");
     CHECK(excerpt(std::string(100, 'x'), 5) == "xxxxx...");
 }
+
+TEST_CASE("letters beyond ASCII stand in strings and comments alone", "[tree]") {
+    const auto mistakes = [](const std::string& text) {
+        Diagnostics findings;
+        parse_toml(text, "job.toml", findings);
+        return findings.errors();
+    };
+    CHECK(mistakes("a = \"\xc3\xa9 \\\" \xc3\xa9\" # \xc3\xa9\nb = '\xc3\xa9'\n") == 0);
+    CHECK(mistakes("\xef\xbb\xbf"
+                   "a = \"\"\"\n\xc3\xa9 \"\" \"\"\"\"\" # \xc3\xa9\n") == 0);
+    // toml++ 3.3 asks for the impossible at the first and the last.
+    for (const char* letter : {"\xef\xbb\xb8", "\xc3\xa9", "\xff", "\xe1\x9a\x80"})
+        CHECK(mistakes("a = 1\n" + std::string(letter) + " = 2\n") == 1);
+}

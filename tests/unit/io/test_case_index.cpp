@@ -1,0 +1,77 @@
+#include "io/case_index.hpp"
+
+#include "io/case_file_writer.hpp"
+#include "io/files.hpp"
+#include "io/journal.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+
+using namespace shearwake;
+
+namespace {
+
+void write_case(const std::filesystem::path& folder, const std::string& id, double value) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    CaseFileWriter(folder / "cases" / (id + ".h5"), alone, {})
+        .commit({{"",
+                  {{"a", {}, {value}, "1", "a", ""},
+                   {"b", {}, {std::numeric_limits<double>::quiet_NaN()}, "1", "b", "why not"}}}},
+                {{"title", std::string("t")},
+                 {"case_id", id},
+                 {"git_id", std::string("0abc")},
+                 {"wall_s", 0.25},
+                 {"status", std::string("complete")}});
+}
+
+} // namespace
+
+TEST_CASE("an index says what the case files say, without them being opened again", "[index]") {
+    const test::TemporaryFolder folder;
+    make_directory(folder / "cases");
+    write_case(folder / "", "1", 1.0 / 3.0);
+    write_case(folder / "", "2", 2.0);
+    write_file(folder / "cases/3.h5", "no HDF5");
+    add_to_index(folder / "index.2-of-8.jsonl", folder / "cases/2.h5");
+    CaseIndex(folder / "").find("1");
+    for (const bool saved : {false, true}) {
+        CaseIndex index(folder / "");
+        REQUIRE(index.find("1"));
+        CHECK(index.find("1")->scalars.at(0).value == 1.0 / 3.0);
+        CHECK(std::isnan(index.find("1")->scalars.at(1).value));
+        CHECK(index.find("1")->scalars.at(1).note == "why not");
+        CHECK(index.find("1")->git_id == "0abc");
+        CHECK(index.find("2")->scalars.at(0).value == 2.0);
+        CHECK_FALSE(index.is_whole("3"));
+        CHECK(index.find("3")->status == "damaged");
+        CHECK(index.find("4") == nullptr);
+        CHECK(std::filesystem::exists(folder / "index.jsonl") == saved);
+        index.save();
+    }
+    // What has changed since is read again, and lines that are no JSON are passed over.
+    append_line(folder / "index.jsonl", "{\"id\": \"1\", \"size\"");
+    write_case(folder / "", "1", 5.0);
+    CaseIndex index(folder / "");
+    CHECK(index.find("1")->scalars.at(0).value == 5.0);
+    CHECK(index.find("2")->scalars.at(0).value == 2.0);
+}
+
+TEST_CASE("journals of shards and hosts are one, the latest word counts", "[journal]") {
+    const test::TemporaryFolder folder;
+    CHECK(journal_name("") == "journal.jsonl");
+    CHECK(journal_name("2-of-8", "node7") == "journal.2-of-8@node7.jsonl");
+    CHECK(index_name(journal_name("2-of-8")) == "index.2-of-8.jsonl");
+    const Journal first(folder / journal_name("1-of-2")), second(folder / journal_name("2-of-2"));
+    first.run_started({.overrides = {"a=1"}});
+    first.failed("x", "at first", Blame::case_itself);
+    second.failed("y", "for good", Blame::files);
+    second.finished("x", {1.0, 2.0, "layered"});
+    const JournalContents all = read_journals(folder / "");
+    CHECK(all.running);
+    CHECK(all.overrides == std::vector<std::string>{"a=1"});
+    CHECK(all.cases.at("x").state == CaseHistory::State::finished);
+    CHECK(all.cases.at("y").blame == Blame::files);
+    CHECK(read_journals(folder / "none").cases.empty());
+}

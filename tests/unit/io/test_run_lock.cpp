@@ -1,0 +1,70 @@
+#include "io/run_lock.hpp"
+
+#include "base/error.hpp"
+#include "io/files.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+using namespace shearwake;
+using Sharing = RunLock::Sharing;
+
+TEST_CASE("a folder is locked by one run alone, or by many of parts", "[lock]") {
+    const test::TemporaryFolder folder;
+    CHECK_FALSE(is_locked(folder / "run").has_value()); // there is none
+    {
+        const RunLock alone(folder / "run", Sharing::alone);
+        CHECK(is_locked(folder / "run") == true);
+        CHECK_THROWS_AS(RunLock(folder / "run", Sharing::alone), UsageError);
+        CHECK_THROWS_AS(RunLock(folder / "run", Sharing::with_others), UsageError);
+    }
+    CHECK(is_locked(folder / "run") == false);
+    const RunLock first(folder / "run", Sharing::with_others);
+    CHECK_NOTHROW(RunLock(folder / "run", Sharing::with_others));
+    CHECK_THROWS_AS(RunLock(folder / "run", Sharing::alone), UsageError);
+    CHECK_THROWS_AS(RunLock(folder / "none/run", Sharing::alone), UsageError);
+}
+
+TEST_CASE("a folder in which another host counts is in use, whatever its locks say", "[lock]") {
+    const test::TemporaryFolder folder;
+    std::atomic<bool> ends = false;
+    const auto count = [&](int beat) {
+        std::ofstream(folder / "run") << fmt::format("another-host 17 {}\n", beat);
+    };
+    count(0);
+    std::thread host([&] {
+        for (int beat = 1; !ends; ++beat) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            count(beat);
+        }
+    });
+    std::string words;
+    try {
+        const RunLock lock(folder / "run", Sharing::alone);
+    } catch (const UsageError& error) {
+        words = error.what();
+    }
+    ends = true;
+    host.join();
+    CHECK(words.find("process 17 on another-host") != std::string::npos);
+}
+
+TEST_CASE("a case is claimed once", "[lock]") {
+    const test::TemporaryFolder folder;
+    const CaseClaims mine(folder / "cases"), other(folder / "cases");
+    CHECK(mine.claim(3));
+    CHECK_FALSE(other.claim(3));
+    CHECK(other.claim(4));
+    mine.release(3);
+    CHECK(other.claim(3));
+    std::optional<CaseClaims> ended(std::in_place, folder / "cases");
+    CHECK(ended->claim(9));
+    CHECK_FALSE(mine.claim(9));
+    ended.reset(); // as at the end of a process
+    CHECK(mine.claim(9));
+}

@@ -1,0 +1,79 @@
+#include "sweep/deadline.hpp"
+
+#include "base/error.hpp"
+#include "support/cases.hpp"
+#include "sweep/case_costs.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+using namespace shearwake;
+
+TEST_CASE("a walltime is given in seconds or as Slurm writes it", "[deadline]") {
+    CHECK(parse_walltime("90") == 90.0);
+    CHECK(parse_walltime("1:30") == 90.0);
+    CHECK(parse_walltime("2:00:01") == 7201.0);
+    CHECK(parse_walltime("1-12:00:00") == 129600.0);
+    for (const char* wrong : {"", "0", "-5", "1-12", "1:2:3:4", "1h", "1:", ":1", "UNLIMITED", "1 ",
+                              "99999999999", "1-1-1:00:00"})
+        CHECK_THROWS_AS(parse_walltime(wrong), UsageError);
+}
+
+TEST_CASE("without a limit there is always time", "[deadline]") {
+    const Deadline none;
+    CHECK_FALSE(none.exists());
+    CHECK(std::isinf(none.left_s()));
+    const Deadline hour("1:00:00", Comm::world());
+    CHECK(hour.exists());
+    CHECK(hour.limit_s() == 3600.0);
+    CHECK(hour.left_s() <= 3540.0); // a minute is kept
+}
+
+TEST_CASE("a case costs what its parts cost", "[costs]") {
+    const Machine machine{
+        .message_s = 1e-6, .transposed_B_s = 1e9, .file_s = 0.5, .written_B_s = 1e8};
+    const CaseCost cost{.compute_s = 100.0,
+                        .transposes = 1000.0,
+                        .plane_B = 1e6,
+                        .written_B = 1e7,
+                        .useful_ranks = 100};
+    CHECK(seconds_on(cost, 1, 1, machine) == Approx(100.0 + 0.5 + 0.1));
+    // 1000 transposes of 10 messages and a tenth of a plane; four teams write.
+    CHECK(seconds_on(cost, 10, 4, machine) ==
+          Approx(10.0 + 1000.0 * (10e-6 + 1e5 / 1e9) + 0.5 + 0.4));
+    // 100 slabs on 30 ranks: four on the fullest.
+    CHECK(seconds_on(cost, 30, 1, machine) ==
+          Approx(4.0 + 1000.0 * (30e-6 + 1e6 / 30.0 / 1e9) + 0.5 + 0.1));
+    // More ranks than slabs bring nothing.
+    CHECK(seconds_on(cost, 1000, 1, machine) == seconds_on(cost, 100, 1, machine));
+}
+
+TEST_CASE("a dozen cases of a sweep are probed, the others take the step of the nearest",
+          "[costs]") {
+    std::vector<PlannedCase> planned;
+    for (int i = 0; i < 40; ++i) {
+        Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+        c.time = {20, 1e-3};
+        c.solver = SpectralOptions{};
+        c.load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
+        planned.push_back({std::to_string(i), c, {}, false, ""});
+    }
+    std::vector<const PlannedCase*> cases;
+    for (const PlannedCase& p : planned)
+        cases.push_back(&p);
+    CaseCosts costs(cases, {});
+    int probed = 0;
+    for (const PlannedCase* p : cases)
+        probed += costs.is_probed(p->physics) ? 1 : 0;
+    CHECK(probed == 12);
+    CHECK(costs.is_probed(planned.front().physics));
+    CHECK(costs.is_probed(planned.back().physics));
+    std::set<double> of_probed, of_others;
+    for (const PlannedCase* p : cases)
+        (costs.is_probed(p->physics) ? of_probed : of_others)
+            .insert(costs.of(p->physics).compute_s);
+    // The steps are those of the probed ones, and the meshes are nearly the same for all.
+    CHECK(*of_others.begin() > 0.8 * *of_probed.begin());
+    CHECK(*of_others.rbegin() < 1.25 * *of_probed.rbegin());
+}
