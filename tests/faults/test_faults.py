@@ -10,7 +10,7 @@ import h5py
 import numpy
 
 from faults import FaultTest, both_engines, command, environment, journal, table_bytes
-from program import LONG, case_files, plan_ids, started
+from program import LONG, case_files, plan_ids, started, table
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
 MANY = LONG.replace("1000, 12]", "1000, 400]")
@@ -22,7 +22,7 @@ class Stops(FaultTest):
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         (self.out / "STOP").touch()
-        said = process.communicate(timeout=30)[0]
+        said = process.communicate(timeout=120)[0]
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "STOP asks for a stop: remove it", "next: shearwake run")
         there = len(case_files(self.out))
@@ -124,12 +124,28 @@ class Failing(FaultTest):
         self.assertEqual(started(self.out).count(failed[0]), 1)
         self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
 
+    def test_a_field_that_diverges_ends_with_its_step_its_time_and_what_may_help(self):
+        self.write_job(both_engines(1).replace('"solver.engine" = ["layered", "spectral"]',
+                                               '"load.peak_Pa" = [1e200, 100.0]')
+                       .replace('engine = "layered"', 'engine = "spectral"', 1))
+        said = self.shearwake("run", "job.toml", expect=4).said
+        self.says(said, "1 computed now", "1 failed")
+        self.assertNotIn("is tried again", said)
+        bad, good = plan_ids(self.out)
+        reason = next(line["reason"] for line in journal(self.out) if line["event"] == "failed")
+        self.assertRegex(reason, r"step \d+ at [\d.e+-]+ ms: the field .*; .* may help")
+        self.says((self.out / "failed" / f"{bad}.txt").read_text(encoding="utf-8"), reason, "log:", "[medium]")
+        self.shearwake("reduce", self.out)
+        rows = {row["id"]: row for row in table(self.out)}
+        self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
+        self.assertEqual(rows[good]["status"], "complete")
+
     def test_a_folder_that_goes_in_mid_run_is_told(self):
         self.write_job(MANY)
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         shutil.move(self.out, self.folder / "elsewhere")
-        said = process.communicate(timeout=60)[0]
+        said = process.communicate(timeout=120)[0]
         self.assertEqual(process.returncode, 6, said)
         self.says(said, "the output folder", "has gone in mid-run")
         self.assertNotIn("internal error", said)
@@ -166,7 +182,7 @@ class Folders(FaultTest):
         self.says(self.shearwake("status", self.out).said, "a run is at work")
         first.send_signal(signal.SIGCONT)
         for process in (first, second):
-            said = process.communicate(timeout=60)[0]
+            said = process.communicate(timeout=120)[0]
             self.assertIn(process.returncode, (0, 75), said)
         self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 there before")
         self.assertEqual(len(started(self.out)), 10, "a case was computed twice")
@@ -190,7 +206,7 @@ class Folders(FaultTest):
         process = self.start("run", "job.toml", "--checkpoint-steps", 20)
         self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a state")
         process.send_signal(signal.SIGTERM)
-        said = process.communicate(timeout=30)[0]
+        said = process.communicate(timeout=120)[0]
         self.assertEqual(process.returncode, 75, said)
         self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
         self.shearwake("reduce", self.out)
