@@ -24,6 +24,13 @@ struct Frame {
     View2<const double> u_z_m; // x_count rows of ny values
 };
 
+/// One output time at one depth of a case that asks for the stress there.
+struct StressFrame {
+    std::ptrdiff_t number = 0;          // as of a Frame
+    std::size_t depth = 0;              // index into stress_depths_m(case)
+    View2<const double> compression_Pa; // -sigma_zz, x_count rows of ny values
+};
+
 /// One level of one component of a volume snapshot.
 struct VolumePlane {
     std::size_t snapshot = 0;   // index into RecordOptions::volumes_s
@@ -50,6 +57,8 @@ public:
     virtual ~Observer() = default;
     virtual void begin(const Slab& slab) = 0;
     virtual void frame(const Frame& frame) = 0;
+    /// The stress at the depths of receptors, for cases that ask for it: after the frames.
+    virtual void stress(const StressFrame& /*frame*/) {}
     /// The depths of the volume's levels, where a case keeps volumes: once, after `begin` and
     /// before `restore`. Collective.
     virtual void volume_levels(const std::vector<double>& /*z_m*/) {}

@@ -19,6 +19,8 @@ inline constexpr std::array all_classes = {AfferentClass::SA1, AfferentClass::RA
 /// "SA1" ..., and the class of such a name if it is one.
 std::string name_of(AfferentClass kind);
 std::optional<AfferentClass> class_named(const std::string& name);
+/// Depth of the receptors of a class below the surface: 0.3, 1.6 and 2 mm.
+double receptor_depth_m(AfferentClass kind);
 /// How many neurons were fitted to fibres of the class.
 std::size_t neuron_count(AfferentClass kind);
 
@@ -53,6 +55,10 @@ using AfferentPlaces = std::variant<HandAfferents, GridAfferents, AfferentList>;
 struct PinInput {
     bool operator==(const PinInput&) const = default;
 };
+/// The stress that the engine computes at each receptor is what it feels.
+struct StressInput {
+    bool operator==(const StressInput&) const = default;
+};
 /// Fewest samples of a carrier's cycle: with fewer, harmonics of what is rectified or squared fall
 /// onto what is slow, and a carrier at a multiple of the sampling rate onto nothing or onto its
 /// bare envelope.
@@ -69,7 +75,7 @@ struct CarrierInput {
     double am_depth = 0.0;
     bool operator==(const CarrierInput&) const = default;
 };
-using AfferentInput = std::variant<PinInput, CarrierInput>;
+using AfferentInput = std::variant<PinInput, StressInput, CarrierInput>;
 
 /// How waves travel: on a sheet without end, or within the outline of the hand.
 enum class SkinSheet { flat, hand };

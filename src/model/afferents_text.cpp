@@ -65,6 +65,7 @@ void put_afferents(TomlText& t, const AfferentOptions& options) {
     t.put("skin", options.sheet == SkinSheet::hand ? "hand" : "flat");
     std::visit(overloaded{
                    [&](const PinInput&) { t.put("input", "pins"); },
+                   [&](const StressInput&) { t.put("input", "stress"); },
                    [&](const CarrierInput& carrier) { put_carrier(t, carrier); },
                },
                options.input);

@@ -126,6 +126,14 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
 
 } // namespace
 
+std::vector<double> stress_depths_m(const Case& c) {
+    std::vector<double> depths_m;
+    if (c.afferents && std::holds_alternative<StressInput>(c.afferents->input))
+        for (const AfferentClass kind : all_classes) // ascending
+            depths_m.push_back(receptor_depth_m(kind));
+    return depths_m;
+}
+
 std::string engine_name(const SolverOptions& solver) {
     return std::visit(overloaded{
                           [](const LayeredOptions&) { return std::string("layered"); },

@@ -99,6 +99,9 @@ struct Case {
     bool operator==(const Case&) const = default;
 };
 
+/// The depths of the receptors at which a case asks for the stress, ascending; none: it does not.
+std::vector<double> stress_depths_m(const Case& c);
+
 /// The engine's name in job files and tables.
 std::string engine_name(const SolverOptions& solver);
 

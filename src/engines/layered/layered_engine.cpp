@@ -29,6 +29,14 @@ TransferKey key_of(const Case& c, const LayeredOptions& options) {
             .tolerance = options.interpolation_tolerance};
 }
 
+/// The same for the stress at receptors.
+TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
+    TransferKey key = key_of(c, options);
+    key.depths_m = stress_depths_m(c);
+    key.quantity = StackQuantity::compression;
+    return key;
+}
+
 std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
     const double frame_B =
         static_cast<double>(c.domain.nx) * static_cast<double>(ky_count) * sizeof(Complex);
@@ -128,12 +136,14 @@ Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<LayeredOptions>(c.solver);
     const TransferKey key = key_of(c, options);
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const double depths = static_cast<double>(c.measure.depths_m.size());
+    const double depths =
+        static_cast<double>(c.measure.depths_m.size() + stress_depths_m(c).size());
     const std::ptrdiff_t modes = c.domain.ny / 2 + 1;
     const std::ptrdiff_t ky_count = (modes + ranks - 1) / ranks;
     const double batch = static_cast<double>(frames_per_batch(c, ky_count) * ky_count) *
                          static_cast<double>(c.domain.nx) * sizeof(Complex);
-    const double table = TransferTable::expanded_bytes(key, ky_count);
+    const double table = TransferTable::expanded_bytes(key, ky_count) +
+                         TransferTable::expanded_bytes(stress_key_of(c, options), ky_count);
     const bool kept = table <= TransferTable::largest_expansion_B;
     Estimate e;
     // The program itself, spectra, H, the load's phases, the plane that is transformed.
@@ -158,11 +168,21 @@ void LayeredEngine::prepare(const Case& c, const Comm& team) {
         slabs_ny_ = c.domain.ny;
         table_.reset();
     }
-    const TransferKey key = key_of(c, std::get<LayeredOptions>(c.solver));
-    if (table_ && table_->key() == key) return;
-    table_.reset(); // before the next one: two would not fit where one does
+    const auto& options = std::get<LayeredOptions>(c.solver);
+    keep_table(table_, key_of(c, options), team);
+    const TransferKey stress = stress_key_of(c, options);
+    if (stress.depths_m.empty())
+        stress_table_.reset();
+    else
+        keep_table(stress_table_, stress, team);
+}
+
+void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
+                               const Comm& team) {
+    if (table && table->key() == key) return;
+    table.reset(); // before the next one: two would not fit where one does
     const SlabShare& share = slabs_->share();
-    table_ = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team);
+    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team);
 }
 
 void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer,
@@ -180,21 +200,31 @@ void LayeredEngine::run(const Case& c, const Comm& team, Observer& observer,
     });
 
     observer.begin({share.x_start, share.x_count});
-    for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
-        for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
-            const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-            spectra->compute(*table_, depth, first, count);
-            for (std::ptrdiff_t n = 0; n < count; ++n) {
-                std::copy_n(reinterpret_cast<const double*>(spectra->frame(n)),
-                            2 * spectra->plane(), plane.data());
-                slabs_->to_physical(plane.data());
-                observer.frame({.number = first + n,
-                                .depth = depth,
-                                .u_z_m = View2<const double>(plane.data(), share.x_count,
-                                                             c.domain.ny, share.padded_ny)});
+    const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& give) {
+        for (std::size_t depth = 0; depth < depths; ++depth) {
+            for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
+                const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
+                spectra->compute(table, depth, first, count);
+                for (std::ptrdiff_t n = 0; n < count; ++n) {
+                    std::copy_n(reinterpret_cast<const double*>(spectra->frame(n)),
+                                2 * spectra->plane(), plane.data());
+                    slabs_->to_physical(plane.data());
+                    give(first + n, depth,
+                         View2<const double>(plane.data(), share.x_count, c.domain.ny,
+                                             share.padded_ny));
+                }
             }
         }
-    }
+    };
+    each_frame(*table_, c.measure.depths_m.size(),
+               [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
+                   observer.frame({.number = n, .depth = depth, .u_z_m = values});
+               });
+    if (!stress_table_) return;
+    each_frame(*stress_table_, stress_depths_m(c).size(),
+               [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
+                   observer.stress({.number = n, .depth = depth, .compression_Pa = values});
+               });
 }
 
 } // namespace shearwake

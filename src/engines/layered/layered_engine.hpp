@@ -19,8 +19,10 @@ public:
 
 private:
     void prepare(const Case& c, const Comm& team);
+    void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
+                    const Comm& team);
 
-    std::unique_ptr<TransferTable> table_;
+    std::unique_ptr<TransferTable> table_, stress_table_; // the second where stress is asked for
     std::unique_ptr<SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
     // The largest batch so far: fresh pages for each case cost as much as its transforms.

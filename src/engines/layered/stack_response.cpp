@@ -99,8 +99,8 @@ Continuation solve_bottom(const Pair& up_at_bottom, const Pair& down_at_bottom, 
 } // namespace
 
 StackResponse::StackResponse(const Medium& medium, Complex omega_rad_s,
-                             std::span<const double> depths_m)
-    : base_(medium.base) {
+                             std::span<const double> depths_m, StackQuantity quantity)
+    : base_(medium.base), quantity_(quantity) {
     double top_m = 0.0;
     std::size_t next = 0;
     for (std::size_t i = 0; i < medium.layers.size(); ++i) {
@@ -161,6 +161,9 @@ void StackResponse::evaluate(double k, std::span<Complex> out) const {
     amplitude << -stress(1, 1) / (scale * determinant), stress(1, 0) / (scale * determinant);
 
     // Downward: the amplitudes of each layer, where somebody asks for a depth.
+    const bool is_stress = quantity_ == StackQuantity::compression;
+    const int row = is_stress ? 2 : 1;
+    const double unit = is_stress ? -scale : 1.0;
     for (std::size_t i = 0; i < n; ++i) {
         const LayerAtOmega& layer = layers_[i];
         const bool radiating = i >= bounded;
@@ -168,15 +171,15 @@ void StackResponse::evaluate(double k, std::span<Complex> out) const {
             const double z = layer.depths_m[d];
             Complex w;
             if (i == 0 && z == 0.0) {
-                w = states.row(1) * amplitude;
+                w = states.row(row) * amplitude;
             } else {
                 const LayerModes modes = modes_of(layer);
-                w = modes.down(z).row(1) * amplitude;
+                w = modes.down(z).row(row) * amplitude;
                 if (!radiating)
-                    w += Complex(modes.up(layer.thickness_m - z).row(1) *
+                    w += Complex(modes.up(layer.thickness_m - z).row(row) *
                                  (continuations[i].up * amplitude));
             }
-            out[layer.first_depth + d] = w;
+            out[layer.first_depth + d] = unit * w;
         }
         if (layer.first_depth + layer.depths_m.size() >= out.size() || radiating) break;
         amplitude = continuations[i].below * amplitude;

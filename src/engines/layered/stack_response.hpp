@@ -8,6 +8,9 @@
 
 namespace shearwake {
 
+/// What of a stack is asked for: W / p [m/Pa], or -sigma_zz / p [1], compression positive.
+enum class StackQuantity { displacement, compression };
+
 /// The exact answer of a stack of layers to a normal surface load at one complex frequency:
 /// H(k, omega; z) = W(z) / p, PHYSICS: u_r = i U(z), u_z = W(z), traction p e^{i(omega t - k.x)}
 /// pushing into the tissue. Every exponential is scaled from the interface where it is 1, so that
@@ -18,9 +21,11 @@ public:
     /// Medium with at least one layer; omega [rad/s], Im omega <= 0; depths [m] ascending, inside
     /// the stack. Throws Error when a depth is outside.
     StackResponse(const Medium& medium, std::complex<double> omega_rad_s,
-                  std::span<const double> depths_m);
+                  std::span<const double> depths_m,
+                  StackQuantity quantity = StackQuantity::displacement);
 
-    /// H [m/Pa] at each depth, into `out`. k >= 0 [rad/m]; k = omega = 0 has no answer.
+    /// H [m/Pa], or the compression [1], at each depth, into `out`. k >= 0 [rad/m]; k = omega = 0
+    /// has no answer.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
 
 private:
@@ -36,6 +41,7 @@ private:
     std::vector<LayerAtOmega> layers_;
     Base base_ = Base::rigid;
     double stress_scale_Pa_ = 1.0;
+    StackQuantity quantity_;
 };
 
 /// W/p of a homogeneous half-space in closed form, -alpha k_s^2 / (mu R), R the Rayleigh function

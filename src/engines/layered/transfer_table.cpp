@@ -1,6 +1,5 @@
 #include "engines/layered/transfer_table.hpp"
 
-#include "engines/layered/stack_response.hpp"
 #include "parallel/agree.hpp"
 
 #include <cmath>
@@ -26,7 +25,8 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
     std::vector<double> sizes;
     together(team, [&] {
         for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
-            const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
+            const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
+                                         key_.quantity);
             const auto fitted = RadialInterpolant::fit(
                 [&](double k, std::span<Complex> out) { response.evaluate(k, out); }, depths, k_max,
                 key_.tolerance);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engines/layered/radial_interpolant.hpp"
+#include "engines/layered/stack_response.hpp"
 #include "fft/aligned.hpp"
 #include "model/case.hpp"
 #include "parallel/comm.hpp"
@@ -32,11 +33,12 @@ struct TransferKey {
     double spacing_m = 0.0;
     TimeTransform time;
     double tolerance = 0.0;
+    StackQuantity quantity = StackQuantity::displacement;
     bool operator==(const TransferKey&) const = default;
 };
 
-/// H(|k|, omega; z) [m/Pa] of one medium, as Chebyshev panels in |k| for every frequency, and,
-/// where memory allows, expanded on the (ky, kx >= 0) points of this rank.
+/// H(|k|, omega; z) [m/Pa], or the compression [1], of one medium, as Chebyshev panels in |k| for
+/// every frequency, and, where memory allows, expanded on the (ky, kx >= 0) points of this rank.
 class TransferTable {
 public:
     /// Collective over the team: the frequencies are shared out, the panels exchanged.

@@ -215,3 +215,36 @@ TEST_CASE("the rigid base holds and the depths join at interfaces", "[layered]")
         CHECK(std::abs(above / below - 1.0) < 1e-6); // 1e-9 of a millimetre times k
     }
 }
+
+TEST_CASE("at rest a half-space carries (1 + k z) exp(-k z) of the load, whatever its layer",
+          "[layered]") {
+    // The plane-strain answer to a periodic load: Poisson's ratio has no part in it.
+    const double c_p_m_s = GENERATE(50.0, 1500.0);
+    const std::vector<double> depths_m = {0.0, 0.3e-3, 2e-3};
+    const StackResponse response(test::half_space(test::tissue(c_p_m_s)), {0.0, -1e-4}, depths_m,
+                                 StackQuantity::compression);
+    for (const double k : {10.0, 300.0, 3000.0}) {
+        std::vector<Complex> compression(3);
+        response.evaluate(k, compression);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double kz = k * depths_m[i];
+            // What is left of inertia and viscosity: (omega / c_s k)^2 and omega tau, below 1e-8.
+            CHECK(std::abs(compression[i] - (1.0 + kz) * std::exp(-kz)) < 1e-7);
+        }
+    }
+}
+
+TEST_CASE("the stress at the surface is the load, and continuous between layers", "[layered]") {
+    Layer top = test::tissue(), below = test::tissue();
+    top.thickness_m = 1e-3;
+    below.thickness_m = 5e-3;
+    below.c_s_m_s = 9.0;
+    const Medium medium = {{top, below}, Base::rigid};
+    const double step_m = 1e-12; // to both sides of the interface
+    const std::vector<double> depths_m = {0.0, 1e-3 - step_m, 1e-3 + step_m};
+    const Complex omega = {2.0 * pi * 200.0, -50.0};
+    std::vector<Complex> compression(3);
+    StackResponse(medium, omega, depths_m, StackQuantity::compression).evaluate(700.0, compression);
+    CHECK(std::abs(compression[0] - 1.0) < 1e-12);           // rounding
+    CHECK(std::abs(compression[1] - compression[2]) < 1e-8); // the slope over 2e-12 m, rounding
+}
