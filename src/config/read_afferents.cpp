@@ -109,9 +109,10 @@ CarrierInput read_carrier(Reader table) {
 }
 
 AfferentInput read_input(Reader& reader) {
-    static const std::array<std::string, 2> inputs = {"pins", "carrier"};
+    static const std::array<std::string, 3> inputs = {"pins", "stress", "carrier"};
     const std::string input = reader.choice_or("input", "pins", inputs);
     refuse_unless(reader, "carrier", input == "carrier", "input = \"carrier\"");
+    if (input == "stress") return StressInput{};
     if (input == "carrier") return read_carrier(reader.table("carrier"));
     return PinInput{};
 }

@@ -319,6 +319,10 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.measure = read_measure(measure, c.time, c.load, c.medium);
     c.record = read_record(record, c.domain, c.time, c.measure);
     c.afferents = read_afferents(afferents, c.domain, files.load_text);
+    if (!stress_depths_m(c).empty() && engine_name(c.solver) != "layered")
+        afferents.error("input",
+                        "is \"stress\", which the engine \"layered\" computes at receptors "
+                        "and no other; use it, or \"pins\"");
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }
 

@@ -87,7 +87,7 @@ constexpr std::array<NeuronRow, 4> PC_rows = {{
 } // namespace
 
 double depth_mm(AfferentClass kind) {
-    return kind == AfferentClass::SA1 ? 0.3 : kind == AfferentClass::RA ? 1.6 : 2.0;
+    return 1e3 * receptor_depth_m(kind);
 }
 
 std::span<const NeuronRow> neuron_rows(AfferentClass kind) {

@@ -16,6 +16,17 @@ bool is_neuron_rate(double rate_Hz) {
     return std::abs(rate_Hz - neuron_rate_Hz) <= 1e-9 * neuron_rate_Hz;
 }
 
+Lines at_neuron_rate(const Lines& lines, double rate_Hz) {
+    if (is_neuron_rate(rate_Hz)) return lines;
+    Lines out(lines.count, resampled_length(lines.samples, rate_Hz));
+    FourierResampler resample(lines.samples, out.samples);
+    std::size_t i = 0;
+    for (; i + 1 < lines.count; i += 2)
+        resample(lines.line(i), lines.line(i + 1), out.line(i), out.line(i + 1));
+    if (i < lines.count) resample(lines.line(i), out.line(i));
+    return out;
+}
+
 FourierResampler::FourierResampler(std::size_t from, std::size_t to)
     : from_(from), to_(to), forward_(static_cast<std::ptrdiff_t>(from), Direction::forward),
       backward_(static_cast<std::ptrdiff_t>(to), Direction::backward) {}

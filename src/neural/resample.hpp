@@ -2,6 +2,7 @@
 
 #include "fft/aligned.hpp"
 #include "fft/line_transform.hpp"
+#include "neural/lines.hpp"
 
 #include <complex>
 #include <span>
@@ -35,5 +36,8 @@ private:
     AlignedVector<std::complex<double>> from_, to_;
     LineTransform forward_, backward_;
 };
+
+/// Every line at the neurons' rate; as they are if they have it. Not collective.
+Lines at_neuron_rate(const Lines& lines, double rate_Hz);
 
 } // namespace shearwake::neural

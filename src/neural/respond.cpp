@@ -19,18 +19,6 @@ Line interleaved(const Lines& lines) {
     return out;
 }
 
-/// Every line at the neurons' rate, two at a time.
-Lines at_neuron_rate(const Lines& lines, double rate_Hz) {
-    if (is_neuron_rate(rate_Hz)) return lines;
-    Lines out(lines.count, resampled_length(lines.samples, rate_Hz));
-    FourierResampler resample(lines.samples, out.samples);
-    std::size_t i = 0;
-    for (; i + 1 < lines.count; i += 2)
-        resample(lines.line(i), lines.line(i + 1), out.line(i), out.line(i + 1));
-    if (i < lines.count) resample(lines.line(i), out.line(i));
-    return out;
-}
-
 } // namespace
 
 PinSource::PinSource(const PinStimulus& stimulus)
@@ -86,15 +74,9 @@ std::vector<Spikes> respond(const PinStimulus& stimulus, std::span<const Afferen
                             const RespondOptions& options) {
     const PinSource source(stimulus);
     const SkinWays ways = options.ways ? options.ways : straight_ways(stimulus.at_mm);
-    std::vector<Spikes> spikes;
-    for (std::size_t begin = 0; begin < afferents.size(); begin += lane_count) {
-        const auto eight = afferents.subspan(begin, std::min(lane_count, afferents.size() - begin));
-        auto fired = fire(eight, source.drive(eight, ways), options,
-                          options.first_number + static_cast<std::uint32_t>(begin));
-        for (std::size_t i = 0; i < eight.size(); ++i)
-            spikes.push_back(std::move(fired[i]));
-    }
-    return spikes;
+    return each_eight(afferents, options, [&](std::span<const Afferent> eight, std::size_t) {
+        return source.drive(eight, ways);
+    });
 }
 
 } // namespace shearwake::neural

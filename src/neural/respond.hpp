@@ -5,6 +5,7 @@
 #include "neural/neuron.hpp"
 #include "neural/skin_ways.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -48,6 +49,22 @@ using Spikes = std::vector<std::uint32_t>;
 /// From the drive of at most eight afferents to their spikes.
 std::array<Spikes, lane_count> fire(std::span<const Afferent> afferents, Drive drive,
                                     const RespondOptions& options, std::uint32_t first_number);
+
+/// The spikes of all, eight at a time: drive_of(eight, first) is what reaches those that stand from
+/// `first` on.
+template <class DriveOf>
+std::vector<Spikes> each_eight(std::span<const Afferent> afferents, const RespondOptions& options,
+                               const DriveOf& drive_of) {
+    std::vector<Spikes> spikes;
+    for (std::size_t first = 0; first < afferents.size(); first += lane_count) {
+        const auto eight = afferents.subspan(first, std::min(lane_count, afferents.size() - first));
+        auto fired = fire(eight, drive_of(eight, first), options,
+                          options.first_number + static_cast<std::uint32_t>(first));
+        for (std::size_t i = 0; i < eight.size(); ++i)
+            spikes.push_back(std::move(fired[i]));
+    }
+    return spikes;
+}
 
 /// The spikes of every afferent that pins make. Not collective; the same for an afferent whichever
 /// others there are, but for its number, which the noise follows.

@@ -2,6 +2,7 @@
 
 #include "neural/check_stimulus.hpp"
 #include "neural/silence.hpp"
+#include "neural/stress_source.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,32 +23,52 @@ double resultant(const std::vector<double>& times_s, double frequency_Hz) {
     return std::abs(sum);
 }
 
+RespondOptions options_of(const AfferentOptions& options, std::size_t first, std::uint64_t key) {
+    RespondOptions how{.noise_key = std::nullopt,
+                       .first_number = static_cast<std::uint32_t>(first)};
+    if (options.noise == Switch::on) how.noise_key = key;
+    return how;
+}
+
+/// Of the spikes within the stimulus, which begins `before_s` after the first sample.
+SpikeTimes times_of(const std::vector<Spikes>& spikes, std::span<const Afferent> afferents,
+                    double before_s, double duration_s, Switch conduction_delay) {
+    constexpr double slack_s = 1e-9; // for rounding
+    SpikeTimes times_s(spikes.size());
+    for (std::size_t i = 0; i < spikes.size(); ++i) {
+        const NeuronRow& row = neuron_rows(afferents[i].kind)[afferents[i].row];
+        const double delay_s = conduction_delay == Switch::on ? 1e-3 * row.delay_ms : 0.0;
+        for (const std::uint32_t sample : spikes[i]) {
+            const double t_s = spike_time_s(sample) - before_s;
+            if (t_s > slack_s && t_s < duration_s + slack_s) times_s[i].push_back(t_s + delay_s);
+        }
+    }
+    return times_s;
+}
+
 } // namespace
 
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
                             std::size_t count, const AfferentOptions& options, std::uint64_t key) {
     const SilencedStimulus silenced = with_silence(without_overlap(stimulus), options.silence_s);
-    const double duration_s =
-        static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
     const auto afferents = std::span(scene.afferents).subspan(first, count);
-    RespondOptions how{.noise_key = std::nullopt,
-                       .first_number = static_cast<std::uint32_t>(first),
-                       .ways = straight_ways(stimulus.at_mm)};
-    if (options.noise == Switch::on) how.noise_key = key;
-    if (!scene.skin_mm.empty()) how.ways = ways_within(scene.skin_mm, stimulus.at_mm);
-    const std::vector<Spikes> spikes = respond(silenced.stimulus, afferents, how);
+    RespondOptions how = options_of(options, first, key);
+    how.ways = scene.skin_mm.empty() ? straight_ways(stimulus.at_mm)
+                                     : ways_within(scene.skin_mm, stimulus.at_mm);
+    return times_of(respond(silenced.stimulus, afferents, how), afferents, silenced.before_s,
+                    static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz,
+                    options.conduction_delay);
+}
 
-    constexpr double slack_s = 1e-9; // for rounding
-    SpikeTimes times_s(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const NeuronRow& row = neuron_rows(afferents[i].kind)[afferents[i].row];
-        const double delay_s = options.conduction_delay == Switch::on ? 1e-3 * row.delay_ms : 0.0;
-        for (const std::uint32_t sample : spikes[i]) {
-            const double t_s = spike_time_s(sample) - silenced.before_s;
-            if (t_s > slack_s && t_s < duration_s + slack_s) times_s[i].push_back(t_s + delay_s);
-        }
-    }
-    return times_s;
+SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, double radius_mm,
+                              const Scene& scene, std::size_t first, std::size_t count,
+                              const AfferentOptions& options, std::uint64_t key) {
+    SilencedLines silenced = with_silence(compression_MPa, rate_Hz, options.silence_s);
+    const auto afferents = std::span(scene.afferents).subspan(first, count);
+    const StressSource source(std::move(silenced.lines), rate_Hz, radius_mm);
+    return times_of(respond(source, afferents, options_of(options, first, key)), afferents,
+                    silenced.before_s, static_cast<double>(compression_MPa.samples) / rate_Hz,
+                    options.conduction_delay);
 }
 
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,

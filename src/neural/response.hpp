@@ -21,6 +21,12 @@ using SpikeTimes = std::vector<std::vector<double>>;
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
                             std::size_t count, const AfferentOptions& options, std::uint64_t key);
 
+/// The same for afferents whose stress is known, a line each [MPa], compression positive, with the
+/// scale of a pin of `radius_mm` (dynamic_per_stress_rate).
+SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, double radius_mm,
+                              const Scene& scene, std::size_t first, std::size_t count,
+                              const AfferentOptions& options, std::uint64_t key);
+
 /// A class of afferents in numbers.
 struct ClassResponse {
     AfferentClass kind = AfferentClass::PC;

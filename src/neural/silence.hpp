@@ -4,6 +4,12 @@
 
 namespace shearwake::neural {
 
+/// Lines with silence around them.
+struct SilencedLines {
+    Lines lines;
+    double before_s = 0.0; // what was put before them
+};
+
 /// A stimulus with silence around it.
 struct SilencedStimulus {
     PinStimulus stimulus;
@@ -14,6 +20,7 @@ struct SilencedStimulus {
 /// within as long: where the rate is not the neurons' the stimulus is taken as periodic, and a jump
 /// between its ends would ring at both of them. The end is lengthened until the whole lasts a whole
 /// number of the neurons' samples. Without silence the stimulus is left as it is.
+SilencedLines with_silence(const Lines& lines, double rate_Hz, double silence_s);
 SilencedStimulus with_silence(const PinStimulus& stimulus, double silence_s);
 
 } // namespace shearwake::neural

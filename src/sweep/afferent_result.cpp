@@ -34,6 +34,20 @@ neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions&
     return stimulus;
 }
 
+/// The stress of some afferents. Throws CaseFailure where it is not finite: all ranks know all of
+/// it.
+neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t count) {
+    const auto& all_Pa = motion.compression_Pa;
+    for (const auto& line : all_Pa)
+        for (const double value : line)
+            if (!std::isfinite(value)) throw CaseFailure("the stress at a receptor is not finite");
+    neural::Lines lines(count, all_Pa.empty() ? 0 : all_Pa.front().size());
+    for (std::size_t i = 0; i < count; ++i)
+        std::transform(all_Pa.at(first + i).begin(), all_Pa.at(first + i).end(),
+                       lines.line(i).begin(), [](double value_Pa) { return 1e-6 * value_Pa; });
+    return lines;
+}
+
 /// Warnings; a mistake is thrown. The same on all ranks.
 std::vector<std::string> notes_on(const neural::PinStimulus& stimulus,
                                   const AfferentOptions& options, const Scene& scene) {
@@ -194,7 +208,7 @@ std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes
 
 } // namespace
 
-FeltMotion felt_motion(const PlannedCase& planned, const std::vector<TraceSeries>& pins) {
+FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
     const Case& c = planned.physics;
     FeltMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
                       .modulation_Hz = modulation_frequency_Hz(c.load.modulation).value_or(0.0),
@@ -203,10 +217,15 @@ FeltMotion felt_motion(const PlannedCase& planned, const std::vector<TraceSeries
         motion.modulation_Hz = carrier->am_frequency_Hz;
         motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
     }
-    for (const TraceSeries& pin : pins) {
-        std::vector<double>& u_m = motion.pins.u_m.emplace_back(1, 0.0);
-        u_m.insert(u_m.end(), pin.u_m.begin(), pin.u_m.end() - 1);
-    }
+    const auto from_rest = [](const TraceSeries& series) {
+        std::vector<double> line(1, 0.0);
+        line.insert(line.end(), series.u_m.begin(), series.u_m.end() - 1);
+        return line;
+    };
+    for (const TraceSeries& pin : recorder.pins())
+        motion.pins.u_m.push_back(from_rest(pin));
+    for (const TraceSeries& receptor : recorder.stresses_Pa())
+        motion.compression_Pa.push_back(from_rest(receptor));
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
         for (const Vec2 place_m : foci(c.load.modulation, c.time.frame_s(n)))
             if (motion.path_m.empty() || !(motion.path_m.back() == place_m))
@@ -214,23 +233,42 @@ FeltMotion felt_motion(const PlannedCase& planned, const std::vector<TraceSeries
     return motion;
 }
 
+void keep_receptors(const Case& c, SurfaceRecorder& recorder) {
+    if (stress_depths_m(c).empty()) return;
+    const Scene scene = neural::make_scene(*c.afferents);
+    std::vector<Vec2> at_m;
+    std::vector<std::size_t> depths;
+    for (const neural::Afferent& one : scene.afferents) {
+        at_m.push_back(on_patch_m(scene.patch, one.at_mm));
+        depths.push_back(static_cast<std::size_t>(one.kind)); // classes by their depth
+    }
+    recorder.keep_stress(at_m, std::move(depths));
+}
+
 AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team) {
     const Scene scene = neural::make_scene(options);
-    const neural::PinStimulus stimulus = stimulus_of(motion, options, scene);
-    AfferentResult result;
-    result.notes = notes_on(stimulus, options, scene);
-
     const std::size_t n = scene.afferents.size();
     const auto ranks = static_cast<std::size_t>(team.size()),
                rank = static_cast<std::size_t>(team.rank());
-    const std::size_t first = n * rank / ranks, end = n * (rank + 1) / ranks;
-    const SpikeTimes times_s = gathered(
-        response_to_pins(stimulus, scene, first, end - first, options, stable_hash(motion.name)),
-        team);
+    const std::size_t first = n * rank / ranks, count = n * (rank + 1) / ranks - first;
+    const std::uint64_t key = stable_hash(motion.name);
+    AfferentResult result;
+    SpikeTimes mine_s;
+    double duration_s = 0.0;
+    if (std::holds_alternative<StressInput>(options.input)) {
+        const neural::Lines stress_MPa = stress_of(motion, first, count);
+        duration_s = static_cast<double>(stress_MPa.samples) / motion.pins.rate_Hz;
+        mine_s = response_to_stress(stress_MPa, motion.pins.rate_Hz, 1e3 * options.pin_radius_m,
+                                    scene, first, count, options, key);
+    } else {
+        const neural::PinStimulus stimulus = stimulus_of(motion, options, scene);
+        result.notes = notes_on(stimulus, options, scene);
+        duration_s = static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
+        mine_s = response_to_pins(stimulus, scene, first, count, options, key);
+    }
+    const SpikeTimes times_s = gathered(mine_s, team);
     if (!team.is_root()) return result;
 
-    const double duration_s =
-        static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
     const auto from_path_mm = [&](Vec2 hand_mm) {
         const Vec2 at_m = on_patch_m(scene.patch, hand_mm);
         double nearest_m = std::numeric_limits<double>::infinity();

@@ -33,6 +33,10 @@ AfferentOptions options_of(const RespondArguments& arguments) {
 /// as a prescribed carrier lasts.
 FeltMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
     FeltMotion motion{.name = "respond"};
+    if (std::holds_alternative<StressInput>(options.input))
+        throw UsageError(
+            "afferents.input = \"stress\" needs the engine of a job: use shearwake run, "
+            "or \"pins\"");
     if (const auto* carrier = std::get_if<CarrierInput>(&options.input)) {
         if (!arguments.motion.empty())
             throw UsageError("a prescribed carrier needs no MOTION: leave one of them out");

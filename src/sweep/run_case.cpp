@@ -121,11 +121,12 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     CaseFileWriter writer(path, team, layout, beginning_of(path, c, layout, team, checkpoints));
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, hooks.tick);
+    keep_receptors(c, recorder);
     compute(c, engine, team, recorder, writer, checkpoints, hooks);
     if (checkpoints.stop()) return std::nullopt;
 
     AfferentResult afferents;
-    if (c.afferents) afferents = felt(felt_motion(planned, recorder.pins()), *c.afferents, team);
+    if (c.afferents) afferents = felt(felt_motion(planned, recorder), *c.afferents, team);
     std::vector<VariableGroup> groups;
     on_root(team, [&] {
         groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),

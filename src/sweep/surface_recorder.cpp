@@ -114,7 +114,7 @@ void SurfaceRecorder::frame(const Frame& frame) {
     if (frame.depth == 0)
         for (std::vector<TraceSeries>* series : {&traces_, &pins_})
             for (TraceSeries& trace : *series)
-                add_to(trace, frame);
+                trace.u_m[n] = value_at(trace.at_m, frame.u_z_m);
     if (frame.depth == 0) add_to_mean(frame);
     if (frame.depth == 0 && frame.number == instant_) {
         instant_held_ = true;
@@ -212,10 +212,10 @@ void SurfaceRecorder::restore(StateReader& state) {
     state.get("instant", surface_rows(), instant_rows_.data());
 }
 
-void SurfaceRecorder::add_to(TraceSeries& trace, const Frame& frame) const {
+double SurfaceRecorder::value_at(Vec2 at_m, View2<const double> values) const {
     const Domain& d = case_.domain;
-    const double x = trace.at_m.x / d.spacing_m + static_cast<double>(d.nx / 2);
-    const double y = trace.at_m.y / d.spacing_m + static_cast<double>(d.ny / 2);
+    const double x = at_m.x / d.spacing_m + static_cast<double>(d.nx / 2);
+    const double y = at_m.y / d.spacing_m + static_cast<double>(d.ny / 2);
     const double x_floor = std::floor(x + 1e-9), y_floor = std::floor(y + 1e-9);
     const auto wx = cubic_weights(std::max(0.0, x - x_floor));
     const auto wy = cubic_weights(std::max(0.0, y - y_floor));
@@ -226,11 +226,33 @@ void SurfaceRecorder::add_to(TraceSeries& trace, const Frame& frame) const {
         if (row < 0 || row >= slab_.x_count) continue;
         for (std::ptrdiff_t b = 0; b < 4; ++b) {
             const std::ptrdiff_t j = (static_cast<std::ptrdiff_t>(y_floor) + b - 1 + d.ny) % d.ny;
-            sum += wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] *
-                   frame.u_z_m(row, j);
+            sum +=
+                wx[static_cast<std::size_t>(a)] * wy[static_cast<std::size_t>(b)] * values(row, j);
         }
     }
-    trace.u_m[static_cast<std::size_t>(frame.number)] = sum;
+    return sum;
+}
+
+void SurfaceRecorder::keep_stress(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
+    together(team_, [&] {
+        stress_depths_ = std::move(depths);
+        for (const Vec2 place_m : at_m)
+            stresses_.push_back(
+                {place_m, std::vector<double>(static_cast<std::size_t>(case_.time.frames))});
+    });
+}
+
+void SurfaceRecorder::stress(const StressFrame& frame) {
+    const Domain& d = case_.domain;
+    for (std::size_t i = 0; i < stresses_.size(); ++i) {
+        const Vec2 at_m = stresses_[i].at_m;
+        const bool is_simulated =
+            std::abs(at_m.x) <= 0.5 * d.extent_x_m() && std::abs(at_m.y) <= 0.5 * d.extent_y_m();
+        if (stress_depths_[i] == frame.depth && is_simulated)
+            stresses_[i].u_m[static_cast<std::size_t>(frame.number)] =
+                value_at(at_m, frame.compression_Pa);
+    }
+    if (tick_) tick_();
 }
 
 void SurfaceRecorder::add_to_mean(const Frame& frame) {
@@ -264,7 +286,7 @@ void SurfaceRecorder::finish() {
                     1e3 * case_.time.frame_s(static_cast<std::ptrdiff_t>(n)), 1e3 * depth.depth_m));
         }
     }
-    for (std::vector<TraceSeries>* series : {&traces_, &pins_})
+    for (std::vector<TraceSeries>* series : {&traces_, &pins_, &stresses_})
         for (TraceSeries& trace : *series)
             team_.sum(trace.u_m);
     mean_u2_ = team_.gather(mean_rows_);

@@ -23,6 +23,7 @@ public:
 
     void begin(const Slab& slab) override;
     void frame(const Frame& frame) override;
+    void stress(const StressFrame& frame) override;
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const VolumePlane& plane) override;
     void solved(const SolverReport& report) override { solver_ = report; }
@@ -30,6 +31,12 @@ public:
     /// out. The frames kept so far reach the disk.
     void save(StateWriter& state) override;
     void restore(StateReader& state) override;
+
+    /// Where the stress is kept that the engine gives: places and, for each, its depth's index.
+    /// Before the run.
+    void keep_stress(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
+    /// The stress there [Pa], compression positive, at every frame; 0 off the domain.
+    const std::vector<TraceSeries>& stresses_Pa() const { return stresses_; }
 
     /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is
     /// not finite or a volume is not whole.
@@ -54,8 +61,8 @@ private:
     StateRows surface_rows() const {
         return {case_.domain.nx, slab_.x_start, slab_.x_count, case_.domain.ny};
     }
-    void add_to(TraceSeries& trace, const Frame& frame) const;
     void add_to_mean(const Frame& frame);
+    double value_at(Vec2 at_m, View2<const double> values) const;
     void check_volumes() const;
     void fit_mach(const std::vector<double>& instant);
 
@@ -69,7 +76,8 @@ private:
     std::vector<std::ptrdiff_t> kept_;
     std::vector<double> mean_weights_; // of each frame, 1 in all; empty: no window fits
     std::vector<DepthSeries> depths_;
-    std::vector<TraceSeries> traces_, pins_;
+    std::vector<TraceSeries> traces_, pins_, stresses_;
+    std::vector<std::size_t> stress_depths_; // of each of the latter
     std::vector<double> mean_rows_; // of this rank, so far
     std::vector<double> mean_u2_;
     std::vector<double> instant_rows_;

@@ -32,7 +32,7 @@ TEST_CASE("first spikes along a scan are as far apart as the focus takes", "[neu
     SurfaceRecorder recorder(c, alone, nullptr, {});
     make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
-    const AfferentResult result = felt(felt_motion(planned, recorder.pins()), *c.afferents, alone);
+    const AfferentResult result = felt(felt_motion(planned, recorder), *c.afferents, alone);
 
     const VariableGroup& group = result.groups.at(0);
     const auto &counts = values(group, "spike_count"), &times_s = values(group, "spike_time"),

@@ -1,0 +1,45 @@
+#include "neural/stress_source.hpp"
+
+#include "neural/skin_stress.hpp"
+#include "support/neural_data.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <numbers>
+
+using namespace shearwake;
+using namespace shearwake::neural;
+
+TEST_CASE("the scale between stress and the dynamic term has its closed form", "[neural]") {
+    const double z = GENERATE(0.3, 1.6, 2.0, 50.0), a = GENERATE(0.5, 1.0);
+    const double xi2 = z * z / (a * a);
+    const double closed =
+        std::numbers::pi * a * std::pow(1.0 + xi2, 2) / (z * z * (1.0 + 3.0 * xi2));
+    CHECK(dynamic_per_stress_rate(z, a) == Approx(closed).epsilon(1e-11)); // as the stress itself
+    if (z > 20.0) // 5/3 of (a/z)^2 is left out
+        CHECK(closed == Approx(std::numbers::pi / (3.0 * a)).epsilon(1e-3));
+}
+
+TEST_CASE("below a pin its stress makes a receptor fire as the pin does", "[neural]") {
+    const std::string name =
+        GENERATE("sine200_50um", "sine20_300um", "ramphold_1mm", "sine200_50um_fs20k");
+    const PinStimulus stimulus = test::single_stimulus(name);
+    std::vector<Afferent> afferents;
+    for (const AfferentClass kind : all_classes)
+        for (std::size_t row = 0; row < neuron_rows(kind).size(); ++row)
+            afferents.push_back({{}, kind, row});
+    const Lines load = loads_N(stimulus);
+    Lines stress(afferents.size(), load.samples);
+    for (std::size_t i = 0; i < afferents.size(); ++i)
+        for (std::size_t k = 0; k < load.samples; ++k)
+            stress.line(i)[k] =
+                load.values[k] * stress_per_load(0.0, depth_mm(afferents[i].kind), 1.0);
+    const StressSource source(stress, stimulus.rate_Hz, 1.0);
+    const auto spikes = respond(source, afferents, {});
+    CHECK(spikes == respond(stimulus, afferents, {}));
+    std::size_t count = 0;
+    for (const Spikes& train : spikes)
+        count += train.size();
+    CHECK(count > 50);
+}
