@@ -284,7 +284,21 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     return result;
 }
 
+double afferents_memory_B(const Case& c) {
+    if (!c.afferents) return 0.0;
+    const auto pins = static_cast<double>(c.afferents->pins_m.size());
+    double lines = pins, samples = static_cast<double>(c.time.frames);
+    if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input))
+        samples = c.time.duration_s() * carrier->sampling_Hz;
+    if (std::holds_alternative<StressInput>(c.afferents->input))
+        lines = static_cast<double>(neural::make_scene(*c.afferents).afferents.size());
+    // The motion, with silence, its load and load rate; or stress, with silence, and its rate. Of
+    // eight afferents at a time three lines each, and the transform.
+    return (4.0 * lines + 28.0) * samples * sizeof(double);
+}
+
 std::vector<Remark> check_afferents(const AfferentOptions& options) {
+    if (std::holds_alternative<StressInput>(options.input)) return {}; // its pins do nothing
     const Scene scene = neural::make_scene(options);
     neural::PinStimulus still{
         .at_mm = scene.pins_mm, .radius_mm = 1e3 * options.pin_radius_m, .rate_Hz = 5000.0};

@@ -45,6 +45,9 @@ void keep_receptors(const Case& c, SurfaceRecorder& recorder);
 /// or traces have a mistake. Collective.
 AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team);
 
+/// What the afferents of a case need on a rank beside the engine [B].
+double afferents_memory_B(const Case& c);
+
 /// Mistakes and doubts about the pins of a case that need no simulation.
 std::vector<Remark> check_afferents(const AfferentOptions& options);
 

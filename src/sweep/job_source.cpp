@@ -4,8 +4,10 @@
 #include "io/files.hpp"
 #include "io/map_file.hpp"
 #include "parallel/agree.hpp"
+#include "sweep/afferent_result.hpp"
 
 #include <map>
+#include <set>
 
 namespace shearwake {
 namespace {
@@ -35,6 +37,25 @@ TextLoader texts_beside(const std::filesystem::path& job, const Comm& world) {
     };
 }
 
+/// What only the hand can tell of the pins of each case: once a message. Throws BadJob.
+void check_pins(Job& job, const std::string& file) {
+    bool is_bad = false;
+    std::set<std::string> told;
+    const AfferentOptions* last = nullptr; // cases of a sweep mostly share them
+    for (const PlannedCase& planned : job.plan.cases) {
+        const auto& afferents = planned.physics.afferents;
+        if (!afferents || (last && *last == *afferents)) continue;
+        last = &*afferents;
+        for (const Remark& remark : check_afferents(*afferents)) {
+            const std::string message = "afferents." + remark.key + ": " + remark.message;
+            if (!told.insert(message).second) continue;
+            is_bad = is_bad || remark.severity == Severity::error;
+            job.findings.push_back({.severity = remark.severity, .file = file, .message = message});
+        }
+    }
+    if (is_bad) throw BadJob(std::move(job.findings));
+}
+
 } // namespace
 
 Override parse_override(const std::string& text) {
@@ -51,8 +72,10 @@ Job load_job(const std::filesystem::path& path, const std::vector<std::string>& 
         parsed.push_back(parse_override(text));
     std::string text;
     on_root(world, [&] { text = read_file(path); });
-    return read_job(world.broadcast(std::move(text)), path.string(), parsed,
-                    maps_beside(path, world), texts_beside(path, world));
+    Job job = read_job(world.broadcast(std::move(text)), path.string(), parsed,
+                       maps_beside(path, world), texts_beside(path, world));
+    check_pins(job, path.string());
+    return job;
 }
 
 } // namespace shearwake

@@ -1,6 +1,7 @@
 #include "sweep/memory.hpp"
 
 #include "engines/engine.hpp"
+#include "sweep/afferent_result.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -84,7 +85,8 @@ double memory_needed_B(const Case& c, int ranks) {
     // sharpness takes another plane.
     double recorder = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) recorder += plane / ranks; // turned for the file
-    return make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder;
+    return make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder +
+           afferents_memory_B(c);
 }
 
 } // namespace shearwake
