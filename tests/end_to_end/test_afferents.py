@@ -1,0 +1,113 @@
+"""What is felt, with the real program: [afferents] of a job and the verb respond."""
+import unittest
+
+import h5py
+import numpy as np
+import xarray
+
+from program import ProgramTest, changed, without_reference
+
+STRONG = ("peak_Pa = 100.0", "peak_Pa = 5000.0")
+PINS = """
+[afferents]
+where = "palm"
+classes = ["RA", "PC"]
+noise = true
+pin_line = { from_mm = [-12.0, 0.0], to_mm = [12.0, 0.0], count = 7 }
+[sweep]"""
+
+
+def with_afferents(*changes):
+    return without_reference(STRONG, ("\n[sweep]", PINS), *changes)
+
+
+class Afferents(ProgramTest):
+    def cases(self, folder):
+        return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
+
+    def test_any_number_of_ranks_gives_the_same_spikes_noise_on(self):
+        self.write_job(with_afferents())
+        trains = {}
+        for ranks in (1, 2, 3, 5):
+            folder = f"out/{ranks}"
+            self.shearwake("run", "job.toml", "--out", folder, "--ranks-per-case", ranks, ranks=ranks)
+            for name, path in self.cases(folder).items():
+                with h5py.File(path) as file:
+                    group = file["afferents"]
+                    found = (group["spike_count"][()], group["spike_time"][()])
+                first = trains.setdefault(name, found)
+                self.assertGreater(len(first[1]), 100)
+                for ours, theirs in zip(first, found):
+                    np.testing.assert_array_equal(ours, theirs)
+        self.assertEqual(len(trains), 3)
+
+    def test_xarray_reads_the_spikes_and_the_table_has_their_columns(self):
+        self.write_job(with_afferents())
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", "out/small")
+        path = next(iter(self.cases("out/small").values()))
+        data = xarray.open_dataset(path, group="afferents")
+        self.assertEqual(data.sizes["spike"], int(data.spike_count.sum()))
+        self.assertEqual(data.spike_time.attrs["units"], "s")
+        self.assertLessEqual(float(data.spike_time.max()), 4e-3 + 1e-9)
+        header = (self.out / "tables" / "small.csv").read_text().splitlines()[0].split(",")
+        for column in ("spikes_1", "active_1", "rate_Hz", "spread_mm", "locking_1",
+                       "first_spike_ms"):
+            self.assertIn(f"PC_{column}", header)
+            self.assertIn(f"RA_{column}", header)
+
+    def test_respond_gives_the_spikes_of_a_case_again_from_its_pins(self):
+        self.write_job(with_afferents(("noise = true", "noise = false")))
+        self.shearwake("run", "job.toml")
+        path = next(iter(self.cases("out/small").values()))
+        self.shearwake("respond", path, "--group", "pins", "--options", "job.toml", "--out", "a.h5")
+        with h5py.File(path) as case, h5py.File(self.folder / "a.h5") as alone:
+            for name in ("hand_x", "spike_count", "spike_time"):
+                np.testing.assert_allclose(alone["afferents"][name][()],
+                                           case["afferents"][name][()], rtol=0, atol=1e-12)
+
+    def test_the_engines_stress_makes_fibres_fire(self):
+        self.write_job(with_afferents(('noise = true', 'input = "stress"')))
+        self.shearwake("run", "job.toml", ranks=2)
+        with h5py.File(next(iter(self.cases("out/small").values()))) as file:
+            self.assertGreater(file["PC_spikes_1"][()], 20)
+        self.write_job(with_afferents(('noise = true', 'input = "stress"'),
+                                      ('engine = "layered"', 'engine = "spectral"')))
+        said = self.shearwake("check", "job.toml", expect=3).said
+        self.says(said, "afferents.input is \"stress\"", "layered")
+
+    def test_mistakes_are_told_before_anything_runs(self):
+        for old, new, words in [
+                ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be above 0"),
+                ("noise = true", "patch_mm = [400, 0]", "all 7 pins lie off the skin"),
+                ("noise = true", 'input = "carrier"\ncarrier = { amplitude_um = 50, '
+                 'sampling_kHz = 80 }', "2 samples a cycle of 40 kHz")]:
+            self.write_job(with_afferents((old, new)))
+            said = self.shearwake("check", "job.toml", ranks=2, expect=3).said
+            self.says(said, "error", words)
+        self.write_job(with_afferents(("noise = true", "pin_radius_mm = 3")))
+        self.says(self.shearwake("check", "job.toml").said, "warning", "2 mm is taken")
+
+
+class Respond(ProgramTest):
+    def test_a_motion_from_csv_is_answered_in_words(self):
+        rows = [f"{0.2 * k:.1f},{30 * (1 - np.cos(0.08 * np.pi * k)):.6f}" for k in range(500)]
+        (self.folder / "m.csv").write_text("t_ms,u_um\n" + "\n".join(rows) + "\n")
+        said = self.shearwake("respond", "m.csv", "-S", "afferents.noise=true", "--out", "a.h5",
+                              ranks=2).said
+        self.says(said, "SA1", "RA", "PC", "spikes: a.h5")
+        data = xarray.open_dataset(self.folder / "a.h5", group="afferents")
+        self.assertGreater(data.sizes["spike"], 100)
+
+    def test_bad_motions_are_refused_with_their_place(self):
+        for text, words in [("t_ms,u_um\n0,0\n1,nan\n", "pin 0, sample 1"),
+                            ("t_ms,u_um\n0,0\n1,x\n", "m.csv: line 3"),
+                            ("t_ms,u_um\n0,0\n", "2 times at least")]:
+            (self.folder / "m.csv").write_text(text)
+            self.says(self.shearwake("respond", "m.csv", ranks=2, expect=2).said, words)
+        self.says(self.shearwake("respond", "none.h5", expect=2).said, "no such file")
+        self.says(self.shearwake("respond", expect=2).said, "needs a MOTION")
+
+
+if __name__ == "__main__":
+    unittest.main()
