@@ -39,5 +39,7 @@ ExitCode bench_machine(const Comm& world);
 
 /// A layer with or without a body, where the time of a step goes, and its floors.
 ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
+/// The nerve fibres of a hand under pins, and under a carrier.
+ExitCode bench_neural(const Comm& world);
 
 } // namespace shearwake

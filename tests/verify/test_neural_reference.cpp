@@ -197,6 +197,17 @@ TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neu
         return same;
     };
     CHECK(fires_alike({}, "/flat") == afferents.size());
+    // Spikes of all, as the specification of the model tells them for these traces.
+    const std::map<std::string, std::size_t> told = {
+        {"unmod/signed", 289},     {"am200/signed", 156},       {"unmod/halfwave", 171},
+        {"am200/halfwave", 11678}, {"unmod/square", 209},       {"am200/square", 19983},
+        {"unmod/envelope5k", 0},   {"am200/envelope5k", 19582}, {"am200/square_pad20ms", 19237}};
+    if (told.contains(name)) {
+        std::size_t spikes = 0;
+        for (const Spikes& train : respond(stimulus, afferents, {}))
+            spikes += train.size();
+        CHECK(spikes == told.at(name));
+    }
 
     const PinSource source(stimulus);
     std::vector<Afferent> near;
