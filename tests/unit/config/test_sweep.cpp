@@ -165,8 +165,9 @@ TEST_CASE("a mistake in a sweep stands in its place", "[config][sweep]") {
          "job.toml:28:30: error: sweep: load.peak_Pa takes the value 3,0.5 twice"},
         {"\"job.name\" = [\"a\"]",
          "job.toml:28:1: error: sweep: \"job.name\" is no key of a case: a swept key is given in "
-         "full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", \"measure\" "
-         "or \"record\""},
+         "full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", "
+         "\"measure\", "
+         "\"record\" or \"afferents\""},
         {"\"load.peak_Pa\" = { linspace = [1, 2] }",
          "job.toml:28:31: error: load.peak_Pa: linspace wants three numbers, [first, last, count]"},
         {"\"load.peak_Pa\" = { range = [1, 2, \"a\"] }",
