@@ -146,8 +146,9 @@ void add_bench(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<BenchArguments>();
     CLI::App* verb = app.add_subcommand(
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
-    verb->add_option("ENGINE", arguments->engine,
-                     "layered (default), spectral, neural, or machine: all that plan believes of it")
+    verb->add_option(
+            "ENGINE", arguments->engine,
+            "layered (default), spectral, neural, or machine: all that plan believes of it")
         ->check(CLI::IsMember({"layered", "spectral", "neural", "machine"}));
     verb->add_option("--grid", arguments->grid, "spectral: points and levels (256x192x25)")
         ->type_name("NXxNYxNZ");

@@ -78,7 +78,7 @@ private:
     std::vector<DepthSeries> depths_;
     std::vector<TraceSeries> traces_, pins_, stresses_;
     std::vector<std::size_t> stress_depths_; // of each of the latter
-    std::vector<double> mean_rows_; // of this rank, so far
+    std::vector<double> mean_rows_;          // of this rank, so far
     std::vector<double> mean_u2_;
     std::vector<double> instant_rows_;
     bool instant_held_ =
