@@ -42,8 +42,10 @@ class Group:
 
 
 def mpirun(ranks):
-    """As root and with fewer cores than ranks too; unbound, since others may use the cores."""
-    return ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+    """As root and with fewer cores than ranks too; unbound and yielding, since others may use the
+    cores (two ranks beside another program took six times as long as one)."""
+    return ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-n",
+            str(ranks)]
 
 
 def words(element):

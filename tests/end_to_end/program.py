@@ -99,8 +99,9 @@ def environment():
 
 
 def command(*arguments, ranks=1):
-    # Unbound: others may use the cores that mpirun would choose.
-    launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
+    # Unbound and yielding: others may use the cores that mpirun would choose.
+    launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
+              "-n", str(ranks)] if ranks > 1 else []
     return [*launch, str(PROGRAM), *map(str, arguments)]
 
 

@@ -144,14 +144,16 @@ class ReadOnly(ProgramTest):
         nobody = self.as_nobody()
         self.shearwake("run", "job.toml", "--shard", "1/4", prefix=nobody)
         for folder in (self.out, self.out / "cases"):
-            os.chmod(self.out / "journal.jsonl", 0o444)
+            for journal in self.out.glob("journal*.jsonl"):
+                os.chmod(journal, 0o444)
             self.lock(folder)
             said = self.shearwake("run", "job.toml", prefix=nobody, expect=6).said
             self.says(said, "Permission denied", str(self.out.relative_to(self.folder)))
             self.assertLess(len(said), 2000, said)
             self.assertNotIn("internal error", said)
             os.chmod(folder, 0o777)
-        os.chmod(self.out / "journal.jsonl", 0o666)
+            for journal in self.out.glob("journal*.jsonl"):
+                os.chmod(journal, 0o666)
         self.lock(self.out)
         self.says(self.shearwake("reduce", self.out, prefix=nobody, expect=6).said, "Permission denied")
 
