@@ -168,7 +168,7 @@ void CaseIndex::save() {
     if (news_.empty()) return;
     news_.pop_back(); // append_line ends it
     try {
-        append_line(folder_ / "index.jsonl", news_);
+        append_line(folder_ / "index.jsonl", news_, Flush::later);
     } catch (const UsageError&) { // read-only, or full
     }
     news_.clear();
@@ -180,7 +180,7 @@ void add_to_index(const fs::path& index, const fs::path& case_file) {
     const CaseDigest digest = read_digest(case_file, case_file.stem().string());
     if (!can_be_kept(digest)) return;
     try {
-        append_line(index, line_of(*stamp, digest));
+        append_line(index, line_of(*stamp, digest), Flush::later);
     } catch (const UsageError&) { // it is read from the file
     }
 }

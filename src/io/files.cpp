@@ -119,11 +119,11 @@ void write_file(const fs::path& path, std::string_view text) {
     }
 }
 
-void append_line(const fs::path& path, std::string_view line) {
+void append_line(const fs::path& path, std::string_view line, Flush flush) {
     with_patience([&] {
         Descriptor file(path, O_RDWR | O_CREAT | O_APPEND);
         file.write((file.ends_within_a_line() ? "\n" : "") + std::string(line) + "\n");
-        file.flush();
+        if (flush == Flush::now) file.flush();
         file.commit();
     });
 }

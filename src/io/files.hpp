@@ -23,9 +23,14 @@ std::string read_file(const std::filesystem::path& path);
 /// Whole or not at all: written beside, flushed to the disk, renamed.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
-/// One line at the end of a file in a single write, flushed to the disk. A last line that a kill or
-/// a full disk has cut short is ended first.
-void append_line(const std::filesystem::path& path, std::string_view line);
+/// Whether a line must be on the disk before the program goes on, or may get there in its time: it
+/// outlives the program in any case, and may be lost with the machine.
+enum class Flush { now, later };
+
+/// One line at the end of a file in a single write. A last line that a kill or a full disk has cut
+/// short is ended first.
+void append_line(const std::filesystem::path& path, std::string_view line,
+                 Flush flush = Flush::now);
 
 void make_directory(const std::filesystem::path& path);
 

@@ -87,7 +87,7 @@ void Journal::started(const std::string& id, int ranks) const {
     Json line = event("started");
     line["id"] = id;
     line["ranks"] = ranks;
-    append_line(path_, text(line));
+    append_line(path_, text(line), Flush::later);
 }
 
 void Journal::checkpointed(const std::string& id, long step) const {
