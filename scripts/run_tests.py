@@ -38,7 +38,7 @@ json.dump({'passed': passed, 'failed': bad, 'skipped': skipped}, open(out, 'w'))
 class Group:
     def __init__(self, name, command, count, timeout_s, *, beside=False):
         self.name, self.command, self.count, self.timeout_s = name, command, count, timeout_s
-        self.beside = beside  # long and on one core: runs beside all the others
+        self.beside = beside  # on one core: one of these runs beside all the others
 
 
 def mpirun(ranks):
@@ -157,7 +157,8 @@ def groups_of(build, python):
     for path in sorted(path for folder in ("report", "end_to_end", "faults", "slurm", "fuzz")
                        for path in ROOT.glob(f"tests/{folder}/test_*.py")):
         command = [python, "-c", UNITTEST, str(path), "REPORT"]
-        groups.append(Group(str(path.relative_to(ROOT)), command, count_unittest, 300))
+        groups.append(Group(str(path.relative_to(ROOT)), command, count_unittest, 300,
+                            beside=path.parent.name == "report"))
     return groups
 
 
@@ -171,7 +172,7 @@ def main():
         os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     groups = [group for group in groups_of(build, sys.executable)
               if not sys.argv[2:] or any(word in group.name for word in sys.argv[2:])]
-    with ThreadPoolExecutor() as pool:
+    with ThreadPoolExecutor(max_workers=1) as pool:
         beside = [pool.submit(run_group, group, results) for group in groups if group.beside]
         counts = [run_group(group, results) for group in groups if not group.beside]
         counts += [future.result() for future in beside]
