@@ -117,7 +117,7 @@ TEST_CASE("a sponge gives back less than 1 % of an outgoing pulse", "[verify]") 
     const double share =
         returned(lossy(pulse(44 + margin, 32 + margin, width_m)), reference) / outgoing;
     CAPTURE(loss_Pa_s, width_m, share);
-    CHECK(share < 0.01); // the requirement; 0.004, 0.007 and 0.009 are seen
+    CHECK(share < 0.01); // the requirement; 0.004, 0.006 and 0.0097 are seen
 }
 
 TEST_CASE("behind a sponge a moving focus is as on a wide domain for 14 ms", "[verify]") {
