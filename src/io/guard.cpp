@@ -27,6 +27,9 @@ void limit(__rlimit_resource resource, rlim_t most) {
         std::signal(signal, SIG_DFL);
     limit(RLIMIT_CORE, 0);
     limit(RLIMIT_CPU, static_cast<rlim_t>(seconds) + 1);
+    // A file can also make it wait for ever; on a busy machine computing takes its time.
+    std::signal(SIGALRM, SIG_DFL);
+    ::alarm(static_cast<unsigned>(10.0 * seconds));
     // What breaks down complains; that is of no use to anybody.
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, STDOUT_FILENO);
