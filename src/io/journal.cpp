@@ -38,7 +38,11 @@ void take(const Json& line, JournalContents& contents) {
     const std::string name = line.at("event");
     if (name == "run_started" || name == "run_ended") {
         contents.running = name == "run_started";
-        if (name == "run_ended") contents.last_run_ended = line.at("how");
+        if (name == "run_ended") {
+            contents.last_run_ended = line.at("how");
+            contents.last_run_times = {line.value("idle_share", 0.0),
+                                       line.value("beside_solve_s", 0.0)};
+        }
         if (name == "run_started") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
             contents.unix_time_s = line.at("unix_s");
@@ -77,9 +81,11 @@ void Journal::run_started(const RunStart& start) const {
     append_line(path_, text(line));
 }
 
-void Journal::run_ended(const std::string& how) const {
+void Journal::run_ended(const std::string& how, const RunTimes& times) const {
     Json line = event("run_ended");
     line["how"] = how;
+    line["idle_share"] = times.idle_share;
+    line["beside_solve_s"] = times.beside_solve_s;
     append_line(path_, text(line));
 }
 
@@ -160,6 +166,7 @@ JournalContents read_journals(const std::filesystem::path& folder) {
         if (one.unix_time_s >= all.unix_time_s) {
             all.overrides = std::move(one.overrides);
             all.last_run_ended = std::move(one.last_run_ended);
+            all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;
         }
     }

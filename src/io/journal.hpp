@@ -26,6 +26,12 @@ struct CaseTimes {
     std::string engine;
 };
 
+/// Where the time of a run went. Of its cases' solves alone, not their files.
+struct RunTimes {
+    double idle_share = 0.0;     // of the teams, waiting for the last one to end
+    double beside_solve_s = 0.0; // a case, on its team: claim, journal, file, table's numbers
+};
+
 /// The journal: one JSON object a line, only ever appended to, a line in one write, so that the
 /// teams of a run need not talk to each other. A line cut short by a kill is passed over. Each
 /// shard, and each host of a run beside that of rank 0, has a journal of its own: network file
@@ -36,7 +42,7 @@ public:
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
     void run_started(const RunStart& start) const;
-    void run_ended(const std::string& how) const;
+    void run_ended(const std::string& how, const RunTimes& times) const;
     void started(const std::string& id, int ranks) const;
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
@@ -59,8 +65,9 @@ struct CaseHistory {
 
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
-    bool running = false;               // a run has started and none has said since that it ended
-    std::string last_run_ended;         // how
+    bool running = false;       // a run has started and none has said since that it ended
+    std::string last_run_ended; // how
+    RunTimes last_run_times;
     std::vector<std::string> overrides; // of the last run, key=value
     double unix_time_s = 0.0;           // when the last run started
 };

@@ -20,8 +20,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto between_beats = 2s;
-/// Three beats, and what a network file system may keep from another host.
-constexpr auto watching = 10s;
 constexpr std::size_t beat_length = 320;
 
 int open_or_throw(const std::filesystem::path& file) {
@@ -66,11 +64,12 @@ int lock_byte(int fd, short kind, std::size_t number) {
 
 } // namespace
 
-RunLock::RunLock(const std::filesystem::path& file, Sharing sharing)
+RunLock::RunLock(const std::filesystem::path& file, Sharing sharing,
+                 std::chrono::milliseconds watching)
     : file_(file), fd_(open_or_throw(file)) {
     try {
         lock_or_throw(sharing);
-        refuse_if_held_elsewhere();
+        refuse_if_held_elsewhere(watching);
     } catch (...) {
         ::close(fd_);
         throw;
@@ -96,7 +95,7 @@ void RunLock::lock_or_throw(Sharing sharing) {
     system_locks_ = true;
 }
 
-void RunLock::refuse_if_held_elsewhere() const {
+void RunLock::refuse_if_held_elsewhere(std::chrono::milliseconds watching) const {
     const Beat before = read_beat(fd_);
     if (before.host.empty()) return;
     // On this host the system's lock can be trusted, and a process that is gone holds nothing.
@@ -105,7 +104,8 @@ void RunLock::refuse_if_held_elsewhere() const {
     if (here && ::kill(static_cast<pid_t>(before.process), 0) != 0 && errno == ESRCH) return;
     const auto end = std::chrono::steady_clock::now() + watching;
     while (std::chrono::steady_clock::now() < end) {
-        std::this_thread::sleep_for(between_beats / 4);
+        std::this_thread::sleep_for(
+            std::min<std::chrono::milliseconds>(between_beats / 4, watching / 4));
         if (read_beat(fd_) != before)
             refuse(file_, fmt::format(" (process {} on {})", before.process, before.host));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
@@ -22,14 +23,17 @@ public:
 
     /// Locks `file`, which is made if it is not there. Throws UsageError when another run holds it,
     /// or (environment) when it cannot be opened. Not collective.
-    RunLock(const std::filesystem::path& file, Sharing sharing);
+    /// `watching`: how long the count of another host is looked at; the default is three beats and
+    /// what a network file system may keep from another host.
+    RunLock(const std::filesystem::path& file, Sharing sharing,
+            std::chrono::milliseconds watching = std::chrono::seconds(10));
     ~RunLock();
     RunLock(const RunLock&) = delete;
     RunLock& operator=(const RunLock&) = delete;
 
 private:
     void lock_or_throw(Sharing sharing);
-    void refuse_if_held_elsewhere() const;
+    void refuse_if_held_elsewhere(std::chrono::milliseconds watching) const;
     void write_beat(long count) const;
     void beat();
 

@@ -142,6 +142,13 @@ std::string engine_name(const SolverOptions& solver) {
                       solver);
 }
 
+std::vector<std::string> engine_names() {
+    return []<std::size_t... i>(std::index_sequence<i...>) {
+        return std::vector{engine_name(std::variant_alternative_t<i, SolverOptions>{})...};
+    }
+    (std::make_index_sequence<std::variant_size_v<SolverOptions>>());
+}
+
 std::ptrdiff_t good_even_length(std::ptrdiff_t n) {
     for (std::ptrdiff_t length = n + n % 2;; length += 2) {
         std::ptrdiff_t rest = length;

@@ -104,6 +104,8 @@ std::vector<double> stress_depths_m(const Case& c);
 
 /// The engine's name in job files and tables.
 std::string engine_name(const SolverOptions& solver);
+/// The names of all engines, in the order of the variant.
+std::vector<std::string> engine_names();
 
 /// The smallest even product of 2, 3, 5 and 7 that is at least `n`: a length FFTs like.
 std::ptrdiff_t good_even_length(std::ptrdiff_t n);

@@ -36,6 +36,9 @@ Case layered_bench_case();
 
 /// What a machine takes for computing, transposing and files, kept for `plan`: see machine.hpp.
 ExitCode bench_machine(const Comm& world);
+/// What cases cost beside their solves, and how long teams wait for each other, by two sweeps that
+/// are run where the program is started: tiny cases, and some of mixed cost with both engines.
+ExitCode bench_sweep(int tiny_cases, const Comm& world);
 
 /// A layer with or without a body, where the time of a step goes, and its floors.
 ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);

@@ -48,6 +48,7 @@ struct BenchArguments {
     int steps = 20;
     double contrast = 4.0;  // of a body's shear stiffness; 1: no body
     double sponge_mm = 0.0; // on each side
+    int cases = 2000;       // of `sweep`
 };
 
 struct DiffArguments {

@@ -88,6 +88,11 @@ Deadline::Deadline(const std::string& walltime, const Comm& world) {
     limit_s_ = std::min(given_s, world.max(slurm_s));
 }
 
+bool Deadline::lets_begin(double needed_s, double left_s) const {
+    if (needed_s <= left_s) return true;
+    return needed_s > 0.9 * limit_s_ && left_s > 0.8 * limit_s_;
+}
+
 double Deadline::left_s() const {
     const double kept_s = std::min(60.0, 0.05 * limit_s_);
     return limit_s_ - kept_s -

@@ -24,6 +24,11 @@ public:
     /// Of the whole run.
     double limit_s() const { return limit_s_; }
     double left_s() const;
+    /// Whether something that needs so long may begin now: when it ends in time, and when it is
+    /// longer than the whole time and has most of it, for what can be saved goes on in the next run
+    /// and nothing else would ever be tried.
+    bool lets_begin(double needed_s) const { return lets_begin(needed_s, left_s()); }
+    bool lets_begin(double needed_s, double left_s) const;
 
 private:
     double limit_s_ = std::numeric_limits<double>::infinity();

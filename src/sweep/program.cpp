@@ -148,8 +148,9 @@ void add_bench(CLI::App& app, Action& action) {
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
     verb->add_option(
             "ENGINE", arguments->engine,
-            "layered (default), spectral, neural, or machine: all that plan believes of it")
-        ->check(CLI::IsMember({"layered", "spectral", "neural", "machine"}));
+            "layered (default), spectral, neural, sweep: what cases cost beside their solves, or "
+            "machine: all that plan believes of it")
+        ->check(CLI::IsMember({"layered", "spectral", "neural", "sweep", "machine"}));
     verb->add_option("--grid", arguments->grid, "spectral: points and levels (256x192x25)")
         ->type_name("NXxNYxNZ");
     verb->add_option("--steps", arguments->steps, "spectral: steps that are timed (20)")
@@ -162,6 +163,9 @@ void add_bench(CLI::App& app, Action& action) {
     verb->add_option("--sponge", arguments->sponge_mm, "spectral: absorbing margin, mm (0: none)")
         ->type_name("MM")
         ->check(CLI::Range(0.0, 60.0));
+    verb->add_option("--cases", arguments->cases, "sweep: tiny cases that are computed (2000)")
+        ->type_name("N")
+        ->check(CLI::Range(4, 100000));
     verb->callback([=, &action] {
         action = [=](const Comm& world) { return bench_command(*arguments, world); };
     });

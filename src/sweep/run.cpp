@@ -171,7 +171,10 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
     const bool stopped =
         !all_ended && !broken && (result.stopping || result.put_off + result.elsewhere > 0);
     on_root(world, [&] {
-        journal.run_ended(stopped ? "stopped" : result.failed > 0 ? "with failures" : "done");
+        journal.run_ended(stopped             ? "stopped"
+                          : result.failed > 0 ? "with failures"
+                                              : "done",
+                          result.times);
     });
     if (world.is_root())
         fmt::print("{}\n", epilogue(folder, selection, result, stopped, arguments));

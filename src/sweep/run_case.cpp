@@ -17,6 +17,12 @@
 namespace shearwake {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point began) {
+    return std::chrono::duration<double>(Clock::now() - began).count();
+}
+
 /// Asked before it is used: Linux grants memory that it does not have, and then kills.
 void refuse_too_large(const Case& c, const Comm& team, double available_B) {
     const double needed_B = memory_needed_B(c, team.size());
@@ -108,7 +114,7 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
                                     const Comm& team, const std::filesystem::path& path,
                                     CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = Clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
                    .overrides = job.overrides,
@@ -122,8 +128,10 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, hooks.tick);
     keep_receptors(c, recorder);
+    const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints, hooks);
     if (checkpoints.stop()) return std::nullopt;
+    const double solve_s = seconds_since(began) - before_solve_s;
 
     AfferentResult afferents;
     if (c.afferents) afferents = felt(felt_motion(planned, recorder), *c.afferents, team);
@@ -135,8 +143,7 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
         for (VariableGroup& group : afferents.groups)
             groups.push_back(std::move(group));
     });
-    facts.wall_s = checkpoints.earlier_seconds() +
-                   std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = timestamp();
     facts.solver = recorder.solver();
     facts.solver.notes.insert(facts.solver.notes.end(), afferents.notes.begin(),
@@ -148,7 +155,7 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     });
     writer.commit(groups, case_attributes(planned, facts));
     checkpoints.discard();
-    return CaseOutcome{facts.wall_s, facts.solver};
+    return CaseOutcome{facts.wall_s, solve_s, facts.solver};
 }
 
 } // namespace shearwake

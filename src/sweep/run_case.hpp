@@ -21,7 +21,8 @@ struct JobFacts {
 
 /// How it went.
 struct CaseOutcome {
-    double seconds = 0.0; // over all runs
+    double seconds = 0.0;       // over all runs
+    double solve_seconds = 0.0; // of this run, in the engine with its measures and frames
     SolverReport solver;
 };
 

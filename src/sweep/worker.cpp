@@ -27,7 +27,7 @@ constexpr std::array waits_for_files = {1s, 5s};
 constexpr int most_file_failures_in_a_row = 3;
 
 int engine_number(const Case& c) {
-    return std::holds_alternative<LayeredOptions>(c.solver) ? 0 : 1;
+    return static_cast<int>(c.solver.index());
 }
 
 /// This host's name where the journal of rank 0's host is another's. Collective.
@@ -49,13 +49,17 @@ Worker::Worker(const WorkList& list, const JournalContents& learned, const Comm&
     for (const auto& [id, history] : learned.cases) {
         const CaseTimes& times = history.times;
         if (!(times.estimated_seconds > 0.0)) continue;
-        const int engine = times.engine == "layered" ? 0 : 1;
+        const auto names = engine_names();
+        const auto found = std::find(names.begin(), names.end(), times.engine);
+        if (found == names.end()) continue;
+        const auto engine = static_cast<int>(found - names.begin());
         counters_.fetch_add(taken_us + engine, std::lround(1e6 * times.seconds));
         counters_.fetch_add(estimated_us + engine, std::lround(1e6 * times.estimated_seconds));
     }
 }
 
 void Worker::work() {
+    const auto began = std::chrono::steady_clock::now();
     while (true) {
         long index = -1;
         if (team_.is_root()) index = next();
@@ -64,7 +68,12 @@ void Worker::work() {
         one_case(*list_.cases[static_cast<std::size_t>(index)]);
         if (team_.is_root()) claims_->release(list_.numbers[static_cast<std::size_t>(index)]);
     }
-    if (team_.is_root()) counters_.fetch_add(teams_ended, 1);
+    worked_us_ =
+        std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
+            .count();
+    if (!team_.is_root()) return;
+    counters_.fetch_add(teams_us, worked_us_);
+    counters_.fetch_add(teams_ended, 1);
 }
 
 /// The next case for this team, on its root; -1 when there is none.
@@ -99,9 +108,8 @@ double Worker::estimated_s(const PlannedCase& planned) const {
                       list_.costs.machine());
 }
 
-/// Whether a case that begins now ends before the time is up, by the engine's estimate and by what
-/// cases have taken so far. A case that is longer than the whole time is begun where it has most of
-/// it: what can be saved goes on in the next run, and nothing else would ever be tried.
+/// Whether a case may begin now, by the engine's estimate and by what cases have taken so far, less
+/// what a saved case has behind it.
 bool Worker::in_time(const PlannedCase& planned) {
     if (!list_.deadline.exists()) return true;
     const Case& c = planned.physics;
@@ -112,12 +120,10 @@ bool Worker::in_time(const PlannedCase& planned) {
     const bool shares = before_ && before_->medium == c.medium && before_->domain == c.domain;
     const double shared =
         shares ? 0.0 : shared_seconds_on(list_.costs.of(c), team_.size(), list_.costs.machine());
-    const double needed = allowance * learned * (estimated_s(planned) + shared);
+    const double learned_s = allowance * learned * (estimated_s(planned) + shared);
     const double before =
         seconds_saved(list_.folder.checkpoints(planned.id), {planned.id, program_git_id()});
-    const double left = list_.deadline.left_s(), limit = list_.deadline.limit_s();
-    if (needed - before <= left) return true;
-    return needed > 0.9 * limit && left > 0.8 * limit;
+    return list_.deadline.lets_begin(learned_s - before);
 }
 
 void Worker::learn(const PlannedCase& planned, const CaseTimes& times) {
@@ -187,6 +193,7 @@ void Worker::compute(const PlannedCase& planned) {
     tell(planned, outcome->solver);
     if (!team_.is_root()) return;
     learn(planned, times);
+    counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
     counters_.fetch_add(done, 1);
 }
 
@@ -310,13 +317,20 @@ WorkResult Worker::wait_for_others() {
     const auto of = [&](Shared which) {
         return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);
     };
+    const double longest_us = world_.max(team_.is_root() ? static_cast<double>(worked_us_) : 0.0);
+    const auto all_us = static_cast<double>(of(teams_us));
+    const auto cases = static_cast<double>(std::max(1L, of(done)));
+    const RunTimes times{
+        .idle_share = longest_us > 0.0 ? 1.0 - all_us / (longest_us * list_.teams) : 0.0,
+        .beside_solve_s = 1e-6 * (all_us - static_cast<double>(of(solves_us))) / cases};
     return {.done = of(done),
             .failed = of(failed),
             .failed_files = of(failed_files),
             .put_off = of(put_off),
             .elsewhere = of(elsewhere),
             .stopping = of(stopping) != 0,
-            .folder_gone = of(folder_gone) != 0};
+            .folder_gone = of(folder_gone) != 0,
+            .times = times};
 }
 
 } // namespace shearwake

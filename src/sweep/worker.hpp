@@ -43,6 +43,7 @@ struct WorkResult {
     long elsewhere = 0;    // another run is at work on them, or has ended them meanwhile
     bool stopping = false; // no further cases were begun
     bool folder_gone = false;
+    RunTimes times;
 };
 
 /// One team at work: takes cases from a counter that all teams share until there are none, until
@@ -58,6 +59,7 @@ public:
     WorkResult wait_for_others();
 
 private:
+    static constexpr int engines = std::variant_size_v<SolverOptions>;
     /// Counters of all teams; times in microseconds, by engine.
     enum Shared {
         next_case,
@@ -71,9 +73,11 @@ private:
         put_off,
         elsewhere,
         folder_gone,
+        teams_us,
+        solves_us,
         taken_us,
-        estimated_us = taken_us + 2,
-        shared_count = estimated_us + 2
+        estimated_us = taken_us + engines,
+        shared_count = estimated_us + engines
     };
 
     long next();
@@ -103,6 +107,7 @@ private:
     std::vector<std::string> case_log_; // what was said of the case at work
     std::set<std::string> told_;        // notes of engines
     int file_failures_in_a_row_ = 0;
+    long worked_us_ = 0; // this team, from its first look for a case to its last
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{};
     bool signal_told_ = false, signal_seen_ = false;
 };

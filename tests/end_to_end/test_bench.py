@@ -1,6 +1,9 @@
 """What `bench` prints; never how fast: that is the machine's."""
+import json
+import os
 import re
 import unittest
+from unittest import mock
 
 from program import ProgramTest
 
@@ -49,6 +52,28 @@ class Bench(ProgramTest):
         said = self.shearwake(*SMALL, "--contrast", 1).stdout
         self.assertEqual(self.row(said, "FFTs")[2], 0.0)
         self.assertIn("none", said)
+
+    def test_what_cases_cost_beside_their_solves(self):
+        for ranks in (1, 2):
+            said = self.shearwake("bench", "sweep", "--cases", 6, ranks=ranks).said
+            self.says(said, "6 computed now", "32 computed now")
+            self.assertRegex(said, r" 6 tiny cases +[0-9.]+ s +[0-9.]+ ms a case and team beside its solve")
+            idle = re.search(r"32 mixed cases +[0-9.]+ s +([0-9.]+) % of the teams' time idle", said)
+            self.assertTrue(0.0 <= float(idle.group(1)) < 100.0, said)
+        self.assertEqual(list(self.folder.iterdir()), [], "it has left something")
+
+    def test_what_plan_believes_of_a_machine(self):
+        self.write_job()
+        cache = {"SHEARWAKE_CACHE": str(self.folder / "cache")}
+        with mock.patch.dict(os.environ, cache):
+            assumed = self.shearwake("plan", "job.toml", "-n", 4096).said
+            self.shearwake("bench", "machine", ranks=2)
+            measured = self.shearwake("plan", "job.toml", "-n", 4096).said
+        self.assertNotEqual(assumed, measured)
+        self.assertIn("2 ranks", measured)  # where and when it was measured
+        machine = json.loads((self.folder / "cache" / "machine.json").read_text(encoding="utf-8"))
+        for name in ("layered_factor", "spectral_factor", "message_s", "transposed_B_s", "file_s", "written_B_s"):
+            self.assertGreater(machine[name], 0.0, name)
 
     def test_grids_it_does_not_take(self):
         for grid in ("32x24", "33x24x9", "32x24x10", "32x24x9x1", "0x24x9", "many"):

@@ -1,4 +1,5 @@
 """Parts of a sweep: --only, --shard, -S, --out."""
+import json
 import unittest
 
 from program import ProgramTest, assert_same_table, case_files, plan_ids, started, table
@@ -17,6 +18,17 @@ class Selection(ProgramTest):
         self.assertEqual(started(self.out), [ids[0], *sorted((ids[1], ids[3]), key=started(self.out).index)])
         self.assertEqual({path.stem for path in case_files(self.out)}, {ids[0], ids[1], ids[3]})
         self.says(self.shearwake("status", self.out).said, "3 done", "1 left", "shearwake run")
+
+    def test_progress_as_json_for_other_programs(self):
+        for shard in ("1/2", "2/2"):
+            self.shearwake("run", "job.toml", "--shard", shard, "--quiet", "--log-json", "progress.jsonl")
+            lines = (self.folder / "progress.jsonl").read_text(encoding="utf-8").splitlines()
+            last = json.loads(lines[-1])
+            self.assertEqual({name: last[name] for name in ("total", "done", "failed", "running")},
+                             {"total": 2, "done": 2, "failed": 0, "running": 0})
+            self.assertGreater(last["elapsed_s"], 0.0)
+            self.assertRegex(last["time"], r"^\d{4}-\d\d-\d\dT")
+        self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
     def test_an_unknown_id_is_refused(self):
         self.shearwake("run", "job.toml", "--shard", "1/4")

@@ -70,8 +70,10 @@ TEST_CASE("the journal tells the latest of each case, and passes over a line cut
     CHECK(contents.cases.at("b").state == CaseHistory::State::failed);
     CHECK(contents.cases.at("b").reason.find("line break") != std::string::npos);
     CHECK(contents.cases.at("c").state == CaseHistory::State::started);
-    journal.run_ended("done");
+    journal.run_ended("done", {.idle_share = 0.25, .beside_solve_s = 0.01});
     contents = read_journal(folder / "journal.jsonl");
     CHECK_FALSE(contents.running);
     CHECK(contents.last_run_ended == "done");
+    CHECK(contents.last_run_times.idle_share == 0.25);
+    CHECK(contents.last_run_times.beside_solve_s == 0.01);
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "io/files.hpp"
+#include "io/journal.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <atomic>
@@ -52,6 +53,17 @@ TEST_CASE("a folder in which another host counts is in use, whatever its locks s
     ends = true;
     host.join();
     CHECK(words.find("process 17 on another-host") != std::string::npos);
+}
+
+TEST_CASE("a folder in which another host counts no more is taken over", "[lock]") {
+    const test::TemporaryFolder folder;
+    std::ofstream(folder / "run") << "another-host 17 5\n";
+    CHECK_NOTHROW(RunLock(folder / "run", Sharing::alone, std::chrono::milliseconds(100)));
+    std::ofstream(folder / "run") << "another-host 17 5\n";
+    const RunLock lock(folder / "run", Sharing::alone, std::chrono::milliseconds(100));
+    std::string host;
+    std::ifstream(folder / "run") >> host;
+    CHECK(host == host_name()); // this one's count stands there now
 }
 
 TEST_CASE("a case is claimed once", "[lock]") {

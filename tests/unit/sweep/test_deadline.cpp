@@ -30,6 +30,20 @@ TEST_CASE("without a limit there is always time", "[deadline]") {
     CHECK(hour.left_s() <= 3540.0); // a minute is kept
 }
 
+TEST_CASE("what does not end in time is not begun, unless nothing else would ever be tried",
+          "[deadline]") {
+    const Deadline hour("1:00:00", Comm::world());
+    CHECK(hour.lets_begin(600.0, 601.0));
+    CHECK_FALSE(hour.lets_begin(600.0, 599.0));
+    CHECK(hour.lets_begin(7200.0, 3500.0));       // saved at the end, and gone on with
+    CHECK_FALSE(hour.lets_begin(7200.0, 2000.0)); // the next run has more of it
+    CHECK_FALSE(hour.lets_begin(3000.0, 2990.0)); // fits into a whole hour
+    CHECK(hour.lets_begin(3300.0, 3310.0));
+    CHECK(Deadline().lets_begin(1e9));
+    CHECK(hour.lets_begin(60.0)); // by its clock
+    CHECK_FALSE(Deadline("10", Comm::world()).lets_begin(8.9, 8.0));
+}
+
 TEST_CASE("a case costs what its parts cost", "[costs]") {
     const Machine machine{
         .message_s = 1e-6, .transposed_B_s = 1e9, .file_s = 0.5, .written_B_s = 1e8};
