@@ -27,7 +27,7 @@ def arguments():
     parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds, runs the jobs, compares "
                                      "them with their baselines; exit 5 when one differs.")
     parser.add_argument("jobs", nargs="*", metavar="JOB", help="name of a file in jobs/, or a path to one "
-                        "that ends in .toml (default: quickstart)")
+                        "that ends in .toml (default: all that have a baseline)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
                         help="history, runs, page (default: out/nightly)")
     parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
@@ -40,7 +40,9 @@ def arguments():
     chosen = parser.parse_intermixed_args()
     if chosen.ranks < 1 or chosen.nights < 1 or chosen.hours <= 0:
         parser.error("--ranks, --nights and --hours want numbers above 0")
-    chosen.jobs = chosen.jobs or ["quickstart"]
+    chosen.jobs = chosen.jobs or sorted(path.stem for path in chosen.baselines.glob("*.csv"))
+    if not chosen.jobs:
+        parser.error(f"{chosen.baselines} holds no baselines: name the jobs")
     return chosen
 
 

@@ -191,6 +191,12 @@ class Nightly(ProgramTest):
         self.says(self.night("--build-failed", "build.log", expect=1), "the build failed")
         self.assertIn("&lt;no such thing&gt;", self.page())
 
+    def test_without_names_it_takes_the_jobs_that_have_baselines(self):
+        self.says(self.script("nightly", "--no-bench", expect=2), "holds no baselines", "name the jobs")
+        (self.folder / "baselines").mkdir()
+        (self.folder / "baselines" / "nothing.csv").write_text("id\n", encoding="utf-8")
+        self.says(self.script("nightly", "--no-bench", expect=2), "nothing", "no such job")
+
     def test_a_case_that_fails_makes_no_baseline(self):
         self.first_baseline()
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")
