@@ -1,0 +1,56 @@
+#pragma once
+
+#include "base/error.hpp"
+#include "fft/fftw_plan.hpp"
+
+#include <complex>
+#include <fftw3.h>
+#include <memory>
+#include <type_traits>
+
+namespace shearwake {
+
+/// A family of lines of complex numbers: line l begins at l distance, its points are stride apart.
+struct LineFamily {
+    int stride = 1, distance = 1;
+};
+
+/// FFTW in one precision: complex transforms of many lines out of place, unnormalised, that keep
+/// their input.
+template <class Real>
+struct FftwOf;
+
+template <>
+struct FftwOf<double> {
+    using Complex = std::complex<double>;
+    using Plan = FftwPlan;
+    static fftw_complex* raw(Complex* values) { return reinterpret_cast<fftw_complex*>(values); }
+    /// Empty where FFTW cannot (FFTW_WISDOM_ONLY without wisdom).
+    static Plan plan(int length, int lines, Complex* from, LineFamily from_lines, Complex* to,
+                     LineFamily to_lines, int sign, unsigned flags) {
+        return Plan(fftw_plan_many_dft(1, &length, lines, raw(from), nullptr, from_lines.stride,
+                                       from_lines.distance, raw(to), nullptr, to_lines.stride,
+                                       to_lines.distance, sign, flags));
+    }
+    static void execute(const Plan& plan) { fftw_execute(plan.get()); }
+};
+
+struct DestroySinglePlan {
+    void operator()(fftwf_plan p) const { fftwf_destroy_plan(p); }
+};
+
+template <>
+struct FftwOf<float> {
+    using Complex = std::complex<float>;
+    using Plan = std::unique_ptr<std::remove_pointer_t<fftwf_plan>, DestroySinglePlan>;
+    static fftwf_complex* raw(Complex* values) { return reinterpret_cast<fftwf_complex*>(values); }
+    static Plan plan(int length, int lines, Complex* from, LineFamily from_lines, Complex* to,
+                     LineFamily to_lines, int sign, unsigned flags) {
+        return Plan(fftwf_plan_many_dft(1, &length, lines, raw(from), nullptr, from_lines.stride,
+                                        from_lines.distance, raw(to), nullptr, to_lines.stride,
+                                        to_lines.distance, sign, flags));
+    }
+    static void execute(const Plan& plan) { fftwf_execute(plan.get()); }
+};
+
+} // namespace shearwake
