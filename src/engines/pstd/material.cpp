@@ -1,0 +1,89 @@
+#include "engines/pstd/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace shearwake::pstd {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::infinity();
+
+Node next(Node node, std::size_t axis) {
+    ++node[axis];
+    return node;
+}
+
+} // namespace
+
+NodeMaterial with_kwave_absorption(NodeMaterial m, double alpha_p_dB_MHz2_cm,
+                                   double alpha_s_dB_MHz2_cm) {
+    const double per_dB =
+        100.0 * std::pow(1e-6 / (2.0 * std::numbers::pi), 2) / (20.0 * std::log10(std::numbers::e));
+    m.eta_Pa_s = 2.0 * m.density_kg_m3 * std::pow(m.c_s_m_s, 3) * per_dB * alpha_s_dB_MHz2_cm;
+    m.chi_Pa_s = 2.0 * m.density_kg_m3 * std::pow(m.c_p_m_s, 3) * per_dB * alpha_p_dB_MHz2_cm -
+                 2.0 * m.eta_Pa_s;
+    return m;
+}
+
+double density_between(const Grid& grid, const MaterialOfNode& material, Node node,
+                       std::size_t axis) {
+    const double here = material(node).density_kg_m3;
+    if (node[axis] + 1 == grid.points[axis]) return here;
+    return 0.5 * (here + material(next(node, axis)).density_kg_m3);
+}
+
+double harmonic_between(const Grid& grid, const std::function<double(Node)>& value, Node node,
+                        std::size_t axis_a, std::size_t axis_b) {
+    const double here = value(node);
+    if (node[axis_a] + 1 == grid.points[axis_a] || node[axis_b] + 1 == grid.points[axis_b])
+        return here;
+    const Node a = next(node, axis_a);
+    const double at_a = value(a), at_b = value(next(node, axis_b)), at_ab = value(next(a, axis_b));
+    if (at_a == here && at_b == here && at_ab == here) return here; // exactly
+    if (here == 0.0 || at_a == 0.0 || at_b == 0.0 || at_ab == 0.0) return 0.0;
+    return 4.0 / (1.0 / here + 1.0 / at_a + 1.0 / at_b + 1.0 / at_ab);
+}
+
+template <class Real>
+Coefficient<Real>::Coefficient(const Slabs& slabs, const Comm& team,
+                               const std::function<double(Node)>& value)
+    : pitch_(slabs.pitch), ny_(slabs.ny()), last_x_(slabs.nx() - 1 - slabs.x_start()) {
+    const std::ptrdiff_t nz = slabs.nz();
+    AlignedVector<Real> all(static_cast<std::size_t>(slabs.reals()), Real(0));
+    // The least and the largest value of each depth in four families of rows: the upper edge in x
+    // or not, in y or not. Negated, so that one maximum over the ranks finds both.
+    std::vector<double> range(static_cast<std::size_t>(8 * nz), -none);
+    for (std::ptrdiff_t x = 0; x < slabs.x_count(); ++x) {
+        for (std::ptrdiff_t y = 0; y < ny_; ++y) {
+            const std::ptrdiff_t family = (x == last_x_ ? 1 : 0) + (y == ny_ - 1 ? 2 : 0);
+            for (std::ptrdiff_t z = 0; z < nz; ++z) {
+                const Node node{slabs.x_start() + x, y, z};
+                const double v = value(node);
+                all[static_cast<std::size_t>(slabs.offset(node))] = static_cast<Real>(v);
+                double& high = range[static_cast<std::size_t>(2 * (family * nz + z))];
+                double& low = range[static_cast<std::size_t>(2 * (family * nz + z) + 1)];
+                high = std::max(high, v);
+                low = std::max(low, -v);
+            }
+        }
+    }
+    team.max(std::span<double>(range));
+    for (std::size_t i = 0; i < range.size(); i += 2)
+        lateral_ = lateral_ || (range[i] > -none && range[i] != -range[i + 1]);
+    if (lateral_) {
+        values_ = std::move(all);
+        return;
+    }
+    values_.assign(static_cast<std::size_t>(4 * pitch_), Real(0));
+    for (std::ptrdiff_t family = 0; family < 4; ++family)
+        for (std::ptrdiff_t z = 0; z < nz; ++z)
+            if (const double v = range[static_cast<std::size_t>(2 * (family * nz + z))]; v > -none)
+                values_[static_cast<std::size_t>(family * pitch_ + z)] = static_cast<Real>(v);
+}
+
+template class Coefficient<double>;
+template class Coefficient<float>;
+
+} // namespace shearwake::pstd

@@ -1,0 +1,62 @@
+#include "engines/pstd/placed_source.hpp"
+
+namespace shearwake::pstd {
+
+template <class Real>
+PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
+                                 const FieldState<Real>& state, const MaterialOfNode& material,
+                                 double first_node_c_p_m_s)
+    : source_(source) {
+    const Grid& grid = slabs.grid;
+    // The quirk of the original: stresses are scaled with dx along every axis.
+    const double d_m = grid.spacing_m[is_velocity(source.field) ? index_of(source.field) : 0];
+    for (std::size_t n = 0; n < source.nodes.size(); ++n) {
+        const Node& node = source.nodes[n];
+        if (!slabs.has(node[0])) continue;
+        const double c_p_m_s = source.scaling == SourceScaling::kwave_of_first_node
+                                   ? first_node_c_p_m_s
+                                   : material(node).c_p_m_s;
+        const bool scaled =
+            source.mode == SourceMode::additive && source.scaling != SourceScaling::none;
+        const std::ptrdiff_t row = (node[0] - slabs.x_start()) * slabs.ny() + node[1];
+        which_.push_back(n);
+        places_.push_back({slabs.offset(node), state.runs.offset(row, node[2]),
+                           scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0});
+    }
+    values_.resize(which_.size());
+    source_.nodes.clear();
+}
+
+template <class Real>
+void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state) {
+    if (sample >= source_.samples || which_.empty()) return;
+    source_.values(sample, which_, values_);
+    const Parts parts = parts_of(source_.field);
+    const bool velocity = is_velocity(source_.field);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        const Place& place = places_[i];
+        const double value = values_[i] * place.scale, third = value / 3.0;
+        auto& total = state.total[static_cast<std::size_t>(place.total)];
+        const double into_total = velocity ? value : third * static_cast<double>(parts.count);
+        double kept = 0.0; // of a dirichlet velocity: its other parts
+        for (std::size_t p = 0; p + 1 < parts.count && place.part >= 0; ++p) {
+            auto& part = state.part[p][static_cast<std::size_t>(place.part)];
+            if (velocity)
+                kept += static_cast<double>(part);
+            else if (source_.mode == SourceMode::additive)
+                part += static_cast<Real>(third);
+            else
+                part = static_cast<Real>(third);
+        }
+        // A velocity's own part is the one that is not stored.
+        if (source_.mode == SourceMode::additive)
+            total += static_cast<Real>(into_total);
+        else
+            total = static_cast<Real>(kept + into_total);
+    }
+}
+
+template class PlacedSource<double>;
+template class PlacedSource<float>;
+
+} // namespace shearwake::pstd

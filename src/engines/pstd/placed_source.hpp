@@ -1,0 +1,30 @@
+#pragma once
+
+#include "engines/pstd/field_state.hpp"
+#include "engines/pstd/material.hpp"
+#include "engines/pstd/source.hpp"
+
+namespace shearwake::pstd {
+
+/// A source's nodes on this rank.
+template <class Real>
+class PlacedSource {
+public:
+    PlacedSource(const Source& source, const Slabs& slabs, const FieldState<Real>& state,
+                 const MaterialOfNode& material, double first_node_c_p_m_s);
+    Field field() const { return source_.field; }
+    /// Puts a sample in, or nothing after the last one. Not collective.
+    void apply(std::ptrdiff_t sample, FieldState<Real>& state);
+
+private:
+    struct Place {
+        std::ptrdiff_t total, part; // part: -1 where none are kept
+        double scale;
+    };
+    Source source_;
+    std::vector<std::size_t> which_;
+    std::vector<Place> places_;
+    std::vector<double> values_;
+};
+
+} // namespace shearwake::pstd

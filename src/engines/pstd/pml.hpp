@@ -1,0 +1,62 @@
+#pragma once
+
+#include "engines/pstd/grid.hpp"
+
+namespace shearwake::pstd {
+
+/// The split-field multi-axial perfectly matched layer inside the grid. Strength 0: none.
+struct PmlOptions {
+    std::array<std::ptrdiff_t, 3> points = {10, 10, 10}; // on each side of an axis
+    std::array<double, 3> strength_1 = {2.0, 2.0, 2.0};  // Np per grid point, k-Wave's PMLAlpha
+    double multi_axial_ratio_1 = 0.1;
+    double reference_speed_m_s = 0.0; // 0: the largest c_p of the grid
+    bool operator==(const PmlOptions&) const = default;
+};
+
+/// Factors of the layer along one axis, for fields on nodes and for those half a cell on: `main`
+/// for the part that this axis' derivative feeds, `other` for the other parts (ratio times the
+/// strength). With s = strength c_ref/d [depth/points]^4 the factor is exp(-s dt/2), 1 outside.
+struct PmlProfile {
+    std::vector<double> main, other;
+};
+PmlProfile pml_profile(const Grid& grid, const PmlOptions& options, std::size_t axis,
+                       bool staggered, double reference_speed_m_s);
+
+/// Values that keep their split parts: [begin, end) of a row, from `offset` on in the parts.
+struct SplitRun {
+    std::ptrdiff_t begin = 0, end = 0;
+    std::ptrdiff_t offset = 0;
+};
+
+/// Where a field's parts are kept on a rank: in the layer, and at nodes that are asked for.
+class SplitRuns {
+public:
+    SplitRuns() = default;
+    /// `nodes` of this rank whose values keep their parts outside the layer as well.
+    SplitRuns(const Slabs& slabs, const PmlOptions& options, const std::vector<Node>& nodes);
+
+    /// Of the row (x, y), x counted from the slab's first; ascending, apart from each other.
+    struct Row {
+        const SplitRun *first, *last;
+        const SplitRun* begin() const { return first; }
+        const SplitRun* end() const { return last; }
+    };
+    Row row(std::ptrdiff_t row) const {
+        const auto at = static_cast<std::size_t>(row);
+        return {runs_.data() + starts_[at], runs_.data() + starts_[at + 1]};
+    }
+    /// Where the parts of a value stand; -1 where it has none.
+    std::ptrdiff_t offset(std::ptrdiff_t row, std::ptrdiff_t z) const {
+        for (const SplitRun& run : this->row(row))
+            if (z >= run.begin && z < run.end) return run.offset + z - run.begin;
+        return -1;
+    }
+    std::ptrdiff_t size() const { return size_; }
+
+private:
+    std::vector<std::size_t> starts_ = {0};
+    std::vector<SplitRun> runs_;
+    std::ptrdiff_t size_ = 0;
+};
+
+} // namespace shearwake::pstd
