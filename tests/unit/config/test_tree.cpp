@@ -88,4 +88,7 @@ TEST_CASE("letters beyond ASCII stand in strings and comments alone", "[tree]") 
     // toml++ 3.3 asks for the impossible at the first and the last.
     for (const char* letter : {"\xef\xbb\xb8", "\xc3\xa9", "\xff", "\xe1\x9a\x80"})
         CHECK(mistakes("a = 1\n" + std::string(letter) + " = 2\n") == 1);
+    // And here, where a quote that begins no string hides the letter from a first look.
+    CHECK(mistakes("_m =16E2EEKEEEE'16E2EE\xc2\xba"
+                   "EEE:E::EE\n") == 1);
 }
