@@ -37,13 +37,24 @@ double density_between(const Grid& grid, const MaterialOfNode& material, Node no
 double harmonic_between(const Grid& grid, const std::function<double(Node)>& value, Node node,
                         std::size_t axis_a, std::size_t axis_b) {
     const double here = value(node);
-    if (node[axis_a] + 1 == grid.points[axis_a] || node[axis_b] + 1 == grid.points[axis_b])
-        return here;
-    const Node a = next(node, axis_a);
-    const double at_a = value(a), at_b = value(next(node, axis_b)), at_ab = value(next(a, axis_b));
-    if (at_a == here && at_b == here && at_ab == here) return here; // exactly
-    if (here == 0.0 || at_a == 0.0 || at_b == 0.0 || at_ab == 0.0) return 0.0;
-    return 4.0 / (1.0 / here + 1.0 / at_a + 1.0 / at_b + 1.0 / at_ab);
+    double sum = 0.0;
+    bool uniform = true, edge = false;
+    for (const bool on_a : {false, true}) {
+        for (const bool on_b : {false, true}) {
+            Node n = node;
+            if (on_a && grid.points[axis_a] > 1) ++n[axis_a];
+            if (on_b && grid.points[axis_b] > 1) ++n[axis_b];
+            if (n[axis_a] == grid.points[axis_a] || n[axis_b] == grid.points[axis_b]) {
+                edge = true;
+                continue;
+            }
+            const double there = value(n);
+            if (there == 0.0) return 0.0;
+            uniform = uniform && there == here;
+            sum += 1.0 / there;
+        }
+    }
+    return uniform || edge ? here : 4.0 / sum; // uniform: exactly
 }
 
 template <class Real>

@@ -50,7 +50,8 @@ private:
 
 /// rho at the velocity points (arithmetic mean of two nodes along `axis`), and mu or eta at the
 /// shear points (harmonic mean of the four nodes around, 0 if any of them is 0). Beyond the upper
-/// edge of the grid there is nothing to average with: there the node's own value.
+/// edge of the grid there is nothing to average with: there the node's own value, as k-Wave has it,
+/// or 0 beside a 0 within the grid. Along an axis of a single point a node is its own neighbour.
 double density_between(const Grid& grid, const MaterialOfNode& material, Node node,
                        std::size_t axis);
 double harmonic_between(const Grid& grid, const std::function<double(Node)>& value, Node node,
