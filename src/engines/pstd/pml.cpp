@@ -37,7 +37,7 @@ SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options,
     std::vector<Node> asked = nodes;
     std::sort(asked.begin(), asked.end());
     auto next = asked.begin();
-    const std::ptrdiff_t nz = slabs.nz(), line = 16; // runs begin at lines of the cache
+    const std::ptrdiff_t nz = slabs.nz();
     std::vector<char> split(static_cast<std::size_t>(nz));
     for (std::ptrdiff_t x = 0; x < slabs.x_count(); ++x) {
         for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y) {

@@ -31,6 +31,9 @@ struct SplitRun {
 /// Where a field's parts are kept on a rank: in the layer, and at nodes that are asked for.
 class SplitRuns {
 public:
+    /// Runs take up multiples of this many values: whole lines of the cache in either precision.
+    static constexpr std::ptrdiff_t line = 16;
+
     SplitRuns() = default;
     /// `nodes` of this rank whose values keep their parts outside the layer as well.
     SplitRuns(const Slabs& slabs, const PmlOptions& options, const std::vector<Node>& nodes);

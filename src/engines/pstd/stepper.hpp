@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engines/checkpoint.hpp"
 #include "engines/pstd/field_state.hpp"
 #include "engines/pstd/material.hpp"
 #include "engines/pstd/placed_source.hpp"
@@ -41,6 +42,12 @@ public:
     const Slabs& slabs() const { return slabs_; }
     /// This rank's slab of totals: [x][y][z], rows `slabs().pitch` apart.
     std::span<const Real> total(Field field) const { return state(field).total; }
+
+    /// Totals, kept parts and the count of steps ("step"), for a stepper of the same setup on any
+    /// number of ranks; sources keep nothing. Names: "step", "ux", "ux_part_0" and the like.
+    /// Collective.
+    void save(StateWriter& state) const;
+    void restore(StateReader& state);
 
 private:
     FieldState<Real>& state(Field field) { return states_[index_of(field)]; }
