@@ -9,7 +9,7 @@
 namespace shearwake::neural {
 namespace {
 
-Lanes tangent(Lanes v) {
+AlignedLanes tangent(AlignedLanes v) {
     for (std::size_t i = 0; i < lane_count; ++i)
         v[i] = std::tan(v[i]);
     return v;
@@ -19,7 +19,7 @@ Lanes tangent(Lanes v) {
 
 EightNeurons side_by_side(std::span<const Afferent> afferents) {
     using Row = NeuronRow;
-    constexpr std::array<std::pair<double Row::*, Lanes EightNeurons::*>, 13> members = {
+    constexpr std::array<std::pair<double Row::*, AlignedLanes EightNeurons::*>, 13> members = {
         {{&Row::low_pass, &EightNeurons::low_pass},
          {&Row::static_positive, &EightNeurons::static_positive},
          {&Row::static_negative, &EightNeurons::static_negative},
@@ -44,16 +44,16 @@ EightNeurons side_by_side(std::span<const Afferent> afferents) {
 }
 
 void low_pass(const EightNeurons& neurons, Line& line) {
-    const Lanes K = tangent(std::numbers::pi * 10.0 / neuron_rate_Hz * neurons.low_pass);
-    const Lanes p0 = K + 1.0, p1 = K - 1.0;                                         // first order
-    const Lanes q0 = K * K + K + 1.0, q1 = 2.0 * K * K - 2.0, q2 = K * K - K + 1.0; // second
-    const Lanes c = p0 * q0;
-    const Lanes b = K * K * K / c;
-    const Lanes a1 = (p0 * q1 + p1 * q0) / c, a2 = (p0 * q2 + p1 * q1) / c, a3 = p1 * q2 / c;
-    Lanes state1{}, state2{}, state3{}; // transposed direct form II
-    for (Lanes& value : line) {
-        const Lanes in = b * value;
-        const Lanes out = in + state1;
+    const AlignedLanes K = tangent(std::numbers::pi * 10.0 / neuron_rate_Hz * neurons.low_pass);
+    const AlignedLanes p0 = K + 1.0, p1 = K - 1.0; // first order
+    const AlignedLanes q0 = K * K + K + 1.0, q1 = 2.0 * K * K - 2.0, q2 = K * K - K + 1.0; // second
+    const AlignedLanes c = p0 * q0;
+    const AlignedLanes b = K * K * K / c;
+    const AlignedLanes a1 = (p0 * q1 + p1 * q0) / c, a2 = (p0 * q2 + p1 * q1) / c, a3 = p1 * q2 / c;
+    AlignedLanes state1{}, state2{}, state3{}; // transposed direct form II
+    for (AlignedLanes& value : line) {
+        const AlignedLanes in = b * value;
+        const AlignedLanes out = in + state1;
         state1 = 3.0 * in - a1 * out + state2;
         state2 = 3.0 * in - a2 * out + state3;
         state3 = in - a3 * out;
@@ -64,7 +64,7 @@ void low_pass(const EightNeurons& neurons, Line& line) {
 Line current(const EightNeurons& neurons, const Line& s, const Line& d) {
     Line I(d.size());
     for (std::size_t k = 0; k < d.size(); ++k) {
-        const Lanes e = k + 1 < d.size() ? d[k + 1] - d[k] : Lanes{};
+        const AlignedLanes e = k + 1 < d.size() ? d[k + 1] - d[k] : AlignedLanes{};
         I[k] = neurons.rate_positive * positive_part(d[k]) +
                neurons.rate_negative * negative_part(d[k]) +
                neurons.jerk_positive * positive_part(e) + neurons.jerk_negative * negative_part(e);
@@ -78,7 +78,7 @@ Line current(const EightNeurons& neurons, const Line& s, const Line& d) {
 void add_noise(const EightNeurons& neurons, std::uint64_t key,
                std::span<const std::uint32_t> afferent_numbers, Line& I) {
     for (std::size_t k = 0; k < I.size(); k += 2) {
-        Lanes even{}, odd{};
+        AlignedLanes even{}, odd{};
         for (std::size_t i = 0; i < afferent_numbers.size(); ++i) {
             const auto pair = two_normals(key, afferent_numbers[i], k / 2);
             even[i] = pair[0];
@@ -90,14 +90,14 @@ void add_noise(const EightNeurons& neurons, std::uint64_t key,
 }
 
 void saturate(const EightNeurons& neurons, Line& I) {
-    const Lanes m = neurons.saturation;
-    for (Lanes& value : I)
+    const AlignedLanes m = neurons.saturation;
+    for (AlignedLanes& value : I)
         value = m > 0.0 ? m * value / (m + magnitude(value)) : value;
 }
 
-std::array<Lanes, after_spike_samples + 1> after_spike_current(const EightNeurons& neurons) {
+std::array<AlignedLanes, after_spike_samples + 1> after_spike_current(const EightNeurons& neurons) {
     using std::numbers::pi;
-    std::array<Lanes, after_spike_samples + 1> h{};
+    std::array<AlignedLanes, after_spike_samples + 1> h{};
     for (std::size_t j = 0; j < after_spike_samples; ++j) {
         const double u = 0.75 * pi * std::log1p(static_cast<double>(j) / 5.0) / std::log(3.0);
         const double b1 = 0.5 * (1.0 + std::cos(std::min(u, pi)));
@@ -114,9 +114,9 @@ std::array<std::vector<std::uint32_t>, lane_count> integrate_and_fire(const Eigh
     std::array<std::vector<std::uint32_t>, lane_count> spikes;
     std::array<std::size_t, lane_count> since; // the last spike, in samples
     since.fill(after_spike_samples);
-    Lanes V{};
+    AlignedLanes V{};
     for (std::size_t k = 0; k < I.size(); ++k) {
-        Lanes after{};
+        AlignedLanes after{};
         for (std::size_t i = 0; i < lane_count; ++i) {
             after[i] = h[since[i]][i];
             since[i] = std::min(since[i] + 1, after_spike_samples);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "neural/afferent.hpp"
-#include "neural/lanes.hpp"
+#include "base/lanes.hpp"
 
 #include <array>
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace shearwake::neural {
 
-using EightNeurons = NeuronParameters<Lanes>;
-using Line = std::vector<Lanes>;
+using EightNeurons = NeuronParameters<AlignedLanes>;
+using Line = std::vector<AlignedLanes>;
 
 /// The rows of at most eight afferents side by side; lanes beyond them repeat the last one.
 EightNeurons side_by_side(std::span<const Afferent> afferents);
@@ -45,7 +45,7 @@ inline constexpr std::size_t after_spike_samples = 190;
 /// h[j] = after_spike_1 b1[j] + after_spike_2 b2[j],  u = (3 pi/4) ln(1 + j/5) / ln 3,
 ///     b1 = (1 + cos(min(u, pi))) / 2,   b2 = (1 + cos(clamp(u - 3 pi/2, -pi, pi))) / 2;
 /// one 0 follows at the end: long after a spike there is none.
-std::array<Lanes, after_spike_samples + 1> after_spike_current(const EightNeurons& neurons);
+std::array<AlignedLanes, after_spike_samples + 1> after_spike_current(const EightNeurons& neurons);
 
 /// Leaky integrate-and-fire, V = 0 before the first sample:
 ///     V += -V/tau + I[k] + h[samples since the last spike];

@@ -57,7 +57,8 @@ std::vector<Spikes> each_eight(std::span<const Afferent> afferents, const Respon
                                const DriveOf& drive_of) {
     std::vector<Spikes> spikes;
     for (std::size_t first = 0; first < afferents.size(); first += lane_count) {
-        const auto eight = afferents.subspan(first, std::min(lane_count, afferents.size() - first));
+        const auto eight =
+            afferents.subspan(first, std::min<std::size_t>(lane_count, afferents.size() - first));
         auto fired = fire(eight, drive_of(eight, first), options,
                           options.first_number + static_cast<std::uint32_t>(first));
         for (std::size_t i = 0; i < eight.size(); ++i)

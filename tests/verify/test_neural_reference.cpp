@@ -92,7 +92,8 @@ template <class OfEight>
 Lines lanes_of(std::span<const Afferent> afferents, std::size_t samples, const OfEight& of_eight) {
     Lines lines(afferents.size(), samples);
     for (std::size_t begin = 0; begin < afferents.size(); begin += lane_count) {
-        const auto eight = afferents.subspan(begin, std::min(lane_count, afferents.size() - begin));
+        const auto eight =
+            afferents.subspan(begin, std::min<std::size_t>(lane_count, afferents.size() - begin));
         const Line line = of_eight(eight);
         for (std::size_t i = 0; i < eight.size(); ++i)
             for (std::size_t k = 0; k < line.size(); ++k)

@@ -1,29 +1,17 @@
 #pragma once
 
+#include "base/lanes.hpp"
+
 #include <complex>
 #include <cstddef>
 
 namespace shearwake {
 
-/// Eight neighbouring wavenumbers side by side: one vector instruction, or a few of a narrower
-/// machine. A type of g++ and clang; loads need no alignment beyond a double's.
-constexpr std::ptrdiff_t lane_count = 8;
-using Lanes = double __attribute__((vector_size(8 * sizeof(double)), aligned(8), may_alias));
-
-inline Lanes* lanes(double* values) {
-    return reinterpret_cast<Lanes*>(values);
-}
-inline const Lanes* lanes(const double* values) {
-    return reinterpret_cast<const Lanes*>(values);
-}
+// Lanes are eight neighbouring wavenumbers.
 
 /// The real and imaginary parts at +kx and at -kx: they share one real matrix.
 constexpr std::ptrdiff_t parts = 4;
 enum Part { plus_re, plus_im, minus_re, minus_im };
-
-inline double sum_of(Lanes v) {
-    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
-}
 
 /// Eight complex numbers in memory, first lane first.
 inline void store_ascending(std::complex<double>* to, Lanes re, Lanes im) {

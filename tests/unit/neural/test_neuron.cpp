@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+using namespace shearwake;
 using namespace shearwake::neural;
 
 namespace {
