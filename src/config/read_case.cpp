@@ -72,6 +72,21 @@ void check_depths(const Reader& reader, const std::vector<double>& depths_m, con
     }
 }
 
+/// Receptors that feel the stress must lie in the medium.
+void check_receptor_depths(const Reader& reader, const Case& c) {
+    double total_m = 0.0;
+    for (const Layer& layer : c.medium.layers)
+        total_m += layer.thickness_m;
+    if (c.medium.base != Base::rigid || c.medium.layers.empty()) return;
+    for (const double depth_m : stress_depths_m(c))
+        if (depth_m >= total_m) {
+            reader.error("input", fmt::format("is \"stress\", and receptors {} mm deep do not lie "
+                                              "above the rigid base, {} mm deep",
+                                              in_milli(depth_m), in_milli(total_m)));
+            return;
+        }
+}
+
 double read_focal_radius_m(Reader& reader, const Load& load) {
     const auto in_fwhm = reader.find_number("focal_radius_fwhm", Range::above(0.0));
     const auto radius_m = reader.find_number("focal_radius_mm", Range::above(0.0));
@@ -319,10 +334,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.measure = read_measure(measure, c.time, c.load, c.medium);
     c.record = read_record(record, c.domain, c.time, c.measure);
     c.afferents = read_afferents(afferents, c.domain, files.load_text);
-    if (!stress_depths_m(c).empty() && engine_name(c.solver) != "layered")
-        afferents.error("input",
-                        "is \"stress\", which the engine \"layered\" computes at receptors "
-                        "and no other; use it, or \"pins\"");
+    check_receptor_depths(afferents, c);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }
 

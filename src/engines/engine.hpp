@@ -57,7 +57,7 @@ public:
     virtual ~Observer() = default;
     virtual void begin(const Slab& slab) = 0;
     virtual void frame(const Frame& frame) = 0;
-    /// The stress at the depths of receptors, for cases that ask for it: after the frames.
+    /// The stress at the depths of receptors, for cases that ask for it: after its frame.
     virtual void stress(const StressFrame& /*frame*/) {}
     /// The depths of the volume's levels, where a case keeps volumes: once, after `begin` and
     /// before `restore`. Collective.

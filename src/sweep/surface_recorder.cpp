@@ -171,6 +171,12 @@ void SurfaceRecorder::save(StateWriter& state) {
     if (!mean_weights_.empty()) state.put("mean_u2", surface_rows(), mean_rows_.data());
     for (std::size_t i = 0; i < pins_.size(); ++i)
         put_part(fmt::format("pin_{}", i), pins_[i].u_m);
+    if (!stresses_.empty()) {
+        std::vector<double> all;
+        for (const TraceSeries& receptor : stresses_)
+            all.insert(all.end(), receptor.u_m.begin(), receptor.u_m.end());
+        put_part("stresses", all);
+    }
     state.put("instant_held", instant_held_ ? 1.0 : 0.0);
     if (instant_held_) state.put("instant", surface_rows(), instant_rows_.data());
 }
@@ -205,6 +211,16 @@ void SurfaceRecorder::restore(StateReader& state) {
         get_series(fmt::format("trace_{}", i), traces_[i].u_m);
     for (std::size_t i = 0; i < pins_.size(); ++i)
         get_series(fmt::format("pin_{}", i), pins_[i].u_m);
+    if (!stresses_.empty()) {
+        std::vector<double> all(stresses_.size() * static_cast<std::size_t>(case_.time.frames));
+        get_series("stresses", all);
+        auto next = all.begin();
+        for (TraceSeries& receptor : stresses_) {
+            const auto length = static_cast<std::ptrdiff_t>(receptor.u_m.size());
+            std::copy_n(next, length, receptor.u_m.begin());
+            next += length;
+        }
+    }
     if (!mean_weights_.empty()) state.get("mean_u2", surface_rows(), mean_rows_.data());
     instant_held_ = state.get("instant_held") != 0.0;
     if (!instant_held_) return;

@@ -1,5 +1,6 @@
 // Strain and stress volumes of the spectral engine on any number of ranks.
 #include "support/cases.hpp"
+#include "support/stop_at.hpp"
 #include "support/volume_store.hpp"
 
 #include <catch2/catch.hpp>
@@ -26,40 +27,12 @@ Case small_case(double contrast) {
     return c;
 }
 
-/// This rank's state, kept in memory; the run ends with the first save.
-class StopAt : public Checkpoints, public StateWriter, public StateReader {
-public:
-    explicit StopAt(int step) : left_(step) {}
-    bool due() override { return --left_ == 0; }
-    void save(const std::function<void(StateWriter&)>& write) override { write(*this); }
-    bool restore(const std::function<void(StateReader&)>& read) override {
-        if (numbers_.empty()) return false;
-        read(*this);
-        return true;
-    }
-    bool stop() const override { return true; }
-
-    void put(const std::string& name, const StateRows& rows, const double* values) override {
-        rows_[name].assign(values, values + rows.count * rows.row_length);
-    }
-    void put(const std::string& name, double value) override { numbers_[name] = value; }
-    void get(const std::string& name, const StateRows&, double* values) override {
-        std::copy(rows_.at(name).begin(), rows_.at(name).end(), values);
-    }
-    double get(const std::string& name) override { return numbers_.at(name); }
-
-private:
-    int left_;
-    std::map<std::string, std::vector<double>> rows_;
-    std::map<std::string, double> numbers_;
-};
-
 } // namespace
 
 TEST_CASE("volumes are the same when a run stops at a snapshot or beside it", "[mpi]") {
     const Case c = small_case(2.0);
     const Comm world = Comm::world();
-    StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at the steps 4 and 8
+    test::StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at the steps 4 and 8
     test::VolumeStore through, stopped;
     make_engine(c.solver)->run(c, world, through);
     make_engine(c.solver)->run(c, world, stopped, &checkpoints);

@@ -18,6 +18,7 @@ TEST_CASE("the stress below a resting focus is that of a static load on a half-s
     c.domain = {64, 64, 1.5e-3, 0.0};
     c.time = {300, 200e-6};
     c.measure = {.at_s = 60e-3, .settled_after_s = 30e-3, .focal_radius_m = 6e-3};
+    if (GENERATE(false, true)) c.solver = SpectralOptions{.time_step_s = 200e-6};
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     const Comm alone = Comm::world().split(Comm::world().rank());

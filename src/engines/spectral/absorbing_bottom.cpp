@@ -19,8 +19,9 @@ double deepest_m(const Case& c) {
     const auto reach = [&](double z_m) {
         if (std::isfinite(z_m)) deepest = std::max(deepest, z_m);
     };
-    for (const double z_m : c.measure.depths_m)
-        reach(z_m);
+    for (const auto& depths_m : {c.measure.depths_m, stress_depths_m(c)})
+        for (const double z_m : depths_m)
+            reach(z_m);
     for (const Body& body : c.medium.bodies)
         reach(bounds(body).high_m.z);
     if (c.medium.map) reach(depths(*c.medium.map).bottom_m);

@@ -40,23 +40,42 @@ Material HeldMaterials::operator()(Material m) const {
     return m;
 }
 
-std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
-                                     const StrainPoint& point) {
-    const auto node = static_cast<std::size_t>(point.node);
+namespace {
+
+std::vector<Material> plane_of_materials(const Case& c, std::size_t layer, const SlabShare& share,
+                                         double z_m, const DepthCell& cell) {
     const bool smooth = is_smooth(c.medium);
-    const DepthCell cell = depth_cell(mesh, point.element, node);
-    const double z_m = smooth
-                           ? mesh.z_m(point.element * static_cast<std::size_t>(mesh.degree) + node)
-                           : cell.centre_m;
     const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
     std::vector<Material> all;
     all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
-            all.push_back(material_of_cell(c.medium, mesh.layers[point.element],
-                                           {c.domain.x_m(share.x_start + i), c.domain.y_m(j), z_m},
-                                           size_m));
+            all.push_back(material_of_cell(
+                c.medium, layer,
+                {c.domain.x_m(share.x_start + i), c.domain.y_m(j), smooth ? z_m : cell.centre_m},
+                size_m));
     return all;
+}
+
+} // namespace
+
+std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
+                                     const StrainPoint& point) {
+    const auto node = static_cast<std::size_t>(point.node);
+    return plane_of_materials(
+        c, mesh.layers[point.element], share,
+        mesh.z_m(point.element * static_cast<std::size_t>(mesh.degree) + node),
+        depth_cell(mesh, point.element, node));
+}
+
+std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
+                                     std::size_t element, double depth_m) {
+    std::size_t node = 0;
+    const auto bottom_m = [&](const DepthCell& cell) { return cell.centre_m + 0.5 * cell.size_m; };
+    while (node + 1 < mesh.rule.nodes.size() && bottom_m(depth_cell(mesh, element, node)) < depth_m)
+        ++node;
+    return plane_of_materials(c, mesh.layers[element], share, depth_m,
+                              depth_cell(mesh, element, node));
 }
 
 } // namespace shearwake

@@ -40,5 +40,8 @@ private:
 /// Materials of one strain point over this rank's rows, row by row of ny.
 std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
                                      const StrainPoint& point);
+/// The same at a depth within an element: of smooth bodies right there, else of its node's cell.
+std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh, const SlabShare& share,
+                                     std::size_t element, double depth_m);
 
 } // namespace shearwake

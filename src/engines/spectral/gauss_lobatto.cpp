@@ -1,5 +1,6 @@
 #include "engines/spectral/gauss_lobatto.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,7 @@ struct Legendre {
 };
 
 Legendre legendre(int n, double x) {
+    if (n == 0) return {1.0, 0.0};
     double before = 1.0, p = x;
     for (int j = 2; j <= n; ++j) {
         const double next = ((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j;
@@ -54,6 +56,25 @@ GaussLobatto gauss_lobatto(int degree) {
         rule.derivative[i * count + i] = diagonal;
     }
     return rule;
+}
+
+std::vector<double> interpolation_weights(const GaussLobatto& rule, double x) {
+    std::vector<double> weights(rule.nodes.size(), 1.0);
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        for (std::size_t j = 0; j < weights.size(); ++j)
+            if (i != j) weights[i] *= (x - rule.nodes[j]) / (rule.nodes[i] - rule.nodes[j]);
+    return weights;
+}
+
+std::vector<double> smoothing_weights(const GaussLobatto& rule, double x) {
+    const std::size_t nodes = rule.nodes.size();
+    const int kept = static_cast<int>(std::max<std::size_t>(nodes, 3)) - 2;
+    std::vector<double> weights(nodes, 0.0);
+    for (std::size_t j = 0; j < nodes; ++j)
+        for (int n = 0; n < kept; ++n)
+            weights[j] +=
+                legendre(n, x).p * rule.weights[j] * legendre(n, rule.nodes[j]).p * (n + 0.5);
+    return weights;
 }
 
 } // namespace shearwake

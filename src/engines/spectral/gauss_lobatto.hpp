@@ -16,4 +16,10 @@ struct GaussLobatto {
 /// degree >= 1.
 GaussLobatto gauss_lobatto(int degree);
 
+/// Weights of the nodes' values at x in [-1, 1], of the interpolating polynomial (Lagrange).
+std::vector<double> interpolation_weights(const GaussLobatto& rule, double x);
+/// The same of its projection onto polynomials two degrees lower,
+/// sum over n of P_n(x) w_j P_n(x_j) (n + 1/2), Legendre's.
+std::vector<double> smoothing_weights(const GaussLobatto& rule, double x);
+
 } // namespace shearwake

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/choices.hpp"
+#include "engines/spectral/receptor_stress.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
 #include "engines/spectral/tensor_volumes.hpp"
 #include "parallel/agree.hpp"
@@ -57,6 +58,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
     const SlabShare& share = slabs.share();
     Stepper stepper(c, mesh, slabs, time.step_s, team);
     TensorVolumes tensors(c, mesh, slabs, time.step_s, team);
+    ReceptorStress receptors(c, mesh, slabs, time.step_s, team);
     AlignedVector<double> plane;
     together(team, [&] { plane.resize(static_cast<std::size_t>(share.reals)); });
     observer.begin({share.x_start, share.x_count});
@@ -102,12 +104,16 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
         }
     };
     const std::ptrdiff_t steps = c.time.frames * per_frame;
-    // One step; strain and stress of a snapshot where it began need it as well.
+    // One step; strain and stress of a snapshot or frame where it began need it as well.
     const auto advance = [&] {
-        const auto snapshot = tensors.wanted() ? snapshot_at(stepper.step()) : std::nullopt;
+        const std::ptrdiff_t began = stepper.step();
+        const auto snapshot = tensors.wanted() ? snapshot_at(began) : std::nullopt;
+        const bool felt = receptors.wanted() && began > 0 && began % per_frame == 0;
         if (snapshot) tensors.remember(stepper);
+        if (felt) receptors.remember(stepper);
         stepper.advance();
         if (snapshot) tensors.give(stepper, *snapshot, observer);
+        if (felt) receptors.give(stepper, began / per_frame - 1, observer);
     };
     while (stepper.step() < steps) {
         advance();
@@ -124,7 +130,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, Observer& observer,
     for (std::string& note : edge_notes(c))
         notes.push_back(std::move(note));
     const SolverReport report = report_of(stepper, std::move(notes));
-    if (tensors.wanted() && snapshot_at(steps)) advance();
+    if ((tensors.wanted() && snapshot_at(steps)) || receptors.wanted()) advance();
     observer.solved(report);
 }
 

@@ -4,6 +4,7 @@
 #include "engines/spectral/lanes.hpp"
 #include "engines/spectral/lateral_sponge.hpp"
 #include "engines/spectral/lateral_variation.hpp"
+#include "engines/spectral/receptor_stress.hpp"
 #include "engines/spectral/skyline_matrix.hpp"
 
 #include <algorithm>
@@ -13,6 +14,8 @@
 namespace shearwake {
 namespace {
 
+/// Seconds a point, frame and plane of the stress at receptors: its sums and its transform.
+constexpr double felt_s = 2e-8;
 /// As many places of the map are looked at.
 constexpr std::ptrdiff_t map_samples = 500;
 
@@ -202,6 +205,7 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
     const double planes = v.points * v.components;
     const bool tensors = std::any_of(c.record.volume_fields.begin(), c.record.volume_fields.end(),
                                      [](VolumeField f) { return f != VolumeField::u; });
+    const double felt = ReceptorStress::planes(c, mesh);
     Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
 
@@ -234,7 +238,8 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
     // before there is anything else, and forgotten.
     e.memory_per_rank_B = program_B + map_B + std::max(stepper_B, sampled_B) +
                           (ranks > 1 ? 3.0 : 2.0) * plane_B +
-                          (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0);
+                          (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0) +
+                          (felt > 0.0 ? (2.0 + 2.0 * felt) * plane_B : 0.0);
 
     // Seconds per mode, level and node of an element; per plane and mode or point: measured with
     // `shearwake bench spectral`.
@@ -251,7 +256,8 @@ Estimate estimate_spectral(const Case& c, const DepthMesh& mesh, std::ptrdiff_t 
     const double begin_s = modes * levels * nodes * nodes * 4e-9 + 1.5e-7 * v.points * points;
     const double volumes_s = snapshots * levels * points * (tensors ? 1e-7 : 1e-8);
     e.seconds = begin_s + volumes_s + step_seconds * frames * static_cast<double>(steps_per_frame) +
-                7e-9 * points * frames * static_cast<double>(c.measure.depths_m.size());
+                7e-9 * points * frames * static_cast<double>(c.measure.depths_m.size()) +
+                felt_s * points * frames * felt;
     return e;
 }
 

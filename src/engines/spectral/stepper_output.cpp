@@ -3,19 +3,6 @@
 #include <algorithm>
 
 namespace shearwake {
-namespace {
-
-/// Weights of an element's nodes at reference position x in [-1, 1] (Lagrange).
-std::vector<double> weights_at(const GaussLobatto& rule, double x) {
-    std::vector<double> weights(rule.nodes.size(), 1.0);
-    for (std::size_t i = 0; i < weights.size(); ++i)
-        for (std::size_t j = 0; j < weights.size(); ++j)
-            if (i != j) weights[i] *= (x - rule.nodes[j]) / (rule.nodes[i] - rule.nodes[j]);
-    return weights;
-}
-
-} // namespace
-
 void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane) const {
     const auto at_level = static_cast<std::ptrdiff_t>(level);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
@@ -56,7 +43,7 @@ void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane
 void Stepper::plane_of_w(double depth_m, double* plane) const {
     const auto above = std::upper_bound(mesh_.ends_m.begin(), mesh_.ends_m.end() - 1, depth_m);
     const auto element = static_cast<std::size_t>(above - mesh_.ends_m.begin()) - 1;
-    const std::vector<double> weights = weights_at(
+    const std::vector<double> weights = interpolation_weights(
         mesh_.rule, 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0);
     const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {

@@ -8,29 +8,13 @@
 namespace shearwake {
 namespace {
 
-/// Projects values at an element's nodes onto polynomials two degrees lower:
-/// sum over n of P_n(x_q) w_j P_n(x_j) (n + 1/2), Legendre's.
+/// Row by row, what an element's nodes are after smoothing.
 std::vector<double> smoothing_of(const GaussLobatto& rule) {
-    const std::size_t nodes = rule.nodes.size();
-    const std::size_t kept = std::max<std::size_t>(nodes, 3) - 2;
-    const auto legendre = [](std::size_t n, double x) {
-        double before = 1.0, now = x;
-        if (n == 0) return before;
-        for (std::size_t i = 1; i < n; ++i) {
-            const auto m = static_cast<double>(i);
-            const double next = ((2.0 * m + 1.0) * x * now - m * before) / (m + 1.0);
-            before = now;
-            now = next;
-        }
-        return now;
-    };
-    std::vector<double> matrix(nodes * nodes, 0.0);
-    for (std::size_t q = 0; q < nodes; ++q)
-        for (std::size_t j = 0; j < nodes; ++j)
-            for (std::size_t n = 0; n < kept; ++n)
-                matrix[q * nodes + j] += legendre(n, rule.nodes[q]) * rule.weights[j] *
-                                         legendre(n, rule.nodes[j]) *
-                                         (static_cast<double>(n) + 0.5);
+    std::vector<double> matrix;
+    for (const double x : rule.nodes) {
+        const std::vector<double> row = smoothing_weights(rule, x);
+        matrix.insert(matrix.end(), row.begin(), row.end());
+    }
     return matrix;
 }
 

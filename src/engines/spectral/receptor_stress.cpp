@@ -1,0 +1,201 @@
+#include "engines/spectral/receptor_stress.hpp"
+
+#include "engines/spectral/cell_materials.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+
+namespace shearwake {
+namespace {
+
+/// A depth this close to where elements meet, in their lengths, lies in both.
+constexpr double rounding = 1e-9;
+
+using Numbers = std::vector<double>;
+/// A step before a frame, at it, after it.
+using Times = std::array<Numbers, 3>;
+
+std::vector<std::size_t> elements_at(const DepthMesh& mesh, double depth_m) {
+    std::vector<std::size_t> at;
+    for (std::size_t e = 0; e < mesh.elements(); ++e) {
+        const double margin_m = rounding * mesh.length_m(e);
+        if (depth_m >= mesh.ends_m[e] - margin_m && depth_m <= mesh.ends_m[e + 1] + margin_m)
+            at.push_back(e);
+    }
+    return at;
+}
+
+bool varies_in(const Case& c, const DepthMesh& mesh, std::size_t element) {
+    return varies_between(c.medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
+}
+
+/// Node weights of d/dz of what has these.
+Numbers slope_of(const Numbers& weights, const DepthMesh& mesh, std::size_t element) {
+    const std::size_t nodes = weights.size();
+    Numbers slope(nodes, 0.0);
+    for (std::size_t q = 0; q < nodes; ++q)
+        for (std::size_t j = 0; j < nodes; ++j)
+            slope[j] +=
+                2.0 / mesh.length_m(element) * weights[q] * mesh.rule.derivative[q * nodes + j];
+    return slope;
+}
+
+/// Of W, then of -k U, at the three times.
+Times spread(const Numbers& of_w, const Numbers& of_u, const std::array<double, 3>& shares) {
+    Times all;
+    for (std::size_t t = 0; t < all.size(); ++t)
+        for (const Numbers* of : {&of_w, &of_u})
+            for (const double weight : *of)
+                all[t].push_back(shares[t] * weight);
+    return all;
+}
+
+/// W' - k U, averaged over the steps as the scheme has it.
+Times dilation(const Numbers& weights, const DepthMesh& mesh, std::size_t element) {
+    constexpr double s = stabilising_lambda;
+    return spread(slope_of(weights, mesh, element), weights, {s, 1.0 - 2.0 * s, s});
+}
+
+void add_scaled(double factor, const Times& more, Times& to) {
+    for (std::size_t t = 0; t < to.size(); ++t) {
+        to[t].resize(more[t].size(), 0.0);
+        for (std::size_t i = 0; i < to[t].size(); ++i)
+            to[t][i] += factor * more[t][i];
+    }
+}
+
+} // namespace
+
+ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs,
+                               double step_s, const Comm& team)
+    : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
+      depths_(stress_depths_m(c).size()), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+    if (!wanted()) return;
+    together(team, [&] {
+        for (std::size_t depth = 0; depth < depths_; ++depth) {
+            const double depth_m = stress_depths_m(c)[depth];
+            const auto elements = elements_at(mesh_, depth_m);
+            for (const std::size_t element : elements)
+                add_parts(depth, depth_m, element, 1.0 / static_cast<double>(elements.size()));
+        }
+        const auto plane = static_cast<std::size_t>(slabs.share().reals);
+        plane_.resize(plane);
+        compression_.resize(plane);
+        kept_.resize(parts_.size() *
+                     static_cast<std::size_t>(vectors_.pencils() * parts * lane_count));
+    });
+}
+
+void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t element,
+                               double share) {
+    const double x = 2.0 * (depth_m - mesh_.ends_m[element]) / mesh_.length_m(element) - 1.0;
+    const Numbers smooth = smoothing_weights(mesh_.rule, x), none(smooth.size(), 0.0),
+                  slope = slope_of(interpolation_weights(mesh_.rule, x), mesh_, element);
+    const Times strain = spread(slope, none, {0.0, 1.0, 0.0}),
+                rate = spread(slope, none, {-0.5 / step_s_, 0.0, 0.5 / step_s_});
+    const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
+    const Material layer = material_of(case_.medium.layers[mesh_.layers[element]]);
+    if (!varies_in(case_, mesh_, element)) {
+        Part all{.depth = depth, .first = first, .weights = {}, .factors = {}};
+        add_scaled(-share * layer.lambda_Pa, dilation(smooth, mesh_, element), all.weights);
+        add_scaled(-share * 2.0 * layer.mu_Pa, strain, all.weights);
+        add_scaled(-share * 2.0 * layer.viscosity_Pa_s, rate, all.weights);
+        parts_.push_back(std::move(all));
+        return;
+    }
+    const HeldMaterials held(case_, layer);
+    const auto add = [&](const Times& weights, double factor, const std::vector<Material>& cells,
+                         auto modulus) {
+        Part part{.depth = depth, .first = first, .weights = weights, .factors = {}};
+        for (const Material& cell : cells)
+            part.factors.push_back(-share * factor * held(cell).*modulus);
+        parts_.push_back(std::move(part));
+    };
+    const SlabShare& slab = slabs_.share();
+    for (std::size_t q = 0; q < smooth.size(); ++q) {
+        Numbers node = none;
+        node[q] = 1.0;
+        add(dilation(node, mesh_, element), smooth[q],
+            cell_materials(case_, mesh_, slab, {element, static_cast<std::ptrdiff_t>(q)}),
+            &Material::lambda_Pa);
+    }
+    const auto here = cell_materials(case_, mesh_, slab, element, depth_m);
+    add(strain, 2.0, here, &Material::mu_Pa);
+    add(rate, 2.0, here, &Material::viscosity_Pa_s);
+}
+
+double ReceptorStress::planes(const Case& c, const DepthMesh& mesh) {
+    double count = 0.0;
+    for (const double depth_m : stress_depths_m(c))
+        for (const std::size_t element : elements_at(mesh, depth_m))
+            count += varies_in(c, mesh, element) ? mesh.degree + 3.0 : 1.0;
+    return count;
+}
+
+void ReceptorStress::add(const Part& part, std::size_t time, Lanes k, const Lanes* pencil,
+                         Lanes* value) const {
+    const std::ptrdiff_t nodes = mesh_.degree + 1;
+    const double* of_w = part.weights[time].data();
+    const double* of_u = of_w + nodes;
+    for (std::ptrdiff_t j = 0; j < nodes && part.first + j < levels_; ++j) { // the base rests
+        const Lanes* u = pencil + 2 * (part.first + j) * parts;
+        const Lanes* w = u + parts;
+        for (std::ptrdiff_t p = 0; p < parts; ++p)
+            value[p] += of_w[j] * w[p] - of_u[j] * k * u[p];
+    }
+}
+
+template <class Use>
+void ReceptorStress::each_pencil(const Part& part, Use use) {
+    const std::ptrdiff_t number = &part - parts_.data();
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
+            const std::ptrdiff_t pencil = row * vectors_.blocks() + block;
+            use(row, block, pencil * 3 * levels_ * parts,
+                lanes(kept_.data()) + (number * vectors_.pencils() + pencil) * parts);
+        }
+}
+
+void ReceptorStress::remember(const Stepper& stepper) {
+    for (const Part& part : parts_)
+        each_pencil(
+            part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Lanes* kept) {
+                std::fill_n(kept, parts, Lanes{});
+                add(part, 0, vectors_.k(row, block), lanes(stepper.before().data()) + at, kept);
+            });
+}
+
+void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame, Observer& observer) {
+    const SlabShare& slab = slabs_.share();
+    const std::ptrdiff_t ny = case_.domain.ny;
+    for (std::size_t depth = 0; depth < depths_; ++depth) {
+        std::fill(compression_.begin(), compression_.end(), 0.0);
+        for (const Part& part : parts_) {
+            if (part.depth != depth) continue;
+            each_pencil(part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at,
+                                  Lanes* value) {
+                const Lanes k = vectors_.k(row, block);
+                add(part, 1, k, lanes(stepper.before().data()) + at, value);
+                add(part, 2, k, lanes(stepper.now().data()) + at, value);
+                StrainTransfer::put(vectors_, block, plane_.data() + 2 * row * vectors_.nx(),
+                                    value);
+            });
+            vectors_.clear_nyquist(plane_.data());
+            slabs_.to_physical(plane_.data());
+            for (std::ptrdiff_t i = 0; i < slab.x_count; ++i) {
+                const double* from = plane_.data() + i * slab.padded_ny;
+                double* to = compression_.data() + i * slab.padded_ny;
+                for (std::ptrdiff_t j = 0; j < ny; ++j)
+                    to[j] += part.factors.empty()
+                                 ? from[j]
+                                 : part.factors[static_cast<std::size_t>(i * ny + j)] * from[j];
+            }
+        }
+        observer.stress({.number = frame,
+                         .depth = depth,
+                         .compression_Pa = View2<const double>(compression_.data(), slab.x_count,
+                                                               ny, slab.padded_ny)});
+    }
+}
+
+} // namespace shearwake
