@@ -198,14 +198,60 @@ LayeredOptions read_layered(Reader options, const TimeAxis& time) {
     return layered;
 }
 
+PstdOptions read_pstd(Reader options, const TimeAxis& time) {
+    PstdOptions pstd;
+    if (!is_auto(options, "time_step_us")) pstd.time_step_s = read_time_step_s(options, time);
+    pstd.c_p_over_c_s =
+        options.number_or("c_p_over_c_s", pstd.c_p_over_c_s, Range::between(2.0, 1000.0));
+    static const std::array<std::string, 3> tops = {"void", "continued", "fluid"};
+    const std::string top = options.find_choice("top", tops).value_or("void");
+    pstd.top = top == "void"        ? PstdTop::nothing
+               : top == "continued" ? PstdTop::continued
+                                    : PstdTop::fluid;
+    for (const char* key : {"fluid_density_kg_m3", "fluid_c_p_m_s"})
+        if (options.has(key) && pstd.top != PstdTop::fluid)
+            options.error(key, fmt::format("is of {} = \"fluid\", which is \"{}\"",
+                                           options.full("top"), top));
+    pstd.fluid_density_kg_m3 =
+        options.number_or("fluid_density_kg_m3", pstd.fluid_density_kg_m3, Range::above(0.0));
+    pstd.fluid_c_p_m_s = options.number_or("fluid_c_p_m_s", pstd.fluid_c_p_m_s, Range::above(0.0));
+    static const std::array<std::string, 2> loads = {"traction", "displacement"};
+    const auto moved_m = options.find_number("displacement_um", Range::above(0.0));
+    if (options.find_choice("load", loads) == "displacement") pstd.load = PstdLoad::displacement;
+    const bool moves = pstd.load == PstdLoad::displacement;
+    if (moves && !options.has("displacement_um"))
+        options.error("load", fmt::format("needs {}, how far the full load moves the skin",
+                                          options.full("displacement_um")));
+    if (!moves && options.has("displacement_um"))
+        options.error("displacement_um",
+                      fmt::format("is of {} = \"displacement\"", options.full("load")));
+    pstd.displacement_m = moved_m.value_or(0.0);
+    pstd.depth_m = options.number_or("depth_mm", 0.0, Range::above(0.0));
+    const double points =
+        options.number_or("absorbing_points", pstd.absorbing_points, Range::between(8, 100));
+    if (points != std::floor(points)) options.error("absorbing_points", "must be a whole number");
+    pstd.absorbing_points = static_cast<int>(points);
+    pstd.absorbing_strength =
+        options.number_or("absorbing_strength", pstd.absorbing_strength, Range::between(0.0, 20.0));
+    static const std::array<std::string, 2> edges = {"periodic", "absorbing"};
+    pstd.absorbing_edges = options.find_choice("edges", edges) == "absorbing";
+    static const std::array<std::string, 2> precisions = {"double", "single"};
+    if (options.find_choice("precision", precisions) == "single")
+        pstd.precision = Precision::single_precision;
+    options.finish();
+    return pstd;
+}
+
 SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
-    static const std::array<std::string, 2> engines = {"layered", "spectral"};
+    static const std::array<std::string, 3> engines = {"layered", "spectral", "pstd"};
     const auto engine = reader.find_choice("engine", engines);
-    // Both tables are read: a sweep over the engine brings both, and their mistakes are told.
+    // All tables are read: a sweep over the engine brings them, and their mistakes are told.
     const LayeredOptions layered = read_layered(reader.optional_table("layered"), time);
     const SpectralOptions spectral = read_spectral(reader.optional_table("spectral"), time);
+    const PstdOptions pstd = read_pstd(reader.optional_table("pstd"), time);
     if (engine || !reader.has("engine")) reader.finish(); // else there may be its own table
     if (engine == "spectral") return spectral;
+    if (engine == "pstd") return pstd;
     return layered;
 }
 

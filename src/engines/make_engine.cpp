@@ -1,6 +1,7 @@
 #include "engines/engine.hpp"
 #include "base/overloaded.hpp"
 #include "engines/layered/layered_engine.hpp"
+#include "engines/pstd/pstd_engine.hpp"
 #include "engines/spectral/spectral_engine.hpp"
 
 namespace shearwake {
@@ -12,6 +13,9 @@ std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {
                           },
                           [](const SpectralOptions&) -> std::unique_ptr<Engine> {
                               return std::make_unique<SpectralEngine>();
+                          },
+                          [](const PstdOptions&) -> std::unique_ptr<Engine> {
+                              return std::make_unique<PstdEngine>();
                           },
                       },
                       solver);

@@ -120,6 +120,26 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
                        t.put("residual", o.residual);
                        t.put("contrast_cap", o.contrast_cap);
                    },
+                   [&](const PstdOptions& o) {
+                       if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
+                       t.put("c_p_over_c_s", o.c_p_over_c_s);
+                       t.put("top", o.top == PstdTop::nothing     ? "void"
+                                    : o.top == PstdTop::continued ? "continued"
+                                                                  : "fluid");
+                       if (o.top == PstdTop::fluid) {
+                           t.put("fluid_density_kg_m3", o.fluid_density_kg_m3);
+                           t.put("fluid_c_p_m_s", o.fluid_c_p_m_s);
+                       }
+                       t.put("load", o.load == PstdLoad::traction ? "traction" : "displacement");
+                       if (o.load == PstdLoad::displacement)
+                           t.put("displacement_m", o.displacement_m);
+                       if (o.depth_m > 0.0) t.put("depth_m", o.depth_m);
+                       t.put("absorbing_points", static_cast<std::ptrdiff_t>(o.absorbing_points));
+                       t.put("absorbing_strength", o.absorbing_strength);
+                       t.put_flag("absorbing_edges", o.absorbing_edges);
+                       t.put("precision",
+                             o.precision == Precision::double_precision ? "double" : "single");
+                   },
                },
                solver);
 }
@@ -138,6 +158,7 @@ std::string engine_name(const SolverOptions& solver) {
     return std::visit(overloaded{
                           [](const LayeredOptions&) { return std::string("layered"); },
                           [](const SpectralOptions&) { return std::string("spectral"); },
+                          [](const PstdOptions&) { return std::string("pstd"); },
                       },
                       solver);
 }

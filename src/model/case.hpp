@@ -84,7 +84,28 @@ struct SpectralOptions {
     double accuracy = 1e-3; // of the surface field, its relative L2 error; decides the time step
     bool operator==(const SpectralOptions&) const = default;
 };
-using SolverOptions = std::variant<LayeredOptions, SpectralOptions>;
+/// What lies above the surface z = 0 for engine `pstd`: nothing, the uppermost layer again without
+/// end, or a fluid.
+enum class PstdTop { nothing, continued, fluid };
+/// What `pstd` does with the load: it presses, or the skin under it is moved (PstdOptions).
+enum class PstdLoad { traction, displacement };
+enum class Precision { single_precision, double_precision };
+/// Engine `pstd`: k-Wave's staggered pseudospectral scheme, explicit in time.
+struct PstdOptions {
+    std::optional<double> time_step_s; // none: chosen from the stability rule
+    double c_p_over_c_s = 10.0;        // faster compressional waves are slowed down to this
+    PstdTop top = PstdTop::nothing;
+    double fluid_density_kg_m3 = 1000.0, fluid_c_p_m_s = 1500.0; // of PstdTop::fluid
+    PstdLoad load = PstdLoad::traction;
+    double displacement_m = 0.0;     // of PstdLoad::displacement: u_z under the full load
+    double depth_m = 0.0;            // clear below the surface; 0: chosen
+    int absorbing_points = 16;       // thickness of the layer around the grid
+    double absorbing_strength = 1.0; // Np a point at its outer edge
+    bool absorbing_edges = false;    // a layer around x and y too; else periodic, or the sponge
+    Precision precision = Precision::double_precision;
+    bool operator==(const PstdOptions&) const = default;
+};
+using SolverOptions = std::variant<LayeredOptions, SpectralOptions, PstdOptions>;
 
 /// Everything one simulation needs, in SI units: one comparable value.
 struct Case {

@@ -150,7 +150,7 @@ double wave_speed_m_s(const Medium& medium) {
 
 /// Whether the margin absorbs, and is not merely left out of the measures.
 bool absorbs(const Case& c) {
-    return c.domain.sponge_m > 0.0 && std::holds_alternative<SpectralOptions>(c.solver);
+    return c.domain.sponge_m > 0.0 && !std::holds_alternative<LayeredOptions>(c.solver);
 }
 
 /// The domain is periodic: a wave that leaves at one edge enters at the other, unless a sponge
@@ -209,16 +209,20 @@ void check_engine(const Case& c, Notes& notes) {
                       "asks for the field below the surface, which the engine \"{}\" does not "
                       "keep; solver.engine = \"spectral\" does",
                       engine_name(c.solver));
-        return;
     }
+    if (std::holds_alternative<LayeredOptions>(c.solver)) return;
+    if (std::holds_alternative<PstdOptions>(c.solver) &&
+        !std::holds_alternative<GaussianFootprint>(c.load.footprint))
+        notes.add(Severity::error, "load.footprint",
+                  "the engine \"pstd\" takes Gaussian foci, and this is an array; \"layered\" and "
+                  "\"spectral\" take both");
     for (const Layer& layer : c.medium.layers)
         if (!std::holds_alternative<Lossless>(layer.loss) &&
             !std::holds_alternative<KelvinVoigt>(layer.loss))
-            notes.add(
-                Severity::error, "solver.engine",
-                "\"spectral\" takes layers that are lossless or Kelvin-Voigt (viscosity_Pa_s), "
-                "and layer \"{}\" is not; \"layered\" takes any law",
-                layer.name);
+            notes.add(Severity::error, "solver.engine",
+                      "\"{}\" takes layers that are lossless or Kelvin-Voigt (viscosity_Pa_s), "
+                      "and layer \"{}\" is not; \"layered\" takes any law",
+                      engine_name(c.solver), layer.name);
 }
 
 void check_measured_times(const Case& c, Notes& notes) {

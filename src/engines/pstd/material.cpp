@@ -29,9 +29,13 @@ NodeMaterial with_kwave_absorption(NodeMaterial m, double alpha_p_dB_MHz2_cm,
 
 double density_between(const Grid& grid, const MaterialOfNode& material, Node node,
                        std::size_t axis) {
-    const double here = material(node).density_kg_m3;
-    if (node[axis] + 1 == grid.points[axis]) return here;
-    return 0.5 * (here + material(next(node, axis)).density_kg_m3);
+    const NodeMaterial here = material(node);
+    if (node[axis] + 1 == grid.points[axis]) return here.density_kg_m3;
+    const NodeMaterial there = material(next(node, axis));
+    const auto mass = [&](const NodeMaterial& m) {
+        return m.empty && here.empty != there.empty ? 0.0 : m.density_kg_m3;
+    };
+    return 0.5 * (mass(here) + mass(there));
 }
 
 double harmonic_between(const Grid& grid, const std::function<double(Node)>& value, Node node,

@@ -13,6 +13,9 @@ namespace shearwake::pstd {
 struct NodeMaterial {
     double density_kg_m3 = 0.0, c_p_m_s = 0.0, c_s_m_s = 0.0;
     double chi_Pa_s = 0.0, eta_Pa_s = 0.0;
+    /// Nothing: no stress but what a source puts there. Its own velocity points need a density and
+    /// have the one given; those between it and a medium carry half a cell of that medium alone.
+    bool empty = false;
     double mu_Pa() const { return density_kg_m3 * c_s_m_s * c_s_m_s; }
     double lambda_Pa() const { return density_kg_m3 * c_p_m_s * c_p_m_s - 2.0 * mu_Pa(); }
     bool operator==(const NodeMaterial&) const = default;
@@ -48,7 +51,8 @@ private:
     bool lateral_ = false;
 };
 
-/// rho at the velocity points (arithmetic mean of two nodes along `axis`), and mu or eta at the
+/// rho at the velocity points (arithmetic mean of two nodes along `axis`, an empty one counting
+/// nothing beside one that is not), and mu or eta at the
 /// shear points (harmonic mean of the four nodes around, 0 if any of them is 0). Beyond the upper
 /// edge of the grid there is nothing to average with: there the node's own value, as k-Wave has it,
 /// or 0 beside a 0 within the grid. Along an axis of a single point a node is its own neighbour.

@@ -83,9 +83,9 @@ TEST_CASE("a mistake in domain or time stands in its place", "[config][case]") {
 
 TEST_CASE("a mistake in solver, measure or record stands in its place", "[config][case]") {
     const auto [more, finding] = GENERATE(table<std::string, std::string>({
-        {"[solver]\nengine = \"pstd\"\n[solver.pstd]\n",
-         "job.toml:28:10: error: solver.engine must be one of \"layered\" or \"spectral\", and is "
-         "\"pstd\""},
+        {"[solver]\nengine = \"fem\"\n",
+         "job.toml:28:10: error: solver.engine must be one of \"layered\", \"spectral\" or "
+         "\"pstd\", and is \"fem\""},
         {"[solver]\nengine = \"spectral\"\n[solver.spectral]\ndegree = 8.5",
          "job.toml:30:10: error: solver.spectral.degree must be a whole number"},
         {"[solver.layered]\nwindow_factor = 1",
