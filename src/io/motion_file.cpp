@@ -42,12 +42,12 @@ double number(std::string_view text, std::size_t line) {
 }
 
 /// What one of a column is in SI, from the unit at the end of its name.
-double unit(std::string_view name, std::string_view quantity, std::size_t line) {
+double unit(std::string_view name, std::string_view quantity, std::string_view example,
+            std::size_t line) {
     const auto found = unit_of(name);
     if (!found || found->quantity != quantity)
-        throw UsageError(fmt::format("line {}: \"{:.40}\" must end in a unit of {}, as in "
-                                     "t_ms,u_um,u_um",
-                                     line, name, quantity));
+        throw UsageError(fmt::format("line {}: \"{:.40}\" must end in a unit of {}, as in {}", line,
+                                     name, quantity, example));
     return found->to_SI;
 }
 
@@ -69,8 +69,11 @@ double rate_Hz_of(const std::vector<double>& times_s) {
 }
 
 /// Lines of a CSV file one after the other, as they come.
-class CsvMotion {
+class CsvTraces {
 public:
+    /// Of a quantity, whose heading is as in the example.
+    CsvTraces(std::string_view quantity, std::string_view example)
+        : quantity_(quantity), example_(example) {}
     void take(const Cells& cells, std::size_t line) {
         if (units_.empty()) return heading(cells, line);
         if (cells.size() != units_.size())
@@ -80,33 +83,45 @@ public:
             return places(cells, line);
         times_s_.push_back(number(cells[0], line) * units_[0]);
         for (std::size_t p = 1; p < cells.size(); ++p)
-            motion_.u_m[p - 1].push_back(number(cells[p], line) * units_[p]);
+            lines_[p - 1].push_back(number(cells[p], line) * units_[p]);
     }
 
-    PointMotion finish() {
-        if (units_.empty()) throw UsageError("it is empty");
+    PointMotion motion() {
+        check_heading();
         if (xs_m_.empty() != ys_m_.empty())
             throw UsageError("places need both lines, x_mm,... and y_mm,...");
-        if (xs_m_.empty() && motion_.u_m.size() > 1)
+        if (xs_m_.empty() && lines_.size() > 1)
             throw UsageError(fmt::format("it has {} points and not their places: lines x_mm,... "
                                          "and y_mm,... below the heading",
-                                         motion_.u_m.size()));
+                                         lines_.size()));
+        PointMotion motion{.rate_Hz = rate_Hz_of(times_s_), .u_m = std::move(lines_)};
         for (std::size_t p = 0; p < xs_m_.size(); ++p)
-            motion_.at_m.push_back({xs_m_[p], ys_m_[p]});
-        motion_.rate_Hz = rate_Hz_of(times_s_);
-        return std::move(motion_);
+            motion.at_m.push_back({xs_m_[p], ys_m_[p]});
+        return motion;
+    }
+
+    PointStress stress() {
+        check_heading();
+        if (!xs_m_.empty() || !ys_m_.empty())
+            throw UsageError("the places of receptors are those of [afferents], not lines x_mm,... "
+                             "or y_mm,...");
+        return {rate_Hz_of(times_s_), std::move(lines_)};
     }
 
 private:
+    void check_heading() const {
+        if (units_.empty()) throw UsageError("it is empty");
+    }
+
     void heading(const Cells& cells, std::size_t line) {
         if (cells.size() < 2)
             throw UsageError(fmt::format("line {}: it must name the time and a point at least, as "
-                                         "in t_ms,u_um",
-                                         line));
-        units_.push_back(unit(cells[0], "time", line));
+                                         "in {}",
+                                         line, example_));
+        units_.push_back(unit(cells[0], "time", example_, line));
         for (std::size_t p = 1; p < cells.size(); ++p)
-            units_.push_back(unit(cells[p], "length", line));
-        motion_.u_m.resize(cells.size() - 1);
+            units_.push_back(unit(cells[p], quantity_, example_, line));
+        lines_.resize(cells.size() - 1);
     }
 
     void places(const Cells& cells, std::size_t line) {
@@ -116,16 +131,26 @@ private:
                                          "below the heading",
                                          line, cells[0]));
         std::vector<double>& to = name == "x" ? xs_m_ : ys_m_;
-        const double to_m = unit(cells[0], "length", line);
+        const double to_m = unit(cells[0], "length", "x_mm,0,5", line);
         to.clear();
         for (std::size_t p = 1; p < cells.size(); ++p)
             to.push_back(number(cells[p], line) * to_m);
     }
 
+    std::string_view quantity_, example_;
     std::vector<double> units_; // of every column; none: the heading is still to come
     std::vector<double> times_s_, xs_m_, ys_m_;
-    PointMotion motion_;
+    std::vector<std::vector<double>> lines_; // a column each but the times
 };
+
+void read_lines(std::string_view csv, CsvTraces& traces) {
+    for (std::size_t line = 1; !csv.empty(); ++line) {
+        const std::size_t end = std::min(csv.find('\n'), csv.size());
+        const std::string_view text = trimmed(csv.substr(0, end));
+        csv.remove_prefix(std::min(end + 1, csv.size()));
+        if (!text.empty() && text.front() != '#') traces.take(cells_of(text), line);
+    }
+}
 
 std::vector<std::vector<double>> rows(const NumberBlock& block, const std::string& name,
                                       double to_m) {
@@ -165,6 +190,12 @@ PointMotion of_case_file(hid_t file, const std::string& prefix) {
     return motion;
 }
 
+double rate_Hz_of(const h5::Id& group) {
+    if (!h5::has_attribute(group.raw(), "fs_hz"))
+        throw UsageError("the attribute fs_hz, samples a second, is missing");
+    return h5::number_attribute(group.raw(), "fs_hz");
+}
+
 PointMotion of_traces(hid_t file, const std::string& group) {
     constexpr double mm = 1e-3;
     const std::string prefix = group.empty() ? "" : group + "/";
@@ -177,9 +208,7 @@ PointMotion of_traces(hid_t file, const std::string& group) {
         motion.at_m.push_back({mm * at.values[2 * p], mm * at.values[2 * p + 1]});
     check_places(motion);
     const h5::Id opened = h5::open_group(file, group.empty() ? "/" : group);
-    if (!h5::has_attribute(opened.raw(), "fs_hz"))
-        throw UsageError("the attribute fs_hz, samples a second, is missing");
-    motion.rate_Hz = h5::number_attribute(opened.raw(), "fs_hz");
+    motion.rate_Hz = rate_Hz_of(opened);
     if (h5::has_attribute(opened.raw(), "pin_radius_mm"))
         motion.radius_m = mm * h5::number_attribute(opened.raw(), "pin_radius_mm");
     return motion;
@@ -188,14 +217,15 @@ PointMotion of_traces(hid_t file, const std::string& group) {
 } // namespace
 
 PointMotion motion_of_csv(std::string_view csv) {
-    CsvMotion motion;
-    for (std::size_t line = 1; !csv.empty(); ++line) {
-        const std::size_t end = std::min(csv.find('\n'), csv.size());
-        const std::string_view text = trimmed(csv.substr(0, end));
-        csv.remove_prefix(std::min(end + 1, csv.size()));
-        if (!text.empty() && text.front() != '#') motion.take(cells_of(text), line);
-    }
-    return motion.finish();
+    CsvTraces traces("length", "t_ms,u_um,u_um");
+    read_lines(csv, traces);
+    return traces.motion();
+}
+
+PointStress stress_of_csv(std::string_view csv) {
+    CsvTraces traces("pressure", "t_ms,p_Pa,p_Pa");
+    read_lines(csv, traces);
+    return traces.stress();
 }
 
 PointMotion motion_of_hdf5(const std::filesystem::path& path, std::string group) {
@@ -216,11 +246,26 @@ PointMotion motion_of_hdf5(const std::filesystem::path& path, std::string group)
                                  group.empty() ? "its root" : "the group " + group));
 }
 
-PointMotion read_motion(const std::filesystem::path& path, const std::string& group) {
+PointStress stress_of_hdf5(const std::filesystem::path& path, const std::string& group) {
+    const h5::Id file = h5::open_file(path, h5::Access::read);
+    const h5::Id opened = h5::open_group(file.raw(), group.empty() ? "/" : group);
+    const std::string name = "compression_Pa";
+    if (H5Lexists(opened.raw(), name.c_str(), H5P_DEFAULT) <= 0)
+        throw UsageError(fmt::format("{} holds no compression_Pa; name the group that does with "
+                                     "--group",
+                                     group.empty() ? "its root" : "the group " + group));
+    return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name), name, 1.0)};
+}
+
+namespace {
+
+/// What is wrong with a file, with its name before it.
+template <class OfCsv, class OfHdf5>
+auto read_traces(const std::filesystem::path& path, OfCsv of_csv, OfHdf5 of_hdf5) {
     try {
-        if (path.extension() == ".csv") return motion_of_csv(read_file(path));
+        if (path.extension() == ".csv") return of_csv(read_file(path));
         if (!std::filesystem::exists(path)) throw UsageError("there is no such file");
-        return motion_of_hdf5(path, group);
+        return of_hdf5();
     } catch (const UsageError& error) {
         if (error.code() != ExitCode::usage) throw; // the file system's own words name the file
         throw UsageError(fmt::format("{}: {}", path.string(), error.what()));
@@ -228,6 +273,16 @@ PointMotion read_motion(const std::filesystem::path& path, const std::string& gr
         throw UsageError(
             fmt::format("{}: it cannot be read as HDF5: {}", path.string(), error.what()));
     }
+}
+
+} // namespace
+
+PointMotion read_motion(const std::filesystem::path& path, const std::string& group) {
+    return read_traces(path, motion_of_csv, [&] { return motion_of_hdf5(path, group); });
+}
+
+PointStress read_stress(const std::filesystem::path& path, const std::string& group) {
+    return read_traces(path, stress_of_csv, [&] { return stress_of_hdf5(path, group); });
 }
 
 } // namespace shearwake

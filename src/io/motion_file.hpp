@@ -21,6 +21,12 @@ PointMotion read_motion(const std::filesystem::path& path, const std::string& gr
 /// passed over.
 PointMotion motion_of_csv(std::string_view csv);
 
+/// The compression at receptors: as a motion, but with units of pressure ("t_ms,p_Pa,p_Pa") and
+/// without places, or compression_Pa (receptor, sample) and the attribute fs_hz.
+PointStress read_stress(const std::filesystem::path& path, const std::string& group);
+PointStress stress_of_csv(std::string_view csv);
+PointStress stress_of_hdf5(const std::filesystem::path& path, const std::string& group);
+
 /// Either, as case files have in /traces and /pins: u_z (point, time) [m], time [s], x and y [m]
 /// (a first time of one step is preceded by rest); or trace_mm (point, sample), pin_xy_mm (point,
 /// 2), attributes fs_hz and perhaps pin_radius_mm. Without `group`: /traces, or the root.

@@ -15,4 +15,10 @@ struct PointMotion {
     std::optional<double> radius_m;       // of pins, if it is known
 };
 
+/// The stress at some receptors, likewise.
+struct PointStress {
+    double rate_Hz = 0.0;
+    std::vector<std::vector<double>> compression_Pa; // one line a receptor
+};
+
 } // namespace shearwake

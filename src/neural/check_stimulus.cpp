@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <span>
 
 namespace shearwake::neural {
 namespace {
@@ -13,6 +14,16 @@ namespace {
 constexpr double least_rate_Hz = 800.0;
 /// Contact is solved with all pins at once, with the cube of their number.
 constexpr std::size_t most_pins = 1000;
+
+using Traces = std::vector<std::span<const double>>;
+
+/// What traces are of, and how a value of theirs is told.
+struct Kind {
+    const char* noun;
+    const char* unit;
+    double shown; // a value, in that unit
+};
+constexpr Kind pins{"pin", "um", 1e3}, receptors{"receptor", "Pa", 1.0};
 
 class Remarks {
 public:
@@ -59,23 +70,37 @@ void check_pins(const PinStimulus& s, const Polygon& skin_mm, Remarks& remarks) 
                         off, s.at_mm.size());
 }
 
-/// Whether all is finite.
-bool check_values(const PinStimulus& s, Remarks& remarks) {
-    const Lines& lines = s.indentation_mm;
-    if (lines.samples < 2) {
-        remarks.error("trace", "a trace needs 2 samples at least, and has {}", lines.samples);
+bool check_rate(double rate_Hz, Remarks& remarks) {
+    if (std::isfinite(rate_Hz) && rate_Hz > 0.0) return true;
+    remarks.error("trace", "the sampling rate must be above 0, and is {:g} Hz", rate_Hz);
+    return false;
+}
+
+/// Whether all is there and finite.
+bool check_values(const Traces& traces, double rate_Hz, const Kind& kind, Remarks& remarks) {
+    const std::size_t samples = traces.empty() ? 0 : traces.front().size();
+    if (samples < 2) {
+        remarks.error("trace", "a trace needs 2 samples at least, and has {}", samples);
         return false;
     }
-    std::size_t bad = 0, first = 0;
-    for (std::size_t n = 0; n < lines.values.size(); ++n)
-        if (!std::isfinite(lines.values[n]) && bad++ == 0) first = n;
+    std::size_t bad = 0, first = 0, first_trace = 0;
+    for (std::size_t i = 0; i < traces.size(); ++i)
+        for (std::size_t k = 0; k < samples; ++k)
+            if (!std::isfinite(traces[i][k]) && bad++ == 0) first_trace = i, first = k;
     if (bad == 0) return true;
     remarks.error("trace",
-                  "{} values are not finite, the first at pin {}, sample {} (counted from "
+                  "{} values are not finite, the first at {} {}, sample {} (counted from "
                   "0; {:g} ms)",
-                  bad, first / lines.samples, first % lines.samples,
-                  1e3 * static_cast<double>(first % lines.samples) / s.rate_Hz);
+                  bad, kind.noun, first_trace, first, 1e3 * static_cast<double>(first) / rate_Hz);
     return false;
+}
+
+void check_sampling(double rate_Hz, Remarks& remarks) {
+    if (rate_Hz < least_rate_Hz)
+        remarks.warning("trace",
+                        "{:g} samples a second carry vibrations up to {:g} Hz; Pacinian afferents "
+                        "follow them up to 370 Hz",
+                        rate_Hz, 0.5 * rate_Hz);
 }
 
 void check_signs(const PinStimulus& s, Remarks& remarks) {
@@ -97,11 +122,11 @@ void check_signs(const PinStimulus& s, Remarks& remarks) {
 }
 
 /// Without silence the first sample is a step from nothing, and what is resampled rings.
-void check_ends(const PinStimulus& s, double silence_s, Remarks& remarks) {
+void check_ends(const Traces& traces, double rate_Hz, double silence_s, const Kind& kind,
+                Remarks& remarks) {
     constexpr double rounding = 1e-6; // of the largest value
     double start = 0.0, jump = 0.0, largest = 0.0;
-    for (std::size_t p = 0; p < s.indentation_mm.count; ++p) {
-        const auto line = s.indentation_mm.line(p);
+    for (const auto line : traces) {
         start = std::max(start, std::abs(line.front()));
         jump = std::max(jump, std::abs(line.front() - line.back()));
         for (const double value : line)
@@ -109,13 +134,13 @@ void check_ends(const PinStimulus& s, double silence_s, Remarks& remarks) {
     }
     if (silence_s > 0.0 && start > rounding * largest)
         remarks.warning("trace",
-                        "it begins at {:.3g} um: after the silence that is a step, which is felt",
-                        1e3 * start);
-    if (!(silence_s > 0.0) && !is_neuron_rate(s.rate_Hz) && jump > rounding * largest)
+                        "it begins at {:.3g} {}: after the silence that is a step, which is felt",
+                        kind.shown * start, kind.unit);
+    if (!(silence_s > 0.0) && !is_neuron_rate(rate_Hz) && jump > rounding * largest)
         remarks.warning("silence_ms",
-                        "without silence the jump of {:.3g} um between the last and the first "
+                        "without silence the jump of {:.3g} {} between the last and the first "
                         "sample rings at both ends, at all distances at once",
-                        1e3 * jump);
+                        kind.shown * jump, kind.unit);
 }
 
 } // namespace
@@ -123,20 +148,32 @@ void check_ends(const PinStimulus& s, double silence_s, Remarks& remarks) {
 std::vector<Remark> check_stimulus(const PinStimulus& stimulus, double silence_s,
                                    const Polygon& skin_mm) {
     Remarks remarks;
-    if (!std::isfinite(stimulus.rate_Hz) || !(stimulus.rate_Hz > 0.0)) {
-        remarks.error("trace", "the sampling rate must be above 0, and is {:g} Hz",
-                      stimulus.rate_Hz);
+    if (!check_rate(stimulus.rate_Hz, remarks)) return remarks.all;
+    check_pins(stimulus, skin_mm, remarks);
+    Traces traces;
+    for (std::size_t p = 0; p < stimulus.indentation_mm.count; ++p)
+        traces.push_back(stimulus.indentation_mm.line(p));
+    if (!check_values(traces, stimulus.rate_Hz, pins, remarks)) return remarks.all;
+    check_sampling(stimulus.rate_Hz, remarks);
+    check_signs(stimulus, remarks);
+    check_ends(traces, stimulus.rate_Hz, silence_s, pins, remarks);
+    return remarks.all;
+}
+
+std::vector<Remark> check_stress(std::span<const std::vector<double>> compression_Pa,
+                                 double rate_Hz, std::size_t afferents, double silence_s) {
+    Remarks remarks;
+    if (!check_rate(rate_Hz, remarks)) return remarks.all;
+    if (compression_Pa.size() != afferents) {
+        remarks.error("trace", "there are {} receptors and {} traces of stress", afferents,
+                      compression_Pa.size());
         return remarks.all;
     }
-    check_pins(stimulus, skin_mm, remarks);
-    if (!check_values(stimulus, remarks)) return remarks.all;
-    if (stimulus.rate_Hz < least_rate_Hz)
-        remarks.warning("trace",
-                        "{:g} samples a second carry vibrations up to {:g} Hz; Pacinian afferents "
-                        "follow them up to 370 Hz",
-                        stimulus.rate_Hz, 0.5 * stimulus.rate_Hz);
-    check_signs(stimulus, remarks);
-    check_ends(stimulus, silence_s, remarks);
+    if (afferents == 0) return remarks.all;
+    const Traces traces(compression_Pa.begin(), compression_Pa.end());
+    if (!check_values(traces, rate_Hz, receptors, remarks)) return remarks.all;
+    check_sampling(rate_Hz, remarks);
+    check_ends(traces, rate_Hz, silence_s, receptors, remarks);
     return remarks.all;
 }
 

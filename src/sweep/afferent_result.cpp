@@ -34,13 +34,9 @@ neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions&
     return stimulus;
 }
 
-/// The stress of some afferents. Throws CaseFailure where it is not finite: all ranks know all of
-/// it.
+/// The stress of some afferents.
 neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t count) {
     const auto& all_Pa = motion.compression_Pa;
-    for (const auto& line : all_Pa)
-        for (const double value : line)
-            if (!std::isfinite(value)) throw CaseFailure("the stress at a receptor is not finite");
     neural::Lines lines(count, all_Pa.empty() ? 0 : all_Pa.front().size());
     for (std::size_t i = 0; i < count; ++i)
         std::transform(all_Pa.at(first + i).begin(), all_Pa.at(first + i).end(),
@@ -49,19 +45,25 @@ neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t
 }
 
 /// Warnings; a mistake is thrown. The same on all ranks.
-std::vector<std::string> notes_on(const neural::PinStimulus& stimulus,
-                                  const AfferentOptions& options, const Scene& scene) {
-    std::vector<std::string> notes;
-    if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
-        if (carrier->wave == CarrierWave::signed_)
-            notes.push_back("afferents.carrier.wave: a signed carrier holds nothing below 2.5 kHz, "
-                            "where skin and nerves follow: what fires is moved by its ends alone");
-    for (const Remark& remark :
-         neural::check_stimulus(stimulus, options.silence_s, scene.skin_mm)) {
+std::vector<std::string> texts_of(const std::vector<Remark>& remarks) {
+    std::vector<std::string> texts;
+    for (const Remark& remark : remarks) {
         const std::string text = fmt::format("afferents.{}: {}", remark.key, remark.message);
         if (remark.severity == Severity::error) throw CaseFailure(text);
-        notes.push_back(text);
+        texts.push_back(text);
     }
+    return texts;
+}
+
+std::vector<std::string> notes_on(const neural::PinStimulus& stimulus,
+                                  const AfferentOptions& options, const Scene& scene) {
+    std::vector<std::string> notes =
+        texts_of(neural::check_stimulus(stimulus, options.silence_s, scene.skin_mm));
+    if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
+        if (carrier->wave == CarrierWave::signed_)
+            notes.insert(notes.begin(),
+                         "afferents.carrier.wave: a signed carrier holds nothing below 2.5 kHz, "
+                         "where skin and nerves follow: what fires is moved by its ends alone");
     return notes;
 }
 
@@ -256,6 +258,8 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     SpikeTimes mine_s;
     double duration_s = 0.0;
     if (std::holds_alternative<StressInput>(options.input)) {
+        result.notes = texts_of(
+            neural::check_stress(motion.compression_Pa, motion.pins.rate_Hz, n, options.silence_s));
         const neural::Lines stress_MPa = stress_of(motion, first, count);
         duration_s = static_cast<double>(stress_MPa.samples) / motion.pins.rate_Hz;
         mine_s = response_to_stress(stress_MPa, motion.pins.rate_Hz, 1e3 * options.pin_radius_m,

@@ -177,7 +177,8 @@ void add_respond(CLI::App& app, Action& action) {
         "respond",
         "what nerve fibres answer to a motion of the skin: spikes, without a simulation");
     verb->add_option("MOTION", arguments->motion,
-                     "displacement at points, CSV or HDF5; without: a prescribed carrier");
+                     "displacement at points or, with afferents.input=stress, stress at "
+                     "receptors, CSV or HDF5; without: a prescribed carrier");
     verb->add_option("--group", arguments->group,
                      "group of the HDF5 file (default: traces, or its "
                      "root)");

@@ -29,27 +29,27 @@ AfferentOptions options_of(const RespondArguments& arguments) {
                                  [&](const std::string& file) { return read_file(beside / file); });
 }
 
-/// The motion of the file, whose pins and radius are then those of the options; or as long a time
-/// as a prescribed carrier lasts.
+/// The motion of the file, whose pins and radius are then those of the options; or the stress of
+/// it; or as long a time as a prescribed carrier lasts.
 FeltMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
-    FeltMotion motion{.name = "respond"};
-    if (std::holds_alternative<StressInput>(options.input))
-        throw UsageError(
-            "afferents.input = \"stress\" needs the engine of a job: use shearwake run, "
-            "or \"pins\"");
-    if (const auto* carrier = std::get_if<CarrierInput>(&options.input)) {
-        if (!arguments.motion.empty())
-            throw UsageError("a prescribed carrier needs no MOTION: leave one of them out");
+    FeltMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
+    const auto* carrier = std::get_if<CarrierInput>(&options.input);
+    if (carrier && !arguments.motion.empty())
+        throw UsageError("a prescribed carrier needs no MOTION: leave one of them out");
+    if (!carrier && arguments.motion.empty())
+        throw UsageError("respond needs a MOTION (CSV or HDF5), or a carrier: -S "
+                         "afferents.input=carrier -S 'afferents.carrier={amplitude_um = 50}'");
+    if (carrier) {
         const auto samples =
             static_cast<std::size_t>(std::llround(1e-3 * arguments.duration_ms * 5000.0));
         motion.pins = {.rate_Hz = 5000.0, .u_m = {std::vector<double>(samples)}};
         motion.modulation_Hz = carrier->am_frequency_Hz;
+    } else if (std::holds_alternative<StressInput>(options.input)) {
+        PointStress stress = read_stress(arguments.motion, arguments.group);
+        motion.pins.rate_Hz = stress.rate_Hz;
+        motion.compression_Pa = std::move(stress.compression_Pa);
     } else {
-        if (arguments.motion.empty())
-            throw UsageError("respond needs a MOTION (CSV or HDF5), or a carrier: -S "
-                             "afferents.input=carrier -S 'afferents.carrier={amplitude_um = 50}'");
         motion.pins = read_motion(arguments.motion, arguments.group);
-        motion.modulation_Hz = arguments.modulation_Hz;
         if (!motion.pins.at_m.empty()) options.pins_m = motion.pins.at_m;
         if (motion.pins.radius_m && !arguments.gives_radius())
             options.pin_radius_m = *motion.pins.radius_m;

@@ -109,6 +109,20 @@ class Respond(ProgramTest):
         data = xarray.open_dataset(self.folder / "a.h5", group="afferents")
         self.assertGreater(data.sizes["spike"], 100)
 
+    def test_the_stress_at_receptors_is_answered_too(self):
+        (self.folder / "r.csv").write_text("x_mm,y_mm,class,row\n0,0,PC,1\n0,0,SA1,0\n")
+        rows = [f"{0.2 * k:.1f},{p},{p}" for k in range(500)
+                for p in [2000 * (1 - np.cos(0.08 * np.pi * k))]]
+        (self.folder / "s.csv").write_text("t_ms,p_Pa,p_Pa\n" + "\n".join(rows) + "\n")
+        stress = ("-S", "afferents.input=stress", "-S", "afferents.where=csv")
+        self.shearwake("respond", "s.csv", *stress, "-S", 'afferents.file="r.csv"', "--out", "a.h5",
+                       ranks=2)
+        data = xarray.open_dataset(self.folder / "a.h5", group="afferents")
+        self.assertGreater(float(data.spike_count[0]), 10)  # 200 Hz for 0.1 s
+        said = self.shearwake("respond", "s.csv", "-S", "afferents.input=stress", ranks=2,
+                              expect=2).said
+        self.says(said, "receptors and 2 traces of stress")
+
     def test_bad_motions_are_refused_with_their_place(self):
         for text, words in [("t_ms,u_um\n0,0\n1,nan\n", "pin 0, sample 1"),
                             ("t_ms,u_um\n0,0\n1,x\n", "m.csv: line 3"),

@@ -48,6 +48,31 @@ TEST_CASE("a CSV of a motion that is wrong says where", "[motion]") {
     CHECK_THROWS_WITH(motion_of_csv("t_ms,u_um\n0,0\n"), Catch::Contains("2 times"));
 }
 
+TEST_CASE("the stress at receptors is read from CSV in its units, without places", "[motion]") {
+    const PointStress stress = stress_of_csv("t_ms,p_Pa,p_kPa\n0,0,0\n0.5,2,3\n");
+    CHECK(stress.rate_Hz == 2000.0);
+    CHECK(stress.compression_Pa == std::vector<std::vector<double>>{{0.0, 2.0}, {0.0, 3e3}});
+    CHECK_THROWS_WITH(stress_of_csv("t_ms,u_um\n0,0\n1,0\n"),
+                      Catch::Contains("unit of pressure") && Catch::Contains("t_ms,p_Pa"));
+    CHECK_THROWS_WITH(stress_of_csv("t_ms,p_Pa\nx_mm,0\n0,0\n1,0\n"),
+                      Catch::Contains("those of [afferents]"));
+}
+
+TEST_CASE("the stress at receptors is read from HDF5", "[motion]") {
+    const test::TemporaryFolder folder;
+    const auto path = folder / "stress.h5";
+    {
+        const h5::Id file = h5::open_file(path, h5::Access::create);
+        const h5::Id group = h5::create_group(file.raw(), "skin");
+        write(group, "compression_Pa", {2, 3}, {1, 2, 3, 4, 5, 6});
+        h5::put_attribute(group.raw(), "fs_hz", 1000.0);
+    }
+    const PointStress stress = read_stress(path, "skin");
+    CHECK(stress.rate_Hz == 1000.0);
+    CHECK(stress.compression_Pa == std::vector<std::vector<double>>{{1, 2, 3}, {4, 5, 6}});
+    CHECK_THROWS_WITH(read_stress(path, ""), Catch::Contains("holds no compression_Pa"));
+}
+
 TEST_CASE("a motion is read from a case file's traces, rest put before", "[motion]") {
     const test::TemporaryFolder folder;
     const auto path = folder / "case.h5";

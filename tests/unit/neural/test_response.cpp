@@ -245,3 +245,21 @@ TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
                    Catch::Contains("500 samples a second carry vibrations up to 250 Hz"));
     }
 }
+
+TEST_CASE("what is wrong with the stress at receptors is said with its place", "[neural]") {
+    std::vector<std::vector<double>> stress_Pa(2, std::vector<double>(10));
+    stress_Pa[0][4] = 200.0;
+    CHECK(check_stress(stress_Pa, 5000.0, 2, 0.02).empty());
+    CHECK_THAT(words(check_stress(stress_Pa, 5000.0, 3, 0.02)),
+               Catch::Contains("error: trace: there are 3 receptors and 2 traces"));
+    CHECK_THAT(words(check_stress(stress_Pa, 0.0, 2, 0.02)), Catch::Contains("rate must be above"));
+    CHECK_THAT(words(check_stress(stress_Pa, 700.0, 2, 0.02)), Catch::Contains("up to 350 Hz"));
+    stress_Pa[1][0] = 100.0;
+    CHECK_THAT(words(check_stress(stress_Pa, 5000.0, 2, 0.02)),
+               Catch::Contains("begins at 100 Pa"));
+    CHECK_THAT(words(check_stress(stress_Pa, 1000.0, 2, 0.0)), Catch::Contains("jump of 100 Pa"));
+    stress_Pa[1][7] = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THAT(words(check_stress(stress_Pa, 5000.0, 2, 0.02)),
+               Catch::Contains("error: trace: 1 values") &&
+                   Catch::Contains("receptor 1, sample 7"));
+}
