@@ -45,8 +45,8 @@ TEST_CASE("each region of the hand has the published area, and lies where it is 
     for (const HandRegion& r : hand.regions) {
         CAPTURE(r.name);
         const Published& known = published.at(r.name);
-        // The drawing's coordinates are rounded to 0.1 mm of about 8.
-        CHECK(area(r.outline_mm) == Approx(known.area_mm2).epsilon(0.015));
+        // The drawing's coordinates are rounded to 0.1 mm of about 20; 0.5 % is seen.
+        CHECK(area(r.outline_mm) == Approx(known.area_mm2).epsilon(0.006));
         // Straight phalanges and one palm instead of drawn outlines.
         CHECK(norm(centroid(r.outline_mm) - known.center_mm) < 3.0);
         const Box box = bounding_box(r.outline_mm);
@@ -63,8 +63,8 @@ TEST_CASE("the regions fill the hand's outline without gaps", "[hand]") {
         CHECK(contains(hand.outline_mm, centroid(r.outline_mm)));
     }
     CHECK(area(hand.outline_mm) == Approx(sum_mm2).epsilon(1e-12)); // rounding
-    // 166.1 cm2 as published; regions as above.
-    CHECK(area(hand.outline_mm) == Approx(16614.0).epsilon(0.015));
+    // As published, the sum of the regions above; 0.3 % is seen.
+    CHECK(area(hand.outline_mm) == Approx(16609.0).epsilon(0.006));
 }
 
 TEST_CASE("no two sides of the hand's outline cross", "[hand]") {
@@ -99,7 +99,7 @@ TEST_CASE("fibres are as dense as published, and lie within their region", "[han
     }
 }
 
-TEST_CASE("the whole hand has as many fibres as TouchSim gives it", "[hand]") {
+TEST_CASE("the whole hand has as many fibres as areas times densities make", "[hand]") {
     const auto all = populate(make_hand().regions, all_classes, 1);
     std::map<AfferentClass, double> counts;
     std::map<std::pair<AfferentClass, std::size_t>, double> rows;
@@ -107,10 +107,12 @@ TEST_CASE("the whole hand has as many fibres as TouchSim gives it", "[hand]") {
         ++counts[fibre.kind];
         ++rows[{fibre.kind, fibre.row}];
     }
-    // Density times area is 2 to 4 % more: there 0.5 mm along every line of the drawing stay empty.
-    CHECK(counts[AfferentClass::SA1] == Approx(3658).epsilon(0.05));
-    CHECK(counts[AfferentClass::RA] == Approx(6956).epsilon(0.05));
-    CHECK(counts[AfferentClass::PC] == Approx(1905).epsilon(0.05));
+    // The published areas times the densities; the drawing's areas and the chance of the rim make
+    // 0.5 % of difference. TouchSim's own 3658, 6956 and 1905 are 3 % less: it leaves a rim along
+    // every line of its drawing empty.
+    CHECK(counts[AfferentClass::SA1] == Approx(3782.6).epsilon(0.01));
+    CHECK(counts[AfferentClass::RA] == Approx(7182.5).epsilon(0.01));
+    CHECK(counts[AfferentClass::PC] == Approx(1969.3).epsilon(0.01));
     REQUIRE(rows.size() == 17);
     for (const auto& [row, count] : rows) {
         const double mean = counts[row.first] / static_cast<double>(neuron_rows(row.first).size());
