@@ -16,11 +16,9 @@ StaggeredDerivative<Real>::StaggeredDerivative(std::ptrdiff_t points, double spa
       spectra_(block_.size()), forward_factor_(static_cast<std::size_t>(points)),
       back_factor_(static_cast<std::size_t>(points)) {
     const MakePlans make = [this](unsigned flags) { return plan(flags); };
-    // Kept wisdom is that of double precision (fft/wisdom.hpp).
-    if constexpr (std::is_same_v<Real, double>)
-        plan_measured(team, fmt::format("staggered-{}-{}", points, width), make);
-    else
-        plan_estimated(make);
+    const bool single = precision_of<Real> == Precision::in_single;
+    plan_measured(team, fmt::format("staggered{}-{}-{}", single ? "-single" : "", points, width),
+                  make, precision_of<Real>);
     std::fill(block_.begin(), block_.end(), Complex(0)); // planning has written into them
     std::fill(lines_.begin(), lines_.end(), Complex(0));
     const double n = static_cast<double>(points);
@@ -76,6 +74,12 @@ void StaggeredDerivative<Real>::differentiate_block(HalfCell shift) {
 }
 
 template <class Real>
+void StaggeredDerivative<Real>::transform_block() {
+    Fftw::execute(lines_to_spectra_);
+    Fftw::execute(spectra_to_lines_);
+}
+
+template <class Real>
 void StaggeredDerivative<Real>::along_columns(HalfCell shift, const Real* from,
                                               std::ptrdiff_t from_pitch, Real* to,
                                               std::ptrdiff_t to_pitch, std::ptrdiff_t columns) {
@@ -83,10 +87,10 @@ void StaggeredDerivative<Real>::along_columns(HalfCell shift, const Real* from,
     for (std::ptrdiff_t c = 0; c < columns; c += 2 * width) {
         const std::ptrdiff_t count = std::min(2 * width, columns - c);
         for (std::ptrdiff_t i = 0; i < points_; ++i)
-            std::copy_n(from + i * from_pitch + c, count, block + i * 2 * width);
+            copy_row(from + i * from_pitch + c, count, block + i * 2 * width);
         differentiate_block(shift);
         for (std::ptrdiff_t i = 0; i < points_; ++i)
-            std::copy_n(block + i * 2 * width, count, to + i * to_pitch + c);
+            copy_row(block + i * 2 * width, count, to + i * to_pitch + c);
     }
 }
 

@@ -4,8 +4,10 @@
 #include "fft/fftw_real.hpp"
 #include "parallel/comm.hpp"
 
+#include <algorithm>
 #include <complex>
 #include <cstddef>
+#include <cstring>
 
 namespace shearwake {
 
@@ -36,6 +38,8 @@ public:
     /// The block of `width` complex columns, points() rows: fill it, differentiate, read it.
     Complex* block() { return block_.data(); }
     void differentiate_block(HalfCell shift);
+    /// FFTW alone, there and back: what a derivative's transforms take at the least.
+    void transform_block();
 
     /// Along the rows' slow axis: columns [0, columns) of a matrix of points() rows. `columns` is
     /// even and so are the pitches [reals].
@@ -44,6 +48,14 @@ public:
     /// Along contiguous rows of points() values each, `pitch` apart.
     void along_rows(HalfCell shift, const Real* from, Real* to, std::ptrdiff_t pitch,
                     std::ptrdiff_t rows);
+
+    /// Copies a row of the block, 2 width reals, or the first `count` of them.
+    static void copy_row(const Real* from, std::ptrdiff_t count, Real* to) {
+        if (count == 2 * width)
+            std::memcpy(to, from, 2 * width * sizeof(Real)); // of a known size: no call
+        else
+            std::copy_n(from, count, to);
+    }
 
 private:
     using Fftw = FftwOf<Real>;

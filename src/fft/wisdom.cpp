@@ -48,16 +48,32 @@ std::string processor() {
     return told;
 }
 
-std::string exported() {
-    const std::unique_ptr<char, void (*)(void*)> text(fftw_export_wisdom_to_string(), fftw_free);
-    return text ? std::string(text.get()) : "";
+/// The wisdom of one of FFTW's libraries.
+struct Wisdom {
+    void (*forget)();
+    int (*import_from)(const char*);
+    char* (*export_to_text)();
+    void (*release)(void*);
+
+    std::string exported() const {
+        const std::unique_ptr<char, void (*)(void*)> text(export_to_text(), release);
+        return text ? std::string(text.get()) : "";
+    }
+};
+
+Wisdom wisdom_of(Precision precision) {
+    if (precision == Precision::in_single)
+        return {fftwf_forget_wisdom, fftwf_import_wisdom_from_string, fftwf_export_wisdom_to_string,
+                fftwf_free};
+    return {fftw_forget_wisdom, fftw_import_wisdom_from_string, fftw_export_wisdom_to_string,
+            fftw_free};
 }
 
 // FFTW knows damaged words itself, so that a file needs no checksum: of 831 copies with one
 // character altered it refused 814 and made the same plan from 17.
-bool make_from(const std::string& words, const MakePlans& make) {
-    fftw_forget_wisdom();
-    return !words.empty() && fftw_import_wisdom_from_string(words.c_str()) != 0 &&
+bool make_from(const std::string& words, const MakePlans& make, const Wisdom& wisdom) {
+    wisdom.forget();
+    return !words.empty() && wisdom.import_from(words.c_str()) != 0 &&
            make(FFTW_MEASURE | FFTW_WISDOM_ONLY);
 }
 
@@ -88,26 +104,26 @@ void publish_first(const fs::path& part, const fs::path& path, bool replace) {
 
 /// The words of the file, learnt now if there are none that lead to plans; empty when no file can
 /// be kept. On rank 0 alone.
-std::string recall_or_learn(const fs::path& path, const MakePlans& make) {
+std::string recall_or_learn(const fs::path& path, const MakePlans& make, const Wisdom& wisdom) {
     std::error_code ignored;
     // Files appear whole, so what was there before reading and is of no use is damaged; what
     // another program brings from now on is not.
     const bool damaged = fs::exists(path, ignored);
     std::string words = content(path);
-    if (make_from(words, make)) return words;
+    if (make_from(words, make, wisdom)) return words;
     const fs::path part = file_beside(path); // first: measuring is in vain if it cannot be kept
     if (part.empty()) return "";
-    fftw_forget_wisdom();
+    wisdom.forget();
     const bool made = make(FFTW_MEASURE);
     std::ofstream out(part, std::ios::binary);
-    out << exported();
+    out << wisdom.exported();
     out.close();
     if (made && out)
         publish_first(part, path, damaged);
     else
         fs::remove(part, ignored);
     words = content(path);
-    return make_from(words, make) ? words : "";
+    return make_from(words, make, wisdom) ? words : "";
 }
 
 } // namespace
@@ -119,22 +135,25 @@ std::optional<fs::path> wisdom_file(const std::string& shape) {
            (std::string(fftw_version) + "-" + hex(stable_hash(processor())) + "-" + shape);
 }
 
-void plan_estimated(const MakePlans& make) {
+void plan_estimated(const MakePlans& make, Precision precision) {
+    const Wisdom wisdom = wisdom_of(precision);
     // FFTW_ESTIMATE, too, follows wisdom where there is any.
-    fftw_forget_wisdom();
+    wisdom.forget();
     if (!make(FFTW_ESTIMATE)) throw Error("FFTW refused to make a plan");
-    fftw_forget_wisdom();
+    wisdom.forget();
 }
 
-void plan_measured(const Comm& team, const std::string& shape, const MakePlans& make) {
+void plan_measured(const Comm& team, const std::string& shape, const MakePlans& make,
+                   Precision precision) {
+    const Wisdom wisdom = wisdom_of(precision);
     std::string words;
     on_root(team, [&] {
-        if (const auto path = wisdom_file(shape)) words = recall_or_learn(*path, make);
+        if (const auto path = wisdom_file(shape)) words = recall_or_learn(*path, make, wisdom);
     });
     words = team.broadcast(words);
-    const bool made = team.is_root() ? !words.empty() : make_from(words, make);
-    if (team.max(made ? 0 : 1) == 1) return plan_estimated(make);
-    fftw_forget_wisdom();
+    const bool made = team.is_root() ? !words.empty() : make_from(words, make, wisdom);
+    if (team.max(made ? 0 : 1) == 1) return plan_estimated(make, precision);
+    wisdom.forget();
 }
 
 } // namespace shearwake
