@@ -89,12 +89,26 @@ void SplitAxis<Real>::along_x(std::size_t number, const Task& task) {
         Real* at = block;
         for (const Piece& p : pieces)
             for (std::ptrdiff_t x = 0; x < p.x_count; ++x, at += width)
-                std::copy_n(p.from + x * p.from_stride + c, count, at);
+                StaggeredDerivative<Real>::copy_row(p.from + x * p.from_stride + c, count, at);
+        // The next block's rows come while this one is transformed: no hardware follows such
+        // strides.
+        if (c + width < columns) {
+            for (const Piece& p : pieces) {
+                for (std::ptrdiff_t x = 0; x < p.x_count; ++x) {
+                    const Real* next = p.from + x * p.from_stride + c + width;
+                    __builtin_prefetch(next);
+                    __builtin_prefetch(next + width / 2);
+                    Real* next_to = p.to + x * columns + c + width;
+                    __builtin_prefetch(next_to, 1);
+                    __builtin_prefetch(next_to + width / 2, 1);
+                }
+            }
+        }
         derivative_.differentiate_block(task.shift);
         at = block;
         for (const Piece& p : pieces)
             for (std::ptrdiff_t x = 0; x < p.x_count; ++x, at += width)
-                std::copy_n(at, count, p.to + x * columns + c);
+                StaggeredDerivative<Real>::copy_row(at, count, p.to + x * columns + c);
     }
 }
 

@@ -140,26 +140,31 @@ void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
     along_z(back, plane(Field::sxz), 3);
     along_z(back, plane(Field::syz), 4);
     along_z(forward, plane(Field::szz), 5);
-    for (std::ptrdiff_t y = 0; y < ny; ++y) {
-        const RowAt at{x * ny + y, slabs_.x_start() + x, y};
-        const auto update = [&](Field field, const Real* g_own, const Real* g_second,
-                                const Real* g_third) {
+    // Field by field: few streams of memory at a time.
+    const auto update = [&](Field field, const auto& own, const auto& second, const auto& third) {
+        for (std::ptrdiff_t y = 0; y < ny; ++y) {
+            const RowAt at{x * ny + y, slabs_.x_start() + x, y};
+            const Real *g_own = own(y), *g_second = second(y), *g_third = third(y);
             const Real* c = dt_over_rho_[index_of(field)].row(x, y);
             update_row(
                 state(field), nz, pitch, at, [=](std::ptrdiff_t z) { return c[z] * g_own[z]; },
                 [=](std::ptrdiff_t z) { return c[z] * g_second[z]; },
                 [=](std::ptrdiff_t z) { return c[z] * g_third[z]; });
-            if (absorption_ == Absorption::none) return;
-            Real* a = acceleration_[index_of(field)].data() + at.row * pitch;
+            if (absorption_ == Absorption::none) continue;
+            Real* __restrict a = acceleration_[index_of(field)].data() + at.row * pitch;
             for (std::ptrdiff_t z = 0; z < nz; ++z)
                 a[z] = c[z] * (g_own[z] + g_second[z] + g_third[z]);
-        };
-        const auto g = [&](std::size_t number) { return scratch(number) + y * pitch; };
-        const auto gx = [&](std::size_t task) { return split_axis_.row(task, x, y); };
-        update(Field::ux, gx(0), g(0), g(3)); // parts in the order of parts_of
-        update(Field::uy, g(1), gx(1), g(4));
-        update(Field::uz, g(5), gx(2), g(2));
-    }
+        }
+    };
+    const auto g = [&](std::size_t number) {
+        return [=, plane = scratch(number)](std::ptrdiff_t y) { return plane + y * pitch; };
+    };
+    const auto gx = [&](std::size_t task) {
+        return [=, this](std::ptrdiff_t y) { return split_axis_.row(task, x, y); };
+    };
+    update(Field::ux, gx(0), g(0), g(3)); // parts in the order of parts_of
+    update(Field::uy, g(1), gx(1), g(4));
+    update(Field::uz, g(5), gx(2), g(2));
 }
 
 // d s_ij/dt = lambda e_kk + 2 mu e_ij, with e_ii = D_i- u_i and e_ij = D_j+ u_i fed part by part;
@@ -183,45 +188,53 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
     if constexpr (lossy)
         derive(acceleration_[0].data() + at_plane, acceleration_[1].data() + at_plane,
                acceleration_[2].data() + at_plane, 6);
-    for (std::ptrdiff_t y = 0; y < ny; ++y) {
-        const RowAt at{x * ny + y, slabs_.x_start() + x, y};
-        // A derivative and, lossy, the one of the acceleration beside it.
-        struct Pair {
-            const Real *e, *de;
-        };
-        const auto e = [&](std::size_t number) {
+    // A derivative and, lossy, the one of the acceleration beside it.
+    struct Pair {
+        const Real *e, *de;
+    };
+    const auto e = [&](std::size_t number) {
+        return [=, this](std::ptrdiff_t y) {
             return Pair{scratch(number) + y * pitch,
                         lossy ? scratch(number + 6) + y * pitch : nullptr};
         };
-        const auto ex = [&](std::size_t task) {
+    };
+    const auto ex = [&](std::size_t task) {
+        return [=, this](std::ptrdiff_t y) {
             return Pair{split_axis_.row(task, x, y),
                         lossy ? split_axis_.row(task + 3, x, y) : nullptr};
         };
-        const auto rate = [](const Real* elastic, const Real* viscous, Pair of) {
-            return [=](std::ptrdiff_t z) {
-                if constexpr (lossy) return elastic[z] * of.e[z] + viscous[z] * of.de[z];
-                return elastic[z] * of.e[z];
-            };
+    };
+    const auto rate = [](const Real* elastic, const Real* viscous, Pair of) {
+        return [=](std::ptrdiff_t z) {
+            if constexpr (lossy) return elastic[z] * of.e[z] + viscous[z] * of.de[z];
+            return elastic[z] * of.e[z];
         };
-        const Real *m = dt_p_modulus_.row(x, y), *l = dt_lambda_.row(x, y);
-        const Real *m_v = lossy ? chi_2eta_.row(x, y) : nullptr,
-                   *l_v = lossy ? chi_.row(x, y) : nullptr;
-        const auto normal = [&](Field field, Pair own, Pair second, Pair third) {
-            update_row(state(field), nz, pitch, at, rate(m, m_v, own), rate(l, l_v, second),
-                       rate(l, l_v, third));
-        };
-        normal(Field::sxx, ex(0), e(1), e(5));
-        normal(Field::syy, e(1), ex(0), e(5));
-        normal(Field::szz, e(5), ex(0), e(1));
-        const auto shear = [&](Field field, Pair first, Pair second) {
-            const std::size_t i = index_of(field) - index_of(Field::sxy);
+    };
+    const auto normal = [&](Field field, const auto& own, const auto& second, const auto& third) {
+        for (std::ptrdiff_t y = 0; y < ny; ++y) {
+            const RowAt at{x * ny + y, slabs_.x_start() + x, y};
+            const Real *m = dt_p_modulus_.row(x, y), *l = dt_lambda_.row(x, y);
+            const Real *m_v = lossy ? chi_2eta_.row(x, y) : nullptr,
+                       *l_v = lossy ? chi_.row(x, y) : nullptr;
+            update_row(state(field), nz, pitch, at, rate(m, m_v, own(y)), rate(l, l_v, second(y)),
+                       rate(l, l_v, third(y)));
+        }
+    };
+    normal(Field::sxx, ex(0), e(1), e(5));
+    normal(Field::syy, e(1), ex(0), e(5));
+    normal(Field::szz, e(5), ex(0), e(1));
+    const auto shear = [&](Field field, const auto& first, const auto& second) {
+        const std::size_t i = index_of(field) - index_of(Field::sxy);
+        for (std::ptrdiff_t y = 0; y < ny; ++y) {
+            const RowAt at{x * ny + y, slabs_.x_start() + x, y};
             const Real *mu = dt_mu_[i].row(x, y), *eta = lossy ? eta_[i].row(x, y) : nullptr;
-            update_row(state(field), nz, pitch, at, rate(mu, eta, first), rate(mu, eta, second));
-        };
-        shear(Field::sxy, ex(1), e(0));
-        shear(Field::sxz, ex(2), e(3));
-        shear(Field::syz, e(2), e(4));
-    }
+            update_row(state(field), nz, pitch, at, rate(mu, eta, first(y)),
+                       rate(mu, eta, second(y)));
+        }
+    };
+    shear(Field::sxy, ex(1), e(0));
+    shear(Field::sxz, ex(2), e(3));
+    shear(Field::syz, e(2), e(4));
 }
 
 template <class Real>
