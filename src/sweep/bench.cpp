@@ -88,6 +88,7 @@ double copy_rate_B_s(const Comm& world) {
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
     if (arguments.engine == "neural") return bench_neural(world);
     if (arguments.engine == "spectral") return bench_spectral(arguments, world);
+    if (arguments.engine == "pstd") return bench_pstd(arguments, world);
     if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world);
     if (arguments.engine == "machine") return bench_machine(world);
     return bench_layered(world);

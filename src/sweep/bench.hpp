@@ -42,6 +42,9 @@ ExitCode bench_sweep(int tiny_cases, const Comm& world);
 
 /// A layer with or without a body, where the time of a step goes, and its floors.
 ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
+/// Steps of the pseudospectral scheme in either precision, with and without losses, and their
+/// floor.
+ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world);
 /// The nerve fibres of a hand under pins, and under a carrier.
 ExitCode bench_neural(const Comm& world);
 

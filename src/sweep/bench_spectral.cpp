@@ -35,7 +35,7 @@ Grid read_grid(const std::string& text) {
 
 /// A 3 mm focus at 7 m/s that begins above a body in the upper half of a layer, 4 mm an element.
 Case bench_case(const BenchArguments& arguments) {
-    const Grid grid = read_grid(arguments.grid);
+    const Grid grid = read_grid(arguments.grid.empty() ? "256x192x25" : arguments.grid);
     const double depth_m = element_m * static_cast<double>(grid.levels / degree);
     Case c;
     c.medium = {{{.name = "tissue",

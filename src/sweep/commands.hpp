@@ -43,9 +43,10 @@ struct ShowModulationArguments : JobArguments {
 
 struct BenchArguments {
     std::string engine = "layered";
-    // Of `spectral`:
-    std::string grid = "256x192x25"; // points along x and y, levels
+    // Of `spectral` and `pstd`:
+    std::string grid; // points along x and y, levels or points; empty: the engine's own choice
     int steps = 20;
+    // Of `spectral`:
     double contrast = 4.0;  // of a body's shear stiffness; 1: no body
     double sponge_mm = 0.0; // on each side
     int cases = 2000;       // of `sweep`

@@ -78,6 +78,13 @@ double peak_memory_B() {
                                                  : 0.0;
 }
 
+double resident_memory_B() {
+    std::ifstream file("/proc/self/statm");
+    double program_pages = 0.0, pages = 0.0;
+    file >> program_pages >> pages;
+    return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
 double memory_needed_B(const Case& c, int ranks) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);

@@ -13,6 +13,8 @@ double memory_per_rank_B(const Comm& world);
 
 /// The most that this rank has had in memory so far. Not collective.
 double peak_memory_B();
+/// What this rank has in memory now. Not collective.
+double resident_memory_B();
 
 /// What a case needs on one rank of a team: the engine's estimate and what the recorder holds.
 double memory_needed_B(const Case& c, int ranks);

@@ -148,12 +148,14 @@ void add_bench(CLI::App& app, Action& action) {
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
     verb->add_option(
             "ENGINE", arguments->engine,
-            "layered (default), spectral, neural, sweep: what cases cost beside their solves, or "
-            "machine: all that plan believes of it")
-        ->check(CLI::IsMember({"layered", "spectral", "neural", "sweep", "machine"}));
-    verb->add_option("--grid", arguments->grid, "spectral: points and levels (256x192x25)")
+            "layered (default), spectral, pstd, neural, sweep: what cases cost beside their solves, "
+            "or machine: all that plan believes of it")
+        ->check(CLI::IsMember({"layered", "spectral", "pstd", "neural", "sweep", "machine"}));
+    verb->add_option(
+            "--grid", arguments->grid,
+            "spectral: points and levels (256x192x25); pstd: points (128x96x32, 128x128x128)")
         ->type_name("NXxNYxNZ");
-    verb->add_option("--steps", arguments->steps, "spectral: steps that are timed (20)")
+    verb->add_option("--steps", arguments->steps, "spectral, pstd: steps that are timed (20)")
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
     verb->add_option("--contrast", arguments->contrast,
