@@ -153,10 +153,16 @@ bool absorbs(const Case& c) {
     return c.domain.sponge_m > 0.0 && !std::holds_alternative<LayeredOptions>(c.solver);
 }
 
+/// Whether something around the domain absorbs, so that its edges are not periodic.
+bool is_surrounded(const Case& c) {
+    const auto* pstd = std::get_if<PstdOptions>(&c.solver);
+    return pstd && pstd->absorbing_edges;
+}
+
 /// The domain is periodic: a wave that leaves at one edge enters at the other, unless a sponge
 /// takes it; what a sponge lets through, check_sponge tells.
 void check_wrap_around(const Case& c, Notes& notes) {
-    if (absorbs(c)) return;
+    if (absorbs(c) || is_surrounded(c)) return;
     const double speed_m_s = wave_speed_m_s(c.medium), end_s = c.time.duration_s();
     if (!(speed_m_s > 0.0)) return;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
@@ -184,7 +190,7 @@ void check_wrap_around(const Case& c, Notes& notes) {
 
 void check_sponge(const Case& c, Notes& notes) {
     const double width_m = c.domain.sponge_m;
-    if (!(width_m > 0.0)) return;
+    if (!(width_m > 0.0) || is_surrounded(c)) return;
     if (!absorbs(c)) {
         notes.add(Severity::warning, "domain.sponge_mm",
                   "the edges of the engine \"{}\" are periodic and absorb nothing: the margin "
@@ -192,6 +198,7 @@ void check_sponge(const Case& c, Notes& notes) {
                   engine_name(c.solver), milli(width_m));
         return;
     }
+    if (!std::holds_alternative<SpectralOptions>(c.solver)) return; // a layer of another kind
     const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
     const double share = returned_energy(wave_m, width_m);
     if (share > tolerated_return)
@@ -203,13 +210,18 @@ void check_sponge(const Case& c, Notes& notes) {
 
 /// What the engines do not compute.
 void check_engine(const Case& c, Notes& notes) {
-    if (!std::holds_alternative<SpectralOptions>(c.solver)) {
-        if (!c.record.volumes_s.empty())
-            notes.add(Severity::error, "record.volumes_ms",
-                      "asks for the field below the surface, which the engine \"{}\" does not "
-                      "keep; solver.engine = \"spectral\" does",
-                      engine_name(c.solver));
-    }
+    const auto& fields = c.record.volume_fields;
+    const bool more_than_u = std::any_of(fields.begin(), fields.end(),
+                                         [](VolumeField f) { return f != VolumeField::u; });
+    if (std::holds_alternative<LayeredOptions>(c.solver) && !c.record.volumes_s.empty())
+        notes.add(Severity::error, "record.volumes_ms",
+                  "asks for the field below the surface, which the engine \"{}\" does not "
+                  "keep; solver.engine = \"spectral\" does",
+                  engine_name(c.solver));
+    if (std::holds_alternative<PstdOptions>(c.solver) && more_than_u)
+        notes.add(Severity::error, "record.volume_fields",
+                  "asks for more than the displacement \"u\", which is all that the engine "
+                  "\"pstd\" keeps; solver.engine = \"spectral\" keeps strain and stress");
     if (std::holds_alternative<LayeredOptions>(c.solver)) return;
     if (std::holds_alternative<PstdOptions>(c.solver) &&
         !std::holds_alternative<GaussianFootprint>(c.load.footprint))

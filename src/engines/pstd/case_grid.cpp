@@ -24,8 +24,6 @@ double total_thickness_m(const Medium& medium) {
 
 /// Waves that go down must not be cut off where the focus still acts.
 double chosen_depth_m(const Case& c) {
-    const double deepest_m =
-        *std::max_element(c.measure.depths_m.begin(), c.measure.depths_m.end());
     double lowest_m = total_thickness_m(c.medium);
     const auto reach_down = [&](double z_m) { // what goes on for ever does not decide
         if (std::isfinite(z_m)) lowest_m = std::max(lowest_m, z_m);
@@ -34,7 +32,7 @@ double chosen_depth_m(const Case& c) {
         reach_down(bounds(body).high_m.z);
     if (c.medium.map) reach_down(depths(*c.medium.map).bottom_m);
     const double reach_m = 4.0 * fwhm_m(c.load.footprint);
-    return std::max({reach_m, lowest_m + 0.5 * reach_m, deepest_m + 2.0 * c.domain.spacing_m});
+    return std::max(reach_m, lowest_m + 0.5 * reach_m);
 }
 
 NodeMaterial held(const Material& m, double c_p_over_c_s) {
@@ -76,18 +74,23 @@ Material cell_material(const Case& c, Vec3 centre_m, double d_m) {
 CaseGrid case_grid(const Case& c, const PstdOptions& options) {
     const double d_m = c.domain.spacing_m;
     const std::ptrdiff_t layer = options.absorbing_points;
-    const double clear_m = options.depth_m > 0.0 ? options.depth_m : chosen_depth_m(c);
+    const double deepest_m =
+        *std::max_element(c.measure.depths_m.begin(), c.measure.depths_m.end());
+    const double clear_m = std::max(options.depth_m > 0.0 ? options.depth_m : chosen_depth_m(c),
+                                    deepest_m + 2.0 * d_m);
     CaseGrid grid;
     grid.spacing_m = d_m;
     grid.clear = static_cast<std::ptrdiff_t>(std::ceil(clear_m / d_m - 1e-9));
-    if (c.medium.base == Base::rigid)
-        grid.clear =
-            static_cast<std::ptrdiff_t>(std::ceil(total_thickness_m(c.medium) / d_m - 1e-9)) +
-            base_points;
+    if (c.medium.base == Base::rigid) {
+        grid.levels =
+            static_cast<std::ptrdiff_t>(std::ceil(total_thickness_m(c.medium) / d_m - 1e-9));
+        grid.clear = grid.levels + base_points;
+    }
     grid.above = options.top == PstdTop::nothing ? empty_points : grid.clear;
     grid.surface = layer + grid.above;
     const std::ptrdiff_t nz = good_even_length(grid.surface + grid.clear + layer);
     grid.clear = nz - grid.surface - layer;
+    if (c.medium.base == Base::half_space) grid.levels = grid.clear;
     const std::ptrdiff_t around = options.absorbing_edges ? layer : 0;
     const std::ptrdiff_t nx = good_even_length(c.domain.nx + 2 * around),
                          ny = good_even_length(c.domain.ny + 2 * around);

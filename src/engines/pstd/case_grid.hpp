@@ -12,8 +12,9 @@ struct CaseGrid {
     std::array<std::ptrdiff_t, 3> points = {};
     std::ptrdiff_t first_x = 0, first_y = 0; // points of the layer around the domain
     std::ptrdiff_t surface = 0;
-    std::ptrdiff_t clear = 0; // points below the surface that do not absorb
-    std::ptrdiff_t above = 0; // and above it
+    std::ptrdiff_t clear = 0;  // points below the surface that do not absorb
+    std::ptrdiff_t above = 0;  // and above it
+    std::ptrdiff_t levels = 0; // planes of u_z from z = 0 on that are in the medium
     double spacing_m = 0.0;
 
     double node_depth_m(std::ptrdiff_t z) const {

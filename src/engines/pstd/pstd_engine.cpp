@@ -3,7 +3,7 @@
 #include "base/error.hpp"
 #include "engines/pstd/case_load.hpp"
 #include "engines/pstd/case_step.hpp"
-#include "engines/pstd/displacements.hpp"
+#include "engines/pstd/displacement_volumes.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -27,15 +27,6 @@ Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid, 
     return setup;
 }
 
-/// The part of this rank's slab of the grid that belongs to the domain.
-Slab domain_slab(const Case& c, const CaseGrid& grid, const Slabs& slabs) {
-    const auto inside = [&](std::ptrdiff_t x) {
-        return std::clamp<std::ptrdiff_t>(x - grid.first_x, 0, c.domain.nx);
-    };
-    const std::ptrdiff_t start = inside(slabs.x_start());
-    return {start, inside(slabs.x_start() + slabs.x_count()) - start};
-}
-
 /// u_z of the surface grid at the measured depths.
 class Frames {
 public:
@@ -44,6 +35,7 @@ public:
           plane_m_(static_cast<std::size_t>(slabs.rows())) {
         const bool rings = options.top == PstdTop::nothing && options.load == PstdLoad::traction;
         std::size_t planes = 1;
+        if (!c.record.volumes_s.empty()) planes = static_cast<std::size_t>(grid.levels);
         for (const double depth_m : c.measure.depths_m) {
             weights_.push_back(depth_weights(depth_m, grid.spacing_m, rings));
             planes = std::max(planes, weights_.back().size());
@@ -81,9 +73,16 @@ private:
     std::vector<double> plane_m_;
 };
 
+/// The snapshot that a frame is, if any.
+std::optional<std::size_t> snapshot_of(const Case& c, std::ptrdiff_t frame) {
+    for (std::size_t i = 0; i < c.record.volumes_s.size(); ++i)
+        if (std::llround(c.record.volumes_s[i] / c.time.interval_s) == frame + 1) return i;
+    return {};
+}
+
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team, Observer& observer,
-              Checkpoints* /*checkpoints*/) {
+              Checkpoints* checkpoints) {
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
     if (step.refused) throw CaseFailure(refusal(options, step));
@@ -91,14 +90,40 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team, Obser
     together(team, [&] { setup = setup_of(c, options, grid, step.step_s); });
     Stepper<Real> stepper(*setup, team);
     std::optional<Frames> frames;
-    together(team, [&] { frames.emplace(c, options, grid, stepper.slabs()); });
+    std::optional<DisplacementVolumes> volumes;
+    together(team, [&] {
+        frames.emplace(c, options, grid, stepper.slabs());
+        volumes.emplace(c, grid, stepper.slabs());
+    });
+    Displacement& u_z = frames->displacement();
     observer.begin(frames->slab());
+    if (!c.record.volumes_s.empty()) observer.volume_levels(volumes->levels_m());
+    if (checkpoints)
+        checkpoints->restore([&](StateReader& state) {
+            stepper.restore(state);
+            u_z.restore(state, "displacement_u_z");
+            volumes->restore(state);
+            observer.restore(state);
+        });
     const std::ptrdiff_t steps = c.time.frames * step.per_frame;
     while (stepper.steps() < steps) {
         stepper.step();
-        frames->displacement().add(stepper);
-        if (stepper.steps() % step.per_frame == 0)
-            frames->give(stepper.steps() / step.per_frame - 1, observer, team);
+        u_z.add(stepper);
+        volumes->add(stepper);
+        if (stepper.steps() % step.per_frame == 0) {
+            const std::ptrdiff_t frame = stepper.steps() / step.per_frame - 1;
+            frames->give(frame, observer, team);
+            if (const auto snapshot = snapshot_of(c, frame))
+                volumes->give(*snapshot, u_z, observer, team);
+        }
+        if (!checkpoints || stepper.steps() == steps || !checkpoints->due()) continue;
+        checkpoints->save([&](StateWriter& state) {
+            stepper.save(state);
+            u_z.save(state, "displacement_u_z");
+            volumes->save(state);
+            observer.save(state);
+        });
+        if (checkpoints->stop()) return;
     }
     observer.solved({.notes = choice_notes(c, options, step), .steps = stepper.steps()});
 }
@@ -117,7 +142,8 @@ Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     // 9 totals, up to 15 parts, gradients there and back, coefficients; the nodes at the start.
     const double values = lossy ? 9.0 + 15.0 + 15.0 : 9.0 + 15.0 + 6.0;
     const double coefficients = c.medium.bodies.empty() && !c.medium.map ? 0.0 : lossy ? 13.0 : 8.0;
-    const double per_point = bytes * (values + coefficients) + sizeof(NodeMaterial);
+    const double kept = c.record.volumes_s.empty() ? 0.0 : 3.0 * sizeof(double);
+    const double per_point = bytes * (values + coefficients) + sizeof(NodeMaterial) + kept;
     Estimate e;
     e.memory_per_rank_B = 60e6 + per_point * points / ranks;
     e.seconds = points * static_cast<double>(c.time.frames * step.per_frame) *

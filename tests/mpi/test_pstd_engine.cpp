@@ -1,0 +1,120 @@
+// The same numbers on any number of ranks and after a stop: engine pstd on a case of a sweep.
+#include "support/checkpoint_state.hpp"
+#include "support/shared_folder.hpp"
+#include "support/volume_store.hpp"
+#include "support/worst.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+/// A moving focus over a film with a lump below, for 1 ms; extents that few numbers divide.
+Case small_case(bool absorbing_edges) {
+    Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
+    Layer film = c.medium.layers[0];
+    film.thickness_m = 1.7e-3;
+    film.c_s_m_s = 8.0;
+    c.medium.layers.insert(c.medium.layers.begin(), film);
+    Body lump;
+    lump.shape = Ellipsoid{{3e-3, 2e-3, 2e-3}};
+    lump.centre_m = {1e-3, -2e-3, 5e-3};
+    lump.density_kg_m3 = 1300.0;
+    c.medium.bodies = {lump};
+    c.domain = {20, 14, 1.5e-3, 0.0};
+    c.load.footprint = GaussianFootprint{6e-3};
+    std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).from_m = {
+        -8e-3, 1e-3};
+    c.time = {4, 250e-6};
+    c.measure.at_s = 1e-3;
+    c.measure.depths_m = {0.0, 2e-3};
+    c.record.volumes_s = {0.5e-3, 1e-3};
+    c.record.volume_fields = {VolumeField::u};
+    PstdOptions options;
+    options.depth_m = 9e-3;
+    options.absorbing_points = 8;
+    options.absorbing_edges = absorbing_edges;
+    c.solver = options;
+    return c;
+}
+
+/// Largest difference of frames and volumes to those of the whole on one rank, over the largest
+/// value of each; `from` on.
+double apart(const Case& c, const test::VolumeStore& part, const test::VolumeStore& whole,
+             std::ptrdiff_t from, const Comm& world) {
+    double worst = 0.0;
+    const auto offset = static_cast<std::size_t>(part.slab().x_start * c.domain.ny);
+    const auto compare = [&](const std::vector<double>& a, const std::vector<double>& b) {
+        double largest = 0.0;
+        for (const double u : b)
+            largest = std::max(largest, std::abs(u));
+        for (std::size_t i = 0; i < a.size(); ++i)
+            worst = test::worse(worst, std::abs(a[i] - b[offset + i]) / largest);
+    };
+    for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth)
+        for (std::ptrdiff_t n = from; n < c.time.frames; ++n)
+            compare(part.FrameStore::at(n, depth), whole.FrameStore::at(n, depth));
+    for (std::size_t component = 0; component < 3; ++component)
+        for (std::size_t level = 0; level < whole.z_m().size(); ++level)
+            compare(part.at(1, 0, component, level), whole.at(1, 0, component, level));
+    return world.max(worst);
+}
+
+/// Saves once, at a step, and stops there; or goes on from what was saved.
+class OneStop : public Checkpoints {
+public:
+    OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool go_on)
+        : path_(path), team_(team), at_(at), go_on_(go_on) {}
+    bool due() override { return ++asked_ == at_; }
+    void save(const std::function<void(StateWriter&)>& write) override {
+        CheckpointFileWriter file(path_, team_);
+        test::StateToFile state(file);
+        write(state);
+        file.commit({"case", "program"}, {.sequence = 1});
+        stop_ = true;
+    }
+    bool restore(const std::function<void(StateReader&)>& read) override {
+        if (!go_on_) return false;
+        const CheckpointFileReader file(path_, team_);
+        test::StateFromFile state(file);
+        read(state);
+        return true;
+    }
+    bool stop() const override { return stop_; }
+
+private:
+    std::filesystem::path path_;
+    const Comm& team_;
+    std::ptrdiff_t at_, asked_ = 0;
+    bool go_on_, stop_ = false;
+};
+
+} // namespace
+
+TEST_CASE("a case of engine pstd has one field on any number of ranks", "[mpi][pstd]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    const Case c = small_case(GENERATE(false, true));
+    test::VolumeStore shared, single;
+    make_engine(c.solver)->run(c, world, shared);
+    make_engine(c.solver)->run(c, alone, single);
+    CHECK(single.z_m().size() > 5);
+    // Exactly: every line has the same plan wherever it is.
+    const double worst = apart(c, shared, single, 0, world);
+    CHECK(worst == 0.0);
+}
+
+TEST_CASE("a case of engine pstd goes on as if it had not been stopped", "[mpi][pstd]") {
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    const test::SharedFolder folder(world);
+    const Case c = small_case(false);
+    test::VolumeStore whole, first, second;
+    make_engine(c.solver)->run(c, alone, whole);
+    OneStop stops(folder.file("state.h5"), world, 60, false);
+    make_engine(c.solver)->run(c, world, first, &stops);
+    CHECK(stops.stop());
+    OneStop goes_on(folder.file("state.h5"), world, 0, true);
+    make_engine(c.solver)->run(c, world, second, &goes_on);
+    const double worst = apart(c, second, whole, 3, world);
+    CHECK(worst == 0.0);
+}
