@@ -78,7 +78,7 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
     std::vector<ClassResponse> responses;
     for (const AfferentClass kind : all_classes) {
         ClassResponse r{.kind = kind};
-        double squares = 0.0, resultants = 0.0, counted = 0.0, first_s = nothing;
+        double squares = 0.0, in_phase = 0.0, pairs = 0.0, first_s = nothing;
         for (std::size_t i = 0; i < afferents.size(); ++i) {
             if (afferents[i].kind != kind) continue;
             ++r.afferents;
@@ -89,15 +89,16 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
             const auto n = static_cast<double>(train.size());
             squares += n * std::pow(distance_mm(afferents[i].at_mm), 2);
             first_s = std::isnan(first_s) ? train.front() : std::min(first_s, train.front());
+            r.most_spikes = std::max(r.most_spikes, train.size());
             if (train.size() < fewest_for_locking || !(frequency_Hz > 0.0)) continue;
-            resultants += resultant(train, frequency_Hz);
-            counted += n;
+            in_phase += std::pow(resultant(train, frequency_Hz), 2) - n;
+            pairs += n * (n - 1.0);
         }
         if (r.afferents == 0) continue;
         const auto n = static_cast<double>(r.spikes);
         r.mean_rate_Hz = r.active > 0 ? n / duration_s / static_cast<double>(r.active) : nothing;
         r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : nothing;
-        r.locking = counted > 0.0 ? resultants / counted : nothing;
+        r.locking = pairs > 0.0 ? std::sqrt(std::max(in_phase, 0.0) / pairs) : nothing;
         r.first_spike_ms = 1e3 * first_s;
         responses.push_back(r);
     }

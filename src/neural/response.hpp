@@ -31,6 +31,7 @@ SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, doub
 struct ClassResponse {
     AfferentClass kind = AfferentClass::PC;
     std::size_t afferents = 0, active = 0, spikes = 0; // active: with a spike
+    std::size_t most_spikes = 0;                       // of one of them
     double mean_rate_Hz = 0.0;                         // of the active
     double spread_mm = 0.0;      // root of the mean square distance of spikes from the path
     double locking = 0.0;        // vector strength, see below
@@ -38,13 +39,17 @@ struct ClassResponse {
     bool operator==(const ClassResponse&) const = default;
 };
 
-/// Fewest spikes of an afferent that say whether it is locked: one alone always would be.
+/// Fewest spikes of an afferent that say whether it is locked: a burst of two or three shows the
+/// neuron's own interval, and one alone nothing.
 inline constexpr std::size_t fewest_for_locking = 5;
 
 /// One entry a class that is among the afferents, in their order. NaN where there is nothing to
 /// say: rates, spread and first spike without a spike; locking without a modulation (`frequency_Hz`
-/// 0) or an afferent of 5 spikes. Locking is |sum_k exp(2 pi i f t_k)| / n of each such afferent,
-/// weighted by its spikes n: that the wave comes later further away does not count against it.
+/// 0) or an afferent of 5 spikes. The vector strength of n spikes is R = |sum_k exp(2 pi i f t_k)|
+/// / n, and that of n random ones sqrt(pi/(4n)), 0.4 for five; so locking is what is left without
+/// chance, the root of (n R^2 - 1)/(n - 1) (Vinck et al. 2010, NeuroImage 51, eq. 14: the mean over
+/// pairs of spikes), the mean over all pairs that an afferent fires: that the wave comes later
+/// further away does not count against it. 0 where the mean is negative.
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
                                            const SpikeTimes& times_s, double duration_s,
                                            double frequency_Hz,

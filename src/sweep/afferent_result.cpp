@@ -179,7 +179,17 @@ VariableGroup hand_group(const Scene& scene) {
              {"hand_y", {"corner"}, y, "m", "outline of the hand along its y", ""}}};
 }
 
-std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes) {
+/// Why nothing can be said of locking though there are spikes.
+std::string without_locking(const neural::ClassResponse& r, double modulation_Hz,
+                            double duration_s) {
+    if (!(modulation_Hz > 0.0)) return "there is no modulation";
+    return fmt::format("no {} afferent fires {} times, the most active one {} in {:.3g} periods",
+                       name_of(r.kind), neural::fewest_for_locking, r.most_spikes,
+                       modulation_Hz * duration_s);
+}
+
+std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes,
+                               double modulation_Hz, double duration_s) {
     std::vector<Column> columns;
     for (const neural::ClassResponse& r : classes) {
         const std::string kind = name_of(r.kind);
@@ -197,11 +207,9 @@ std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes
         add("_spread_mm", "mm", "rms distance of " + kind + " spikes from the path of the focus",
             r.spread_mm, silent);
         add("_locking_1", "1",
-            "vector strength of " + kind + " spikes at the modulation frequency, each afferent's",
-            r.locking,
-            !silent.empty() ? silent
-                            : fmt::format("no modulation, or no afferent with {} spikes",
-                                          neural::fewest_for_locking));
+            "vector strength of " + kind +
+                " spikes at the modulation frequency, each afferent's, less that of chance",
+            r.locking, silent.empty() ? without_locking(r, modulation_Hz, duration_s) : silent);
         add("_first_spike_ms", "ms", "time of the first " + kind + " spike", r.first_spike_ms,
             silent);
     }
@@ -282,7 +290,7 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     };
     result.classes = neural::class_responses(scene.afferents, times_s, duration_s,
                                              motion.modulation_Hz, from_path_mm);
-    result.columns = columns_of(result.classes);
+    result.columns = columns_of(result.classes, motion.modulation_Hz, duration_s);
     result.groups = {afferents_group(scene, times_s), pins_group(motion, options, scene),
                      hand_group(scene)};
     return result;

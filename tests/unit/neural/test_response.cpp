@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 using namespace shearwake;
 using namespace shearwake::neural;
@@ -139,12 +140,35 @@ TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike",
     CHECK(PC.spread_mm == Approx(std::sqrt((5.0 * 9.0 + 16.0) / 6.0)));
     CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; the lone spike says nothing
     CHECK(PC.first_spike_ms == Approx(12.0));
+    CHECK(PC.most_spikes == 5);
     // At four times the phase apart nothing is left: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
     times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
     CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1].locking <
           1e-12);
     CHECK(std::isnan(
         class_responses(afferents, times_s, 0.5, 0.0, [](Vec2) { return 0.0; })[1].locking));
+}
+
+TEST_CASE("locking is that of the fibres' phases, however few their spikes", "[neural]") {
+    // Phases spread as 1 + 2 R cos(phi), whose vector strength is R.
+    const double R = GENERATE(0.0, 0.4);
+    const std::size_t spikes = GENERATE(5, 20), fibres = 2000;
+    const std::vector<Afferent> afferents(fibres, {{}, AfferentClass::PC, 0});
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0.0, 1.0);
+    SpikeTimes times_s(fibres);
+    for (std::size_t i = 0; i < fibres; ++i) {
+        const double own = uniform(random); // where the wave comes later
+        while (times_s[i].size() < spikes) {
+            const double phase = uniform(random);
+            if (uniform(random) * (1.0 + 2.0 * R) < 1.0 + 2.0 * R * std::cos(2.0 * M_PI * phase))
+                times_s[i].push_back(1e-2 * (static_cast<double>(times_s[i].size()) + phase + own));
+        }
+    }
+    const auto of = class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; });
+    // The squares of 2000 n (n - 1) pairs or more average out to 0.007, five for sure; the plain
+    // vector strength of five random spikes is 0.4.
+    CHECK(of[0].locking * of[0].locking == Approx(R * R).margin(0.035));
 }
 
 TEST_CASE("a carrier that its sampling cannot carry is refused", "[neural]") {
