@@ -47,6 +47,11 @@ def duration_ms(case):
     return 1e3 * case.setting("time", "frames") * case.setting("time", "interval_s")
 
 
+def feels_stress(case):
+    """Pins move nothing then; they are places that were chosen."""
+    return case.setting("afferents", "input", default="") == "stress"
+
+
 def hand_axes(axes, afferents):
     """The fingers up, the thumb to the left: a right hand from its palm."""
     outline = np.vstack([afferents.outline, afferents.outline[:1]])
@@ -72,8 +77,10 @@ def hand_figure(sweep, case, afferents, folder, name):
         shown = axes.scatter(afferents.y[active], -afferents.x[active], s=7, c=rates[active],
                              cmap=style.sequential_map(), vmin=0.0, vmax=highest, zorder=3,
                              linewidths=0)
-        axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000",
-                  markersize=4 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8, zorder=4)
+        if not feels_stress(case):  # below the dots, whose colours they would hide
+            axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000",
+                      markersize=5 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8,
+                      zorder=2.5)
         axes.set_title(f"{kind}: {len(active)} of {len(all_of)} fire", pad=3)
     bar = figure.colorbar(shown, ax=made[0].tolist(), label="firing rate (Hz)", aspect=28,
                           shrink=0.8)
@@ -82,7 +89,8 @@ def hand_figure(sweep, case, afferents, folder, name):
     style.save(figure, folder / f"{name}.png")
     title = f"Where the hand feels it: {layout.case_label(sweep, case)}"
     return Figure(name, title, "Afferents that fire, coloured by their mean rate over the run; grey "
-                  "dots are silent; red crosses are the pins by which the skin moves.", title)
+                  "dots are silent" + ("." if feels_stress(case) else
+                  "; red crosses are the pins by which the skin moves."), title)
 
 
 def evenly(indices, most):
@@ -123,7 +131,8 @@ def raster_figure(sweep, case, afferents, folder, name):
     style.save(figure, folder / f"{name}.png")
     title = f"Spikes over time: {layout.case_label(sweep, case)}"
     return Figure(name, title, f"A line an afferent that fires (at most {MOST_TICKS} of a class, "
-                  "evenly chosen), sorted by its distance from the nearest pin." +
+                  "evenly chosen), sorted by its distance from the nearest "
+                  + ("of afferents.pins_mm." if feels_stress(case) else "pin.") +
                   (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
 
 

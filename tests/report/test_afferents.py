@@ -20,12 +20,12 @@ import fig_hand  # noqa: E402
 import load  # noqa: E402
 
 
-def add_afferents(path, counts, moves=True):
+def add_afferents(path, counts, moves=True, felt="pins"):
     """Three PC and two RA about two pins; afferent i fires counts[i] times, every 5 ms."""
     with h5py.File(path, "r+") as file:
         case = file.attrs["case"]
         file.attrs["case"] = (case + "[time]\nframes = 40\ninterval_s = 0.001\n[afferents]\n"
-                              "where = \"palm\"\n")
+                              f"where = \"palm\"\ninput = \"{felt}\"\n")
         group = file.create_group("afferents")
         x = 1e-3 * np.array([0.0, 1.0, 30.0, 0.0, 30.0])
         group["x"], group["y"], group["hand_x"], group["hand_y"] = x, 0 * x, x + 0.12, 0 * x + 0.01
@@ -74,6 +74,14 @@ class AfferentsTest(unittest.TestCase):
         self.add(100.0, [3, 0, 2, 0, 1], moves=False)
         self.add(200.0, [0, 0, 0, 0, 0])
         self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "hand_2", "places_2"})
+
+    def test_pins_that_move_nothing_are_not_drawn_as_if_they_did(self):
+        for f, felt in ((100.0, "pins"), (200.0, "stress")):
+            self.add(f, [3, 0, 2, 0, 1], moves=felt == "pins", felt=felt)
+        (self.root / "report").mkdir(exist_ok=True)
+        hands = [f for f in fig_hand.figures(load.load(self.folder.save()), self.root / "report")
+                 if f.name.startswith("hand")]
+        self.assertEqual(["red crosses" in hand.caption for hand in hands], [True, False])
 
     def test_a_raster_begins_with_the_nearest(self):
         identity = self.add(100.0, [3, 1, 2, 0, 1])
