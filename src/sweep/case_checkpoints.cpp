@@ -67,9 +67,12 @@ private:
 };
 
 /// What is wrong with the numbers of a state whose attributes are fine. Collective.
-std::string damage_of(const fs::path& path, const Comm& team) {
+std::string damage_of(const fs::path& path, const Comm& team, const EndAlone& end_alone) {
+    std::optional<CheckpointFileReader> file;
+    std::string damage;
     try {
-        return CheckpointFileReader(path, team).damage();
+        or_end_alone(team, end_alone, [&] { damage = file.emplace(path, team).damage(); });
+        return damage;
     } catch (const CaseFailure& failure) {
         return fmt::format("is damaged ({})", failure.what());
     }
@@ -105,7 +108,7 @@ void CaseCheckpoints::find_newest() {
         facts.sequence = team_.broadcast(facts.sequence);
         facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
         if (newest_ && newest_->facts.sequence > facts.sequence) continue;
-        const std::string damage = damage_of(paths[i], team_);
+        const std::string damage = damage_of(paths[i], team_, hooks_.end_alone);
         if (damage.empty())
             newest_ = {paths[i], facts};
         else if (team_.is_root())
@@ -150,13 +153,15 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
     const CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
                                 .seconds = earlier_seconds_ + seconds_since(began_)};
     std::string trouble;
+    std::optional<CheckpointFileWriter> file;
     try {
-        CheckpointFileWriter file(path, team_);
-        FileStateWriter state(file);
-        write(state);
-        file.commit(owner_, facts);
-        newest_ = {path, facts};
-        on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
+        or_end_alone(team_, hooks_.end_alone, [&] {
+            FileStateWriter state(file.emplace(path, team_));
+            write(state);
+            file->commit(owner_, facts);
+            newest_ = {path, facts};
+            on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
+        });
     } catch (const CaseFailure& failure) {
         trouble = failure.what();
     } catch (const UsageError& failure) { // the file system refuses
@@ -174,10 +179,12 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
 
 bool CaseCheckpoints::restore(const std::function<void(StateReader&)>& read) {
     if (!newest_) return false;
-    const CheckpointFileReader file(newest_->path, team_);
-    FileStateReader state(file);
-    read(state);
-    on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
+    std::optional<CheckpointFileReader> file;
+    or_end_alone(team_, hooks_.end_alone, [&] {
+        FileStateReader state(file.emplace(newest_->path, team_));
+        read(state);
+        on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
+    });
     return true;
 }
 

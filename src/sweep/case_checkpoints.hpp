@@ -4,6 +4,7 @@
 #include "io/checkpoint_file.hpp"
 #include "io/journal.hpp"
 #include "parallel/comm.hpp"
+#include "sweep/end_alone.hpp"
 
 #include <chrono>
 #include <filesystem>
@@ -19,10 +20,12 @@ struct CheckpointSchedule {
     long steps = 0;            // every so many steps besides; 0: never
 };
 
-/// What the saving of a case needs of the run around it. Called on the team's root only.
+/// What the saving of a case needs of the run around it. The first two are called on the team's
+/// root only.
 struct CheckpointHooks {
     std::function<bool()> stop_asked;
     std::function<void(const std::string&)> say;
+    EndAlone end_alone;
 };
 
 /// `<stem>.A.h5` and `<stem>.B.h5`, written in turn, so that an end while one is written leaves the

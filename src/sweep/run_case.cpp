@@ -12,7 +12,6 @@
 
 #include <chrono>
 #include <fmt/format.h>
-#include <new>
 
 namespace shearwake {
 namespace {
@@ -65,31 +64,12 @@ Beginning beginning_of(const std::filesystem::path& path, const Case& c,
     return Beginning::anew;
 }
 
-/// Engines and recorder throw CaseFailure on all ranks together. Anything else has struck one rank
-/// alone, whose open file the others would wait for while it unwinds: unless it is a team of its
-/// own it ends here.
-template <class Work>
-void or_end_alone(const Comm& team, const CaseHooks& hooks, const Work& work) {
-    try {
-        work();
-    } catch (const CaseFailure&) {
-        throw;
-    } catch (const UsageError&) {
-        throw;
-    } catch (const std::exception& error) {
-        const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
-        const std::string reason = memory ? "out of memory" : error.what();
-        if (team.size() == 1) throw CaseFailure(reason);
-        hooks.end_alone(reason);
-    }
-}
-
 /// Leaves early when a stop was asked for. What fails on the way (a full disk) may go on from the
 /// newest state; a field that is not finite may not.
 void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& recorder,
              CaseFileWriter& writer, CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
     try {
-        or_end_alone(team, hooks, [&] { engine.run(c, team, recorder, &checkpoints); });
+        or_end_alone(team, hooks.end_alone, [&] { engine.run(c, team, recorder, &checkpoints); });
     } catch (const FieldDiverges&) {
         checkpoints.discard();
         throw;
@@ -102,18 +82,24 @@ void compute(const Case& c, Engine& engine, const Comm& team, SurfaceRecorder& r
         return;
     }
     try {
-        or_end_alone(team, hooks, [&] { recorder.finish(); });
+        or_end_alone(team, hooks.end_alone, [&] { recorder.finish(); });
     } catch (const Error&) {
         checkpoints.discard();
         throw;
     }
 }
 
-} // namespace
+/// What outlives a rank that ends alone.
+struct CaseFiles {
+    std::optional<CaseFileWriter> writer;
+    std::optional<SurfaceRecorder> recorder;
+};
 
-std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
-                                    const Comm& team, const std::filesystem::path& path,
-                                    CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
+std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const JobFacts& job,
+                                             Engine& engine, const Comm& team,
+                                             const std::filesystem::path& path,
+                                             CaseCheckpoints& checkpoints, const CaseHooks& hooks,
+                                             CaseFiles& files) {
     const auto began = Clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
@@ -124,9 +110,11 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     refuse_too_large(c, team, job.memory_per_rank_B);
 
     const SurfaceLayout layout = layout_of(c);
-    CaseFileWriter writer(path, team, layout, beginning_of(path, c, layout, team, checkpoints));
+    CaseFileWriter& writer =
+        files.writer.emplace(path, team, layout, beginning_of(path, c, layout, team, checkpoints));
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
-    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, hooks.tick);
+    SurfaceRecorder& recorder =
+        files.recorder.emplace(c, team, keeps ? &writer : nullptr, hooks.tick);
     keep_receptors(c, recorder);
     const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints, hooks);
@@ -156,6 +144,19 @@ std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& 
     writer.commit(groups, case_attributes(planned, facts));
     checkpoints.discard();
     return CaseOutcome{facts.wall_s, solve_s, facts.solver};
+}
+
+} // namespace
+
+std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job, Engine& engine,
+                                    const Comm& team, const std::filesystem::path& path,
+                                    CaseCheckpoints& checkpoints, const CaseHooks& hooks) {
+    CaseFiles files;
+    std::optional<CaseOutcome> outcome;
+    or_end_alone(team, hooks.end_alone, [&] {
+        outcome = compute_and_write(planned, job, engine, team, path, checkpoints, hooks, files);
+    });
+    return outcome;
 }
 
 } // namespace shearwake

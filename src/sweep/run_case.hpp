@@ -3,6 +3,7 @@
 #include "engines/engine.hpp"
 #include "model/plan.hpp"
 #include "sweep/case_checkpoints.hpp"
+#include "sweep/end_alone.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -29,8 +30,7 @@ struct CaseOutcome {
 /// What a case needs of the run around it.
 struct CaseHooks {
     std::function<void()> tick; // now and then
-    /// Called by one rank of several for what it alone has met; must not return.
-    std::function<void(const std::string&)> end_alone;
+    EndAlone end_alone;
 };
 
 /// Computes one case on a team, from its newest state on if it has one, and writes its file.

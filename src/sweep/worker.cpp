@@ -142,7 +142,9 @@ void Worker::one_case(const PlannedCase& planned) {
         Blame blame = Blame::case_itself;
         std::string reason;
         try {
-            compute(planned);
+            or_end_alone(
+                team_, [&](const std::string& why) { end_alone(planned, why); },
+                [&] { compute(planned); });
             file_failures_in_a_row_ = 0;
             break;
         } catch (const FileFailure& failure) {
@@ -171,13 +173,14 @@ void Worker::compute(const PlannedCase& planned) {
     // What an engine shares between its cases is in the way of another engine's.
     if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
     if (!engine_) engine_ = make_engine(planned.physics.solver);
+    const EndAlone alone = [&](const std::string& reason) { end_alone(planned, reason); };
     CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
-        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }});
-    const auto outcome = run_case(
-        planned, list_.facts, *engine_, team_, list_.folder.case_file(planned.id), checkpoints,
-        {[this] { tick(); }, [&](const std::string& reason) { end_alone(planned, reason); }});
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }, alone});
+    const auto outcome =
+        run_case(planned, list_.facts, *engine_, team_, list_.folder.case_file(planned.id),
+                 checkpoints, {[this] { tick(); }, alone});
     if (!outcome) {
         if (team_.is_root()) counters_.fetch_add(begun, -1);
         return;
@@ -216,7 +219,7 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, Blame
     try {
         journal_.failed(planned.id, reason, blame);
         keep_failure(planned, reason);
-    } catch (const UsageError& error) {
+    } catch (const std::exception& error) {
         progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
     }
     counters_.fetch_add(failed, 1);
@@ -243,7 +246,7 @@ void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
     try {
         journal_.failed(planned.id, words, Blame::case_itself);
         keep_failure(planned, words);
-    } catch (const UsageError&) { // then it is tried again
+    } catch (const std::exception&) { // then it is tried again
     }
     abort_all_ranks(fmt::format("case {} failed on {}; the other cases are saved or go on from "
                                 "their newest state: start the same command again",

@@ -10,7 +10,7 @@ import h5py
 import numpy
 
 from faults import FaultTest, both_engines, command, environment, journal, table_bytes
-from program import LONG, case_files, plan_ids, started, table
+from program import JOB, LONG, case_files, changed, plan_ids, started, table
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
 MANY = LONG.replace("1000, 12]", "1000, 400]")
@@ -123,6 +123,23 @@ class Failing(FaultTest):
         self.says(said, "1 failed", "1 there before" if done.returncode == 4 else "1 computed now")
         self.assertEqual(started(self.out).count(failed[0]), 1)
         self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
+
+    def test_memory_that_is_refused_at_any_place_ends_one_case_and_blocks_nobody(self):
+        text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
+        for job, ranks, together, at in ((text, 2, 2, 250), (text, 2, 2, 400), (text, 2, 2, 800),
+                                         (JOB, 2, 2, 9), (JOB, 1, 1, 15), (text, 2, 1, 300)):
+            with self.subTest(afferents=job is text, ranks=ranks, together=together, at=at):
+                self.write_job(job)
+                shutil.rmtree(self.out, ignore_errors=True)
+                rank = {"RANK": 1} if ranks > 1 else {}
+                done = self.run_with(ranks, ("--ranks-per-case", together), NEW_AT=at, **rank)
+                # Whoever computes alone fails alone; two may have to end.
+                self.assertIn(done.returncode, (4,) if together == 1 else (4, 75), done.said)
+                failed = [line for line in journal(self.out) if line["event"] == "failed"]
+                self.assertEqual(len(failed), 1, done.said)
+                self.says(failed[0]["reason"], "out of memory")
+                if done.returncode == 4:
+                    self.assertEqual(len(case_files(self.out)), 3, done.said)
 
     def test_a_field_that_diverges_ends_with_its_step_its_time_and_what_may_help(self):
         self.write_job(both_engines(1).replace('"solver.engine" = ["layered", "spectral"]',
