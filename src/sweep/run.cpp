@@ -100,6 +100,14 @@ std::string epilogue(const OutputFolder& folder, const Selection& selection,
                               reduce_command_line(folder));
 }
 
+/// Whether what is left was left for a later run. Whoever asks for a stop gets it, whatever failed
+/// before; else files and the first failure have their own word.
+bool was_stopped(const WorkResult& result) {
+    if (result.asked_to_stop) return true;
+    if (result.given_up) return false;
+    return result.put_off > 0 || (result.elsewhere > 0 && result.failed_files == 0);
+}
+
 ExitCode code_of(const WorkResult& result, const Selection& selection, bool stopped) {
     if (stopped) return ExitCode::stopped_early;
     if (result.failed_files > 0) return ExitCode::environment;
@@ -167,9 +175,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
                                      folder.root.string()),
                          ExitCode::environment);
     const bool all_ended = result.failed + result.done == static_cast<long>(work.size());
-    const bool broken = result.failed_files > 0 || (arguments.fail_fast && result.failed > 0);
-    const bool stopped =
-        !all_ended && !broken && (result.stopping || result.put_off + result.elsewhere > 0);
+    const bool stopped = !all_ended && was_stopped(result);
     on_root(world, [&] {
         journal.run_ended(stopped             ? "stopped"
                           : result.failed > 0 ? "with failures"

@@ -223,18 +223,23 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, Blame
         progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
     }
     counters_.fetch_add(failed, 1);
-    if (list_.arguments.fail_fast) counters_.fetch_add(stopping, 1);
+    if (list_.arguments.fail_fast) give_up();
     if (blame != Blame::files) return;
     counters_.fetch_add(failed_files, 1);
     std::error_code unknown;
     if (!std::filesystem::exists(list_.folder.plan(), unknown)) {
         counters_.fetch_add(folder_gone, 1);
-        counters_.fetch_add(stopping, 1);
+        give_up();
     } else if (++file_failures_in_a_row_ == most_file_failures_in_a_row) {
         progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
                                   most_file_failures_in_a_row));
-        counters_.fetch_add(stopping, 1);
+        give_up();
     }
+}
+
+void Worker::give_up() {
+    counters_.fetch_add(given_up, 1);
+    counters_.fetch_add(stopping, 1);
 }
 
 /// One rank alone has met what no other knows of, in the middle of a computation that they share:
@@ -331,7 +336,8 @@ WorkResult Worker::wait_for_others() {
             .failed_files = of(failed_files),
             .put_off = of(put_off),
             .elsewhere = of(elsewhere),
-            .stopping = of(stopping) != 0,
+            .asked_to_stop = of(signalled) != 0,
+            .given_up = of(given_up) != 0,
             .folder_gone = of(folder_gone) != 0,
             .times = times};
 }

@@ -38,11 +38,12 @@ struct WorkList {
 /// What became of it. The same on all ranks.
 struct WorkResult {
     long done = 0;
-    long failed = 0;       // all
-    long failed_files = 0; // of them by files and disks
-    long put_off = 0;      // would not have ended in time
-    long elsewhere = 0;    // another run is at work on them, or has ended them meanwhile
-    bool stopping = false; // no further cases were begun
+    long failed = 0;            // all
+    long failed_files = 0;      // of them by files and disks
+    long put_off = 0;           // would not have ended in time
+    long elsewhere = 0;         // another run is at work on them, or has ended them meanwhile
+    bool asked_to_stop = false; // by a signal, the STOP file, or the time
+    bool given_up = false;      // after failures of files, or the first failure of all
     bool folder_gone = false;
     RunTimes times;
 };
@@ -70,6 +71,7 @@ private:
         begun,
         stopping,
         signalled,
+        given_up,
         teams_ended,
         put_off,
         elsewhere,
@@ -89,6 +91,7 @@ private:
     void compute(const PlannedCase& planned);
     void tell(const PlannedCase& planned, const SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, Blame blame);
+    void give_up(); // no further cases are begun
     [[noreturn]] void end_alone(const PlannedCase& planned, const std::string& reason);
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
     void say(const std::string& text);

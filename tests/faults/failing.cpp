@@ -2,12 +2,10 @@
  *
  * Writes, flushes and renames of files whose path holds FAULT_PATH are counted in each process:
  *   FAULT_KILL_AT=n     the n-th ends the process at once, half of what it writes being written
- *   FAULT_EIO_AT=n      the n-th fails with an I/O error; FAULT_EIO_COUNT=m: and the m - 1 after it
- * What C++ allocates in pieces of 1 KB and more is counted as well:
- *   FAULT_NEW_AT=n      the n-th fails
- * The time of day:
- *   FAULT_CLOCK=s       is wrong by s seconds from the 20th time that it is asked
- * FAULT_RANK=r          all this on MPI rank r only
+ *   FAULT_EIO_AT=n      the n-th fails with an I/O error; FAULT_EIO_COUNT=m: and the m - 1 after
+ * it; FAULT_ERRNO=e: with another error What C++ allocates in pieces of 1 KB and more is counted as
+ * well: FAULT_NEW_AT=n      the n-th fails The time of day: FAULT_CLOCK=s       is wrong by s
+ * seconds from the 20th time that it is asked FAULT_RANK=r          all this on MPI rank r only
  */
 #include <cerrno>
 #include <csignal>
@@ -62,7 +60,8 @@ void end(void) {
 }
 
 int failed(void) {
-    errno = EIO;
+    const long error = number("FAULT_ERRNO");
+    errno = error > 0 ? static_cast<int>(error) : EIO;
     return -1;
 }
 

@@ -1,4 +1,5 @@
 """A system in a bad way: it stops runs, fails for a moment or for good, loses the folder or the time."""
+import errno
 import os
 import shutil
 import signal
@@ -107,6 +108,19 @@ class Failing(FaultTest):
         self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "again:", "log:",
                   "is tried again", "settings:", "[medium]")
         self.assert_goes_on(reference)
+
+    def test_a_stop_after_a_case_was_lost_to_files_is_a_stop(self):
+        self.write_job(FEW)
+        env = {**environment(), "LD_PRELOAD": str(self.library), "FAULT_PATH": "/out/small/cases/",
+               "FAULT_EIO_AT": "3", "FAULT_ERRNO": str(errno.ENOSPC)}
+        process = subprocess.Popen(command("run", "job.toml"), cwd=self.folder, env=env,
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8")
+        self.addCleanup(self._end, process)
+        self.wait_for(lambda: list((self.out / "failed").glob("*.txt")), "the first failure")
+        process.send_signal(signal.SIGTERM)
+        said = process.communicate(timeout=60)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
 
     def test_what_one_rank_alone_meets_is_written_down_and_the_others_go_on(self):
         """Memory that is refused to one rank in the middle of what it does with another one."""
