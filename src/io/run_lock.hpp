@@ -46,6 +46,23 @@ private:
     std::thread beats_;
 };
 
+/// Somebody whose count rises.
+struct LockHolder {
+    std::string host;
+    long process = 0;
+};
+
+/// Who holds a lock of the folder `locks` on another host, or where the system has no locks: looks
+/// for as long as `watching`, and only if there is a count of somebody. Not collective.
+std::optional<LockHolder> holder_in(const std::filesystem::path& locks,
+                                    std::chrono::milliseconds watching = std::chrono::seconds(5));
+
+/// A run of everything, which holds `all`, must not be beside one of a part, whose locks are in the
+/// same folder: throws UsageError when there is one on another host. Those of this host have been
+/// refused by the lock of `all`. Not collective.
+void refuse_beside_parts(const std::filesystem::path& all,
+                         std::chrono::milliseconds watching = std::chrono::seconds(10));
+
 /// Whether a run holds the lock now; nothing where the file system cannot say.
 std::optional<bool> is_locked(const std::filesystem::path& file);
 

@@ -8,21 +8,26 @@
 #include "sweep/case_checkpoints.hpp"
 #include "sweep/provenance.hpp"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <fmt/format.h>
 
 namespace shearwake {
 namespace {
 
-/// Whether a folder without a plan holds anything but what a run that is just beginning makes.
+/// What a run makes there, and what its removal in mid-run leaves of it.
+bool is_ours(const std::string& name) {
+    constexpr std::array names = {"cases",  "job.toml",    "plan.json", "STOP",  "slurm",
+                                  "failed", "checkpoints", "locks",     "tables"};
+    if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
+    return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
+}
+
+/// Whether a folder without a plan holds anything else.
 bool holds_foreign_files(const OutputFolder& folder) {
-    for (const auto& entry : std::filesystem::directory_iterator(folder.root)) {
-        const std::filesystem::path& path = entry.path();
-        const bool ours = path == folder.cases() || path == folder.job() || path == folder.plan() ||
-                          path == folder.stop_file() || path == folder.root / "slurm" ||
-                          path == folder.run_lock().parent_path() || path.extension() == ".part";
-        if (!ours) return true;
-    }
+    for (const auto& entry : std::filesystem::directory_iterator(folder.root))
+        if (!is_ours(entry.path().filename().string())) return true;
     return false;
 }
 
@@ -49,6 +54,11 @@ std::filesystem::path OutputFolder::journal(const std::string& part,
 
 std::filesystem::path OutputFolder::index(const std::string& part, const std::string& host) const {
     return root / index_name(journal_name(part, host));
+}
+
+bool OutputFolder::has_lost_plan() const {
+    std::error_code trouble;
+    return !std::filesystem::exists(plan(), trouble) && !trouble;
 }
 
 void prepare_output(const OutputFolder& folder, const Job& job) {

@@ -26,6 +26,9 @@ struct OutputFolder {
     std::filesystem::path claims() const { return root / "locks" / "cases"; }
     /// A user who makes this file stops the runs; they start again when it is gone.
     std::filesystem::path stop_file() const { return root / "STOP"; }
+    /// Whether somebody has removed it: there is a plan from the first run on. A file system that
+    /// cannot say has lost nothing. Not collective.
+    bool has_lost_plan() const;
     /// What is kept of a case that failed.
     std::filesystem::path failure(const std::string& id) const {
         return root / "failed" / (id + ".txt");

@@ -70,6 +70,29 @@ Beginning begin_run(const Job& job, const OutputFolder& folder, const RunArgumen
     return beginning;
 }
 
+/// Nobody may take a sweep for done that is not there any more. Not collective.
+void must_be_there(const OutputFolder& folder, const Plan& plan,
+                   const std::vector<std::size_t>& there, const WorkResult& result) {
+    if (result.folder_gone || folder.has_lost_plan())
+        throw UsageError(fmt::format("the output folder {} has gone in mid-run (it has no "
+                                     "plan.json any more): stopped; the same command begins anew",
+                                     folder.root.string()),
+                         ExitCode::environment);
+    std::vector<std::string> lost;
+    for (const auto* numbers : {&there, &result.computed})
+        for (const std::size_t number : *numbers) {
+            const std::string& id = plan.cases[number].id;
+            std::error_code trouble;
+            const bool is_there = std::filesystem::exists(folder.case_file(id), trouble);
+            if (!is_there && !trouble) lost.push_back(id);
+        }
+    if (lost.empty()) return;
+    throw UsageError(fmt::format("{} case files have been removed in mid-run from {}, {}.h5 the "
+                                 "first; the same command computes them again",
+                                 lost.size(), folder.cases().string(), lost.front()),
+                     ExitCode::environment);
+}
+
 std::string epilogue(const OutputFolder& folder, const Selection& selection,
                      const WorkResult& result, bool stopped, const RunArguments& arguments) {
     std::string text =
@@ -169,11 +192,7 @@ ExitCode run_command(const RunArguments& arguments, const Comm& world) {
     const WorkResult result = worker.wait_for_others();
     progress.finish();
 
-    if (result.folder_gone)
-        throw UsageError(fmt::format("the output folder {} has gone in mid-run (it has no "
-                                     "plan.json any more): stopped; the same command begins anew",
-                                     folder.root.string()),
-                         ExitCode::environment);
+    on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
     const bool all_ended = result.failed + result.done == static_cast<long>(work.size());
     const bool stopped = !all_ended && was_stopped(result);
     on_root(world, [&] {

@@ -65,6 +65,7 @@ Selection select_cases(const Plan& plan, const JournalContents& journal, CaseInd
         }
         if (index.is_whole(id)) {
             ++selection.whole;
+            selection.there.push_back(i);
             continue;
         }
         const auto history = journal.cases.find(id);

@@ -13,7 +13,8 @@ namespace shearwake {
 
 /// Which cases a run has to compute.
 struct Selection {
-    std::vector<std::size_t> work; // positions in Plan::cases
+    std::vector<std::size_t> work;  // positions in Plan::cases
+    std::vector<std::size_t> there; // the same of those that are whole; on rank 0 only
     std::size_t total = 0;
     std::size_t whole = 0;         // their files are there and complete
     std::size_t failed_before = 0; // and are not to be tried again

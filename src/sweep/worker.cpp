@@ -65,8 +65,11 @@ void Worker::work() {
         if (team_.is_root()) index = next();
         index = team_.broadcast(index);
         if (index < 0) break;
-        one_case(*list_.cases[static_cast<std::size_t>(index)]);
-        if (team_.is_root()) claims_->release(list_.numbers[static_cast<std::size_t>(index)]);
+        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        const bool is_done = one_case(*list_.cases[static_cast<std::size_t>(index)]);
+        if (!team_.is_root()) continue;
+        claims_->release(number);
+        if (is_done) computed_.push_back(static_cast<double>(number));
     }
     worked_us_ =
         std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
@@ -79,6 +82,7 @@ void Worker::work() {
 /// The next case for this team, on its root; -1 when there is none.
 long Worker::next() {
     while (true) {
+        look_for_folder();
         if (stop_asked()) counters_.fetch_add(stopping, 1);
         if (counters_.read(stopping) != 0) return -1;
         const long index = counters_.fetch_add(next_case, 1);
@@ -133,10 +137,11 @@ void Worker::learn(const PlannedCase& planned, const CaseTimes& times) {
 }
 
 /// A case may meet a file system that fails for a moment: it is tried again. What is its own fault
-/// is not. The ranks of the team agree on each failure, so they do the same.
-void Worker::one_case(const PlannedCase& planned) {
+/// is not. The ranks of the team agree on each failure, so they do the same. Whether it is done.
+bool Worker::one_case(const PlannedCase& planned) {
     if (team_.is_root()) counters_.fetch_add(begun, 1);
     case_log_.clear();
+    bool is_done = false;
     for (std::size_t attempt = 0;; ++attempt) {
         Trouble trouble = Trouble::lasting;
         Blame blame = Blame::case_itself;
@@ -144,7 +149,7 @@ void Worker::one_case(const PlannedCase& planned) {
         try {
             or_end_alone(
                 team_, [&](const std::string& why) { end_alone(planned, why); },
-                [&] { compute(planned); });
+                [&] { is_done = compute(planned); });
             file_failures_in_a_row_ = 0;
             break;
         } catch (const FileFailure& failure) {
@@ -166,9 +171,11 @@ void Worker::one_case(const PlannedCase& planned) {
     }
     before_ = &planned.physics;
     tick();
+    return is_done;
 }
 
-void Worker::compute(const PlannedCase& planned) {
+/// Whether it is done, and not saved to go on later.
+bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
     // What an engine shares between its cases is in the way of another engine's.
     if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
@@ -183,7 +190,7 @@ void Worker::compute(const PlannedCase& planned) {
                  checkpoints, {[this] { tick(); }, alone});
     if (!outcome) {
         if (team_.is_root()) counters_.fetch_add(begun, -1);
-        return;
+        return false;
     }
     const CaseTimes times{outcome->seconds, estimated_s(planned),
                           engine_name(planned.physics.solver)};
@@ -194,10 +201,11 @@ void Worker::compute(const PlannedCase& planned) {
         std::filesystem::remove(list_.folder.failure(planned.id), none);
     });
     tell(planned, outcome->solver);
-    if (!team_.is_root()) return;
+    if (!team_.is_root()) return true;
     learn(planned, times);
     counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
     counters_.fetch_add(done, 1);
+    return true;
 }
 
 /// One line of what iterated or chose what no case before it did; else nothing.
@@ -226,15 +234,24 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, Blame
     if (list_.arguments.fail_fast) give_up();
     if (blame != Blame::files) return;
     counters_.fetch_add(failed_files, 1);
-    std::error_code unknown;
-    if (!std::filesystem::exists(list_.folder.plan(), unknown)) {
-        counters_.fetch_add(folder_gone, 1);
-        give_up();
-    } else if (++file_failures_in_a_row_ == most_file_failures_in_a_row) {
+    last_folder_ = {}; // now
+    look_for_folder();
+    if (counters_.read(folder_gone) == 0 &&
+        ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
         progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
                                   most_file_failures_in_a_row));
         give_up();
     }
+}
+
+/// A folder that is removed while files are written keeps some of them: only its plan tells.
+void Worker::look_for_folder() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_folder_ < 500ms) return;
+    last_folder_ = now;
+    if (!list_.folder.has_lost_plan()) return;
+    counters_.fetch_add(folder_gone, 1);
+    give_up();
 }
 
 void Worker::give_up() {
@@ -331,6 +348,9 @@ WorkResult Worker::wait_for_others() {
     const RunTimes times{
         .idle_share = longest_us > 0.0 ? 1.0 - all_us / (longest_us * list_.teams) : 0.0,
         .beside_solve_s = 1e-6 * (all_us - static_cast<double>(of(solves_us))) / cases};
+    std::vector<std::size_t> computed;
+    for (const double number : world_.gather(computed_))
+        computed.push_back(static_cast<std::size_t>(number));
     return {.done = of(done),
             .failed = of(failed),
             .failed_files = of(failed_files),
@@ -339,6 +359,7 @@ WorkResult Worker::wait_for_others() {
             .asked_to_stop = of(signalled) != 0,
             .given_up = of(given_up) != 0,
             .folder_gone = of(folder_gone) != 0,
+            .computed = std::move(computed),
             .times = times};
 }
 

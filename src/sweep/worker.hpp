@@ -45,6 +45,7 @@ struct WorkResult {
     bool asked_to_stop = false; // by a signal, the STOP file, or the time
     bool given_up = false;      // after failures of files, or the first failure of all
     bool folder_gone = false;
+    std::vector<std::size_t> computed; // places in the plan of the cases that are done; on rank 0
     RunTimes times;
 };
 
@@ -87,8 +88,8 @@ private:
     bool in_time(const PlannedCase& planned);
     double estimated_s(const PlannedCase& planned) const;
     void learn(const PlannedCase& planned, const CaseTimes& times);
-    void one_case(const PlannedCase& planned);
-    void compute(const PlannedCase& planned);
+    bool one_case(const PlannedCase& planned);
+    bool compute(const PlannedCase& planned);
     void tell(const PlannedCase& planned, const SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, Blame blame);
     void give_up(); // no further cases are begun
@@ -96,6 +97,7 @@ private:
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
     void say(const std::string& text);
     bool stop_asked();
+    void look_for_folder();
     void tick();
 
     WorkList list_;
@@ -111,8 +113,10 @@ private:
     std::vector<std::string> case_log_; // what was said of the case at work
     std::set<std::string> told_;        // notes of engines
     int file_failures_in_a_row_ = 0;
-    long worked_us_ = 0; // this team, from its first look for a case to its last
-    std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{};
+    std::vector<double> computed_; // places in the plan; of the team's root
+    long worked_us_ = 0;           // this team, from its first look for a case to its last
+    std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
+        last_folder_{};
     bool signal_told_ = false, signal_seen_ = false;
 };
 

@@ -187,6 +187,27 @@ class Failing(FaultTest):
         said = self.shearwake("status", self.out).said
         self.says(said, f"{there} done", "0 running")
 
+    def test_what_a_removal_in_mid_run_has_left_is_told_and_gone_on_with(self):
+        self.write_job(LONG)
+        # A write that races `rm -rf` may leave folders, journal and index without the plan.
+        for removed in (("plan.json", "cases/*"), ("cases",)):
+            with self.subTest(removed=removed):
+                shutil.rmtree(self.out, ignore_errors=True)
+                process = self.start("run", "job.toml")
+                self.wait_for(lambda: case_files(self.out), "the first case")
+                process.send_signal(signal.SIGSTOP)
+                self.assertLess(len(case_files(self.out)), 10, "it was too fast to be held")
+                for path in [path for name in removed for path in self.out.glob(name)]:
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+                (self.out / "cases").mkdir(exist_ok=True)
+                process.send_signal(signal.SIGCONT)
+                said = process.communicate(timeout=60)[0]
+                self.assertEqual(process.returncode, 6, said)
+                self.says(said, "in mid-run", "the same command")
+                self.assertNotIn("12 computed now", said)
+                self.shearwake("run", "job.toml")
+                self.assertEqual(len(case_files(self.out)), 12)
+
     def test_a_clock_that_is_set_changes_nothing(self):
         reference = self.reference()
         for seconds in (-90000, 90000):
