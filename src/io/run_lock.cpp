@@ -13,6 +13,8 @@
 #include <sstream>
 #include <sys/file.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace shearwake {
 namespace {
@@ -49,6 +51,20 @@ Beat read_beat(int fd) {
     Beat beat;
     if (::pread(fd, text, beat_length, 0) > 0)
         std::istringstream(text) >> beat.host >> beat.process >> beat.count;
+    return beat;
+}
+
+/// Whether the process that wrote it has ended, as far as this host can tell.
+bool has_ended(const Beat& beat) {
+    return beat.host == host_name() && ::kill(static_cast<pid_t>(beat.process), 0) != 0 &&
+           errno == ESRCH;
+}
+
+Beat read_beat(const std::filesystem::path& file) {
+    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) return {};
+    const Beat beat = read_beat(fd);
+    ::close(fd);
     return beat;
 }
 
@@ -99,9 +115,8 @@ void RunLock::refuse_if_held_elsewhere(std::chrono::milliseconds watching) const
     const Beat before = read_beat(fd_);
     if (before.host.empty()) return;
     // On this host the system's lock can be trusted, and a process that is gone holds nothing.
-    const bool here = before.host == host_name();
-    if (here && system_locks_) return;
-    if (here && ::kill(static_cast<pid_t>(before.process), 0) != 0 && errno == ESRCH) return;
+    if (before.host == host_name() && system_locks_) return;
+    if (has_ended(before)) return;
     const auto end = std::chrono::steady_clock::now() + watching;
     while (std::chrono::steady_clock::now() < end) {
         std::this_thread::sleep_for(
@@ -136,6 +151,34 @@ RunLock::~RunLock() {
         [[maybe_unused]] const int emptied = ::ftruncate(fd_, 0);
     }
     ::close(fd_);
+}
+
+std::optional<LockHolder> holder_in(const std::filesystem::path& locks,
+                                    std::chrono::milliseconds watching) {
+    std::vector<std::pair<std::filesystem::path, Beat>> watched;
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(locks, missing)) {
+        const Beat beat = read_beat(entry.path());
+        const bool mine = beat.host == host_name() && beat.process == ::getpid();
+        if (!beat.host.empty() && !mine && !has_ended(beat))
+            watched.emplace_back(entry.path(), beat);
+    }
+    if (watched.empty()) return std::nullopt;
+    const auto end = std::chrono::steady_clock::now() + watching;
+    while (std::chrono::steady_clock::now() < end) {
+        std::this_thread::sleep_for(
+            std::min<std::chrono::milliseconds>(between_beats / 4, watching / 4));
+        for (const auto& [file, before] : watched) {
+            const Beat now = read_beat(file); // empty once it is let go
+            if (!now.host.empty() && now != before) return LockHolder{now.host, now.process};
+        }
+    }
+    return std::nullopt;
+}
+
+void refuse_beside_parts(const std::filesystem::path& locks, std::chrono::milliseconds watching) {
+    if (const auto holder = holder_in(locks, watching))
+        refuse(locks / "run", fmt::format(" (process {} on {})", holder->process, holder->host));
 }
 
 std::optional<bool> is_locked(const std::filesystem::path& file) {

@@ -52,15 +52,15 @@ struct LockHolder {
     long process = 0;
 };
 
-/// Who holds a lock of the folder `locks` on another host, or where the system has no locks: looks
-/// for as long as `watching`, and only if there is a count of somebody. Not collective.
+/// Another process that holds a lock file of the folder `locks`, as its count tells, whatever the
+/// system's locks say. Looks for as long as `watching`, and only if a count is there that may be at
+/// work. Not collective.
 std::optional<LockHolder> holder_in(const std::filesystem::path& locks,
                                     std::chrono::milliseconds watching = std::chrono::seconds(5));
 
-/// A run of everything, which holds `all`, must not be beside one of a part, whose locks are in the
-/// same folder: throws UsageError when there is one on another host. Those of this host have been
-/// refused by the lock of `all`. Not collective.
-void refuse_beside_parts(const std::filesystem::path& all,
+/// For a run of everything, which holds a lock of the folder `locks` already: throws UsageError
+/// when a run of a part holds another one there. Not collective.
+void refuse_beside_parts(const std::filesystem::path& locks,
                          std::chrono::milliseconds watching = std::chrono::seconds(10));
 
 /// Whether a run holds the lock now; nothing where the file system cannot say.

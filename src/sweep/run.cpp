@@ -58,9 +58,11 @@ Beginning begin_run(const Job& job, const OutputFolder& folder, const RunArgumen
     prepare_output(folder, job);
     const std::string part = part_name(arguments);
     const auto sharing = part.empty() ? RunLock::Sharing::alone : RunLock::Sharing::with_others;
-    locks.push_back(std::make_unique<RunLock>(folder.run_lock(), sharing));
+    // Each writes its own count before it looks for the other's.
     if (!part.empty())
         locks.push_back(std::make_unique<RunLock>(folder.part_lock(part), RunLock::Sharing::alone));
+    locks.push_back(std::make_unique<RunLock>(folder.run_lock(), sharing));
+    if (part.empty()) refuse_beside_parts(folder.run_lock().parent_path());
     CaseIndex index(folder.root);
     Beginning beginning{.selection = {}, .journal = read_journals(folder.root)};
     beginning.selection = select_cases(job.plan, beginning.journal, index, arguments);

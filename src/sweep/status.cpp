@@ -19,13 +19,21 @@ struct Tally {
     double seconds = 0.0; // of the cases done
     std::vector<std::string> damaged;
     bool at_work = false; // a run computes into the folder now
+    std::string host;     // of that run; empty: this one, or of an unknown
 };
 
 Tally tally_of(const PlanIndex& plan, const JournalContents& journal, const OutputFolder& folder,
                CaseIndex& index) {
     Tally tally;
-    // A killed run could not say that it ended; its lock is gone all the same.
-    tally.at_work = is_locked(folder.run_lock()).value_or(journal.running);
+    // A killed run could not say that it ended; its lock is gone all the same, or counts no more.
+    tally.at_work = std::filesystem::exists(folder.run_lock())
+                        ? is_locked(folder.run_lock()).value_or(false)
+                        : journal.running;
+    if (!tally.at_work) {
+        const auto holder = holder_in(folder.run_lock().parent_path());
+        tally.at_work = holder.has_value();
+        if (holder) tally.host = holder->host;
+    }
     for (const IndexedCase& c : plan.cases) {
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
@@ -56,7 +64,8 @@ void print_status(const OutputFolder& folder) {
     fmt::print("{} cases: {} done, {} running, {} failed, {} left", plan.cases.size(), tally.done,
                tally.running, tally.failed, tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("{}\n", tally.at_work ? "; a run is at work" : "");
+    fmt::print("{}{}\n", tally.at_work ? "; a run is at work" : "",
+               tally.host.empty() ? "" : " on " + tally.host);
     const std::size_t to_do = tally.left + tally.interrupted + tally.running;
     if (tally.done > 0 && to_do > 0)
         fmt::print("to go: {:.3g} s of computing at {:.3g} s a case\n",

@@ -55,6 +55,33 @@ TEST_CASE("a folder in which another host counts is in use, whatever its locks s
     CHECK(words.find("process 17 on another-host") != std::string::npos);
 }
 
+TEST_CASE("a part that another host counts is not computed beside, and named", "[lock]") {
+    const test::TemporaryFolder folder;
+    const auto short_while = std::chrono::milliseconds(200);
+    const RunLock alone(folder / "run", Sharing::alone);
+    std::ofstream(folder / "2-of-3") << "another-host 17 5\n";
+    CHECK_FALSE(holder_in(folder / "", short_while)); // its count stands still
+    CHECK_NOTHROW(refuse_beside_parts(folder / "", short_while));
+    std::atomic<bool> ends = false;
+    std::thread host([&] {
+        for (int beat = 6; !ends; ++beat) {
+            std::ofstream(folder / "2-of-3") << fmt::format("another-host 17 {}\n", beat);
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
+    });
+    const auto holder = holder_in(folder / "");
+    std::string words;
+    try {
+        refuse_beside_parts(folder / "");
+    } catch (const UsageError& error) {
+        words = error.what();
+    }
+    ends = true;
+    host.join();
+    CHECK((holder && holder->host == "another-host" && holder->process == 17));
+    CHECK(words.find("process 17 on another-host") != std::string::npos);
+}
+
 TEST_CASE("a folder in which another host counts no more is taken over", "[lock]") {
     const test::TemporaryFolder folder;
     std::ofstream(folder / "run") << "another-host 17 5\n";
