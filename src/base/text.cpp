@@ -49,6 +49,15 @@ std::string quoted_list(std::span<const std::string> items, std::string_view con
     return text;
 }
 
+bool is_file_name(std::string_view name) {
+    const auto is_safe = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_' || c == '.';
+    };
+    return !name.empty() && name.front() != '.' && name.size() <= longest_file_name &&
+           std::all_of(name.begin(), name.end(), is_safe);
+}
+
 std::string exact(double value) {
     return fmt::format("{}", value); // fmt prints the shortest text that round-trips
 }

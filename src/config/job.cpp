@@ -1,5 +1,6 @@
 #include "config/job.hpp"
 
+#include "base/text.hpp"
 #include "config/expand.hpp"
 #include "config/read_case.hpp"
 #include "config/table_options.hpp"
@@ -12,7 +13,6 @@ namespace {
 
 constexpr std::size_t most_bytes = 4'000'000;
 constexpr std::size_t most_printed = 50;
-constexpr std::size_t longest_name = 100;
 
 std::string all_lines(const std::vector<Finding>& findings) {
     // Errors are not crowded out by warnings.
@@ -48,17 +48,11 @@ void check_schema(Reader& root, const Place& at) {
 
 /// The name becomes the name of a folder and must stay within the output directory.
 void check_name(const Reader& reader, const std::string& name) {
-    const auto is_safe = [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '-' || c == '_' || c == '.';
-    };
-    if (!name.empty() && name.front() != '.' && name.size() <= longest_name &&
-        std::all_of(name.begin(), name.end(), is_safe))
-        return;
+    if (is_file_name(name)) return;
     reader.error("name", fmt::format("becomes the name of a folder: 1 to {} letters, digits, "
                                      "\"-\", \"_\" and \".\", not starting with \".\"; it is "
                                      "\"{}\"",
-                                     longest_name, excerpt(name)));
+                                     longest_file_name, excerpt(name)));
 }
 
 void read_identity(Reader reader, Plan& plan) {

@@ -1,8 +1,10 @@
 #include "io/plan_file.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "io/files.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace shearwake {
@@ -26,6 +28,16 @@ std::vector<Setting> settings_of(const Json& object) {
             settings.push_back({key, value.get<std::string>()});
     }
     return settings;
+}
+
+/// Names become those of files. They may come from anywhere: they must stay in their folder.
+std::string file_name(const Json& entry, const std::filesystem::path& path) {
+    const auto name = entry.get<std::string>();
+    if (is_file_name(name)) return name;
+    throw UsageError(fmt::format("{} is no plan of this program: {:.99} names something outside of "
+                                 "its folder, or is no name of a file",
+                                 path.string(), entry.dump()),
+                     ExitCode::environment);
 }
 
 } // namespace
@@ -60,13 +72,13 @@ PlanIndex read_plan(const std::filesystem::path& path) {
     try {
         const Json root = Json::parse(text);
         PlanIndex index;
-        index.name = root.at("name").get<std::string>();
+        index.name = file_name(root.at("name"), path);
         index.title = root.at("title").get<std::string>();
         index.swept_keys = root.at("swept_keys").get<std::vector<std::string>>();
         index.table.x = root.at("table").at("x").get<std::string>();
         index.table.series = root.at("table").at("series").get<std::vector<std::string>>();
         for (const Json& entry : root.at("cases"))
-            index.cases.push_back({.id = entry.at("id").get<std::string>(),
+            index.cases.push_back({.id = file_name(entry.at("id"), path),
                                    .settings = settings_of(entry.at("settings")),
                                    .is_reference = entry.at("is_reference").get<bool>(),
                                    .reference_id = entry.at("reference_id").get<std::string>()});

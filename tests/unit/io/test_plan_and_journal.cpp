@@ -47,6 +47,19 @@ TEST_CASE("what is no plan is told so", "[plan]") {
     }
 }
 
+TEST_CASE("a plan whose names lead out of its folder is refused", "[plan]") {
+    const test::TemporaryFolder folder;
+    for (const std::string name : {"../../escaped", "/tmp/x", "", ".hidden", "a b", "a/b"}) {
+        Plan plan = small_plan(), of_cases = small_plan();
+        plan.name = name;
+        of_cases.cases[0].id = name;
+        for (const Plan& hostile : {plan, of_cases}) {
+            write_file(folder / "plan.json", plan_text(hostile));
+            CHECK_THROWS_AS(read_plan(folder / "plan.json"), UsageError);
+        }
+    }
+}
+
 TEST_CASE("the journal tells the latest of each case, and passes over a line cut short",
           "[journal]") {
     const test::TemporaryFolder folder;
