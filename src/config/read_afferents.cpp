@@ -97,7 +97,11 @@ CarrierInput read_carrier(Reader table) {
         table.number_or("sampling_kHz", std::max(5000.0, fewest_Hz), Range::between(5.0, 1e5));
     carrier.am_frequency_Hz = table.number_or("am_frequency_Hz", 0.0, Range::between(0.0, 2000.0));
     carrier.am_depth = table.number_or("am_depth", 1.0, Range::between(0.0, 1.0));
-    if (carrier.am_frequency_Hz == 0.0) carrier.am_depth = 0.0;
+    if (carrier.am_frequency_Hz == 0.0) {
+        if (table.has("am_depth") && carrier.am_depth > 0.0)
+            table.error("am_depth", "needs am_frequency_Hz above 0");
+        carrier.am_depth = 0.0;
+    }
     if (carrier.sampling_Hz < fewest_Hz * (1.0 - 1e-9))
         table.error("sampling_kHz",
                     fmt::format("gives {:.3g} samples a cycle of {:g} kHz, which aliases: what is "
@@ -122,6 +126,7 @@ std::vector<Vec2> read_pin_line(Reader table) {
     const double count = table.number("count", Range::between(2.0, 1000.0));
     if (count != std::floor(count)) table.error("count", "must be a whole number");
     table.finish();
+    if (!(count >= 2.0)) return {{}}; // told
     std::vector<Vec2> pins_m;
     for (int i = 0; i < static_cast<int>(count); ++i)
         pins_m.push_back(from_m + static_cast<double>(i) / (count - 1.0) * (to_m - from_m));
@@ -152,7 +157,7 @@ std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
     std::vector<Vec2> pins_m = {{}};
     const char* key = "pins_mm";
     if (given > 1)
-        reader.error("pins_mm", "pin_line and pin_grid say the same: one of them is enough");
+        reader.error("pins_mm", "and pin_line or pin_grid say the same: one of them is enough");
     if (const auto points_m = reader.find_points("pins_mm")) pins_m = *points_m;
     if (reader.has("pin_line")) {
         pins_m = read_pin_line(reader.optional_table("pin_line"));
@@ -165,9 +170,7 @@ std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
     if (pins_m.empty() || pins_m.size() > 1000)
         reader.error(key, fmt::format("must hold 1 to 1000 pins, and holds {}", pins_m.size()));
     for (const Vec2& pin_m : pins_m) {
-        if (domain.nx == 0 || (std::abs(pin_m.x) <= 0.5 * domain.extent_x_m() &&
-                               std::abs(pin_m.y) <= 0.5 * domain.extent_y_m()))
-            continue;
+        if (domain.nx == 0 || domain.holds(pin_m)) continue;
         reader.error(key, fmt::format("must lie in the domain, within {:.6g} and {:.6g} mm of its "
                                       "middle; [{:.6g}, {:.6g}] does not",
                                       500.0 * domain.extent_x_m(), 500.0 * domain.extent_y_m(),

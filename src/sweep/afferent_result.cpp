@@ -309,9 +309,19 @@ double afferents_memory_B(const Case& c) {
     return (4.0 * lines + 28.0) * samples * sizeof(double);
 }
 
-std::vector<Remark> check_afferents(const AfferentOptions& options) {
-    if (std::holds_alternative<StressInput>(options.input)) return {}; // its pins do nothing
+std::vector<Remark> check_afferents(const Case& c) {
+    const AfferentOptions& options = *c.afferents;
     const Scene scene = neural::make_scene(options);
+    if (std::holds_alternative<StressInput>(options.input)) { // its pins do nothing
+        const auto beyond = std::count_if(
+            scene.afferents.begin(), scene.afferents.end(), [&](const neural::Afferent& one) {
+                return !c.domain.holds(on_patch_m(scene.patch, one.at_mm));
+            });
+        if (beyond == 0) return {};
+        return {{Severity::warning, "where",
+                 fmt::format("{} of {} receptors lie beyond the domain and feel nothing", beyond,
+                             scene.afferents.size())}};
+    }
     neural::PinStimulus still{
         .at_mm = scene.pins_mm, .radius_mm = 1e3 * options.pin_radius_m, .rate_Hz = 5000.0};
     still.indentation_mm = neural::Lines(scene.pins_mm.size(), 2);

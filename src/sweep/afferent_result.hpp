@@ -48,7 +48,7 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
 /// What the afferents of a case need on a rank beside the engine [B].
 double afferents_memory_B(const Case& c);
 
-/// Mistakes and doubts about the pins of a case that need no simulation.
-std::vector<Remark> check_afferents(const AfferentOptions& options);
+/// Mistakes and doubts about a case's pins, or receptors, that need no simulation.
+std::vector<Remark> check_afferents(const Case& c);
 
 } // namespace shearwake

@@ -41,12 +41,14 @@ TextLoader texts_beside(const std::filesystem::path& job, const Comm& world) {
 void check_pins(Job& job, const std::string& file) {
     bool is_bad = false;
     std::set<std::string> told;
-    const AfferentOptions* last = nullptr; // cases of a sweep mostly share them
+    const Case* last = nullptr; // cases of a sweep mostly share them
     for (const PlannedCase& planned : job.plan.cases) {
         const auto& afferents = planned.physics.afferents;
-        if (!afferents || (last && *last == *afferents)) continue;
-        last = &*afferents;
-        for (const Remark& remark : check_afferents(*afferents)) {
+        if (!afferents ||
+            (last && last->afferents == afferents && last->domain == planned.physics.domain))
+            continue;
+        last = &planned.physics;
+        for (const Remark& remark : check_afferents(planned.physics)) {
             const std::string message = "afferents." + remark.key + ": " + remark.message;
             if (!told.insert(message).second) continue;
             is_bad = is_bad || remark.severity == Severity::error;

@@ -194,7 +194,7 @@ void add_respond(CLI::App& app, Action& action) {
         ->check(CLI::Range(1.0, 1e5));
     verb->add_option("--modulation-Hz", arguments->modulation_Hz,
                      "frequency that the locking of spikes refers to")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1e-3, 1e6));
     verb->callback([=, &action] {
         action = [=](const Comm& world) { return respond_command(*arguments, world); };
     });

@@ -61,6 +61,26 @@ FeltMotion motion_of(const RespondArguments& arguments, AfferentOptions& options
     return motion;
 }
 
+/// Before anything is computed.
+void check_out(const std::filesystem::path& out) {
+    const std::filesystem::path folder = out.has_parent_path() ? out.parent_path() : ".";
+    if (!out.empty() && !std::filesystem::is_directory(folder))
+        throw UsageError(
+            fmt::format("--out {}: there is no folder {}", out.string(), folder.string()),
+            ExitCode::environment);
+}
+
+void write(const std::filesystem::path& out, const std::vector<VariableGroup>& groups,
+           const std::vector<Attribute>& attributes) {
+    try {
+        write_record(out, groups, attributes);
+    } catch (const UsageError&) {
+        throw;
+    } catch (const Error& error) {
+        throw UsageError(error.what(), ExitCode::environment);
+    }
+}
+
 std::string canonical(const AfferentOptions& options) {
     TomlText text;
     put_afferents(text, options);
@@ -96,6 +116,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     AfferentOptions options;
     FeltMotion motion;
     together(world, [&] { // every rank reads the same small files
+        check_out(arguments.out);
         options = options_of(arguments);
         motion = motion_of(arguments, options);
     });
@@ -118,7 +139,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
             {"notes", fmt::format("{}", fmt::join(result.notes, "\n"))}};
         for (Attribute& attribute : program_attributes())
             attributes.push_back(std::move(attribute));
-        if (!arguments.out.empty()) write_record(arguments.out, groups, attributes);
+        if (!arguments.out.empty()) write(arguments.out, groups, attributes);
         print(result, arguments.out);
     });
     return ExitCode::done;

@@ -259,12 +259,9 @@ void SurfaceRecorder::keep_stress(const std::vector<Vec2>& at_m, std::vector<std
 }
 
 void SurfaceRecorder::stress(const StressFrame& frame) {
-    const Domain& d = case_.domain;
     for (std::size_t i = 0; i < stresses_.size(); ++i) {
         const Vec2 at_m = stresses_[i].at_m;
-        const bool is_simulated =
-            std::abs(at_m.x) <= 0.5 * d.extent_x_m() && std::abs(at_m.y) <= 0.5 * d.extent_y_m();
-        if (stress_depths_[i] == frame.depth && is_simulated)
+        if (stress_depths_[i] == frame.depth && case_.domain.holds(at_m))
             stresses_[i].u_m[static_cast<std::size_t>(frame.number)] =
                 value_at(at_m, frame.compression_Pa);
     }

@@ -86,6 +86,10 @@ class Afferents(ProgramTest):
         said = self.shearwake("check", "job.toml", expect=3).said
         self.says(said, "afferents.input is \"stress\"", "receptors 2 mm deep", "1.8 mm deep")
 
+    def test_receptors_beyond_the_domain_are_counted(self):
+        self.write_job(with_afferents(('noise = true', 'input = "stress"')))
+        self.says(self.shearwake("check", "job.toml").said, "warning", "of 3553 receptors lie beyond")
+
     def test_mistakes_are_told_before_anything_runs(self):
         for old, new, words in [
                 ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be above 0"),
@@ -130,6 +134,9 @@ class Respond(ProgramTest):
             (self.folder / "m.csv").write_text(text)
             self.says(self.shearwake("respond", "m.csv", ranks=2, expect=2).said, words)
         self.says(self.shearwake("respond", "none.h5", expect=2).said, "no such file")
+        (self.folder / "m.csv").write_text("t_ms,u_um\n0,0\n1,0\n")
+        said = self.shearwake("respond", "m.csv", "--out", "none/a.h5", ranks=2, expect=6).said
+        self.says(said, "there is no folder none")
         self.says(self.shearwake("respond", expect=2).said, "needs a MOTION")
 
 

@@ -70,6 +70,13 @@ TEST_CASE("pins stand on a line or a grid as well", "[config][afferents]") {
                Catch::Contains("one of them is enough"));
 }
 
+TEST_CASE("a line of a pin is told once, and not as a place", "[config][afferents]") {
+    const auto said = findings_of(
+        plain_and("[afferents]\npin_line = { from_mm = [-2, 0], to_mm = [2, 0], count = 1 }\n"));
+    REQUIRE(said.size() == 1);
+    CHECK_THAT(said[0], Catch::Contains("pin_line.count must be between 2 and 1000"));
+}
+
 TEST_CASE("pins off the domain are told", "[config][afferents]") {
     CHECK_THAT(
         findings_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
@@ -111,6 +118,8 @@ TEST_CASE("a carrier has its sampling, which must carry it", "[config][afferents
     CHECK_THAT(refusal("input = \"carrier\"\ncarrier = { amplitude_um = 50, sampling_kHz = 10 }"),
                Catch::Contains("0.25 samples a cycle of 40 kHz") &&
                    Catch::Contains("at least 200"));
+    CHECK_THAT(refusal("input = \"carrier\"\ncarrier = { amplitude_um = 50, am_depth = 1 }"),
+               Catch::Contains("am_depth needs am_frequency_Hz"));
     CHECK_THAT(refusal("carrier = { amplitude_um = 50 }"),
                Catch::Contains("only with input = \"carrier\""));
 }
