@@ -1,8 +1,17 @@
-# Writes the commit of the source tree into a header, and touches it only when it changes.
+# Writes the commit of the source tree into a header, and touches it only when it changes. Changes that
+# are not committed add -dirty and a hash of them: two such trees are two versions.
 cmake_policy(VERSION 3.22)
-execute_process(COMMAND git -C ${SOURCE} -c safe.directory=${SOURCE} describe --always --dirty --abbrev=12
+set(GIT git -C ${SOURCE} -c safe.directory=${SOURCE})
+execute_process(COMMAND ${GIT} describe --always --dirty --abbrev=12
     OUTPUT_VARIABLE ID OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE FAILED)
 if(FAILED OR NOT ID)
     set(ID "unknown")
+endif()
+if(ID MATCHES "-dirty$")
+    execute_process(COMMAND ${GIT} diff HEAD --no-ext-diff --no-color --full-index
+        OUTPUT_VARIABLE CHANGES ERROR_QUIET)
+    string(SHA256 HASH "${CHANGES}")
+    string(SUBSTRING ${HASH} 0 8 HASH)
+    string(APPEND ID "-${HASH}")
 endif()
 file(CONFIGURE OUTPUT ${OUT} CONTENT "#pragma once\n#define SHEARWAKE_GIT_ID \"@ID@\"\n" @ONLY)

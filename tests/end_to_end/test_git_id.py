@@ -1,0 +1,38 @@
+"""The version that a program says it is: one for each state of its source."""
+import subprocess
+import unittest
+
+from program import ROOT, ProgramTest
+
+
+class GitId(ProgramTest):
+    def git(self, *words):
+        subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b.c", *words], cwd=self.folder,
+                       check=True, capture_output=True)
+
+    def version(self):
+        header = self.folder.parent / f"{self.folder.name}.hpp"
+        self.addCleanup(header.unlink, missing_ok=True)
+        subprocess.run(["cmake", f"-DSOURCE={self.folder}", f"-DOUT={header}", "-P",
+                        ROOT / "scripts" / "git_id.cmake"], check=True)
+        return header.read_text(encoding="utf-8").split('"')[1]
+
+    def test_two_trees_with_other_changes_are_two_versions(self):
+        source = self.folder / "main.cpp"
+        source.write_text("one", encoding="utf-8")
+        self.git("init", "--quiet")
+        self.git("add", ".")
+        self.git("commit", "--quiet", "-m", "one")
+        clean = self.version()
+        self.assertRegex(clean, "^[0-9a-f]{12}$")
+        changed = []
+        for text in ("two;", "three"):
+            source.write_text(text, encoding="utf-8")
+            changed.append(self.version())
+            self.assertRegex(changed[-1], f"^{clean}-dirty-[0-9a-f]{{8}}$")
+            self.assertEqual(self.version(), changed[-1])
+        self.assertNotEqual(*changed)
+
+
+if __name__ == "__main__":
+    unittest.main()
