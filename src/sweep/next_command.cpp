@@ -34,6 +34,18 @@ std::string run_command_line(const std::filesystem::path& job,
     return line;
 }
 
+std::string run_command_line(const RunArguments& arguments) {
+    std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out);
+    if (arguments.ranks_per_case > 0)
+        line += fmt::format(" --ranks-per-case {}", arguments.ranks_per_case);
+    if (!arguments.only.empty())
+        line += fmt::format(" --only {}",
+                            shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));
+    if (!arguments.shard.empty()) line += " --shard " + shell_word(arguments.shard);
+    if (arguments.allow_mixed) line += " --allow-mixed";
+    return line;
+}
+
 std::string reduce_command_line(const OutputFolder& folder) {
     const std::string root = shell_word(folder.root.string());
     return fmt::format("shearwake reduce {0} && shearwake report {0}", root);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sweep/commands.hpp"
 #include "sweep/output_folder.hpp"
 
 #include <filesystem>
@@ -16,6 +17,9 @@ std::string shell_word(const std::string& word);
 std::string run_command_line(const std::filesystem::path& job,
                              const std::vector<std::string>& overrides,
                              const std::filesystem::path& out);
+
+/// The same with the part of the sweep, the teams and the versions that the run was told.
+std::string run_command_line(const RunArguments& arguments);
 
 /// `shearwake reduce DIR && shearwake report DIR`
 std::string reduce_command_line(const OutputFolder& folder);

@@ -110,10 +110,14 @@ std::string epilogue(const OutputFolder& folder, const Selection& selection,
         if (std::error_code none; std::filesystem::exists(folder.stop_file(), none))
             text += fmt::format("\n{} asks for a stop: remove it to go on",
                                 shell_word(folder.stop_file().string()));
-        return text +
-               fmt::format("\nstopped early, everything computed is saved\nnext: {}",
-                           run_command_line(arguments.job, arguments.overrides, arguments.out));
+        return text + fmt::format("\nstopped early, everything computed is saved\nnext: {}",
+                                  run_command_line(arguments));
     }
+    const long left = static_cast<long>(selection.work.size()) - result.done - result.failed -
+                      result.put_off - result.elsewhere;
+    if (left > 0)
+        text += fmt::format("\n{} cases were never begun: {} goes on with them", left,
+                            run_command_line(arguments));
     if (selection.failed_before > 0)
         text += "\ncases that failed before are not tried again without --retry-failed";
     if (result.failed + selection.failed_before > 0)

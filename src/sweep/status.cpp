@@ -83,6 +83,9 @@ void print_status(const OutputFolder& folder) {
     }
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: its file is not whole; a run computes it again\n", id);
+    if (std::filesystem::exists(folder.stop_file()))
+        fmt::print("{} asks for a stop, no run begins a case: remove it to go on\n",
+                   shell_word(folder.stop_file().string()));
     const std::string run = run_command_line(folder.job(), journal.overrides, folder.root);
     if (to_do > 0 && tally.at_work)
         fmt::print("next: wait for the run that is at work\n");

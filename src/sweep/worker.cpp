@@ -6,6 +6,7 @@
 #include "io/plan_file.hpp"
 #include "parallel/agree.hpp"
 #include "parallel/session.hpp"
+#include "sweep/next_command.hpp"
 #include "sweep/provenance.hpp"
 #include "sweep/stop_signal.hpp"
 
@@ -279,10 +280,14 @@ void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
 /// All that is needed to look into the case: reason, log, inputs, and how to try it again.
 void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
     make_directory(list_.folder.failure(planned.id).parent_path());
-    std::string text = fmt::format(
-        "case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
-        "again: shearwake run JOB --only {} --retry-failed\n\nlog:\n",
-        planned.id, timestamp(), host_name(), team_.size(), program_git_id(), reason, planned.id);
+    RunArguments again = list_.arguments;
+    again.only = {planned.id};
+    again.shard.clear();
+    std::string text =
+        fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
+                    "again: {} --retry-failed\n\nlog:\n",
+                    planned.id, timestamp(), host_name(), team_.size(), program_git_id(), reason,
+                    run_command_line(again));
     for (const std::string& line : case_log_)
         text += "  " + line + "\n";
     text += fmt::format("\nsettings:\n{}\n\ncase (SI):\n{}", settings_text(planned.settings),

@@ -45,6 +45,10 @@ class FailingCase(ProgramTest):
         self.write_job(OVERFLOWING.replace("[100.0, 1e200]", "[1e200, 1e201, 100.0]"))
         said = self.shearwake("run", "job.toml", "--fail-fast", expect=4).said
         self.assertEqual(len(started(self.out)), 1, said)
+        self.says(said, "2 cases were never begun: shearwake run job.toml goes on")
+        bad, = (self.out / "failed").iterdir()
+        self.says(bad.read_text(encoding="utf-8"),
+                  f"again: shearwake run job.toml --only {bad.stem} --retry-failed\n")
 
     def test_a_case_larger_than_the_machine_is_refused_before_it_allocates(self):
         self.write_job(ABSURD)

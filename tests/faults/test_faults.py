@@ -30,6 +30,7 @@ class Stops(FaultTest):
         self.assertLess(there, 400, "it was too fast to be stopped")
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
         self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
+        self.says(self.shearwake("status", self.out).said, "STOP asks for a stop", "remove it")
         (self.out / "STOP").unlink()
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} there before")
         self.assertEqual(len(started(self.out)), 400)
