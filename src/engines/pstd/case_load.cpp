@@ -138,8 +138,7 @@ Source force_sheet(const Case& c, const PstdOptions& options, const CaseGrid& gr
 }
 
 Source moved_skin(const Case& c, const CaseGrid& grid, const PstdOptions& options, double step_s) {
-    Source source{
-        .field = Field::uz, .mode = SourceMode::dirichlet, .scaling = SourceScaling::none};
+    Source source{.field = Field::uz, .mode = SourceMode::whole, .scaling = SourceScaling::none};
     const auto ny = c.domain.ny;
     std::vector<char> held(static_cast<std::size_t>(c.domain.nx * ny), 0);
     MovingGaussians scan(c);

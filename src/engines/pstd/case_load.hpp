@@ -14,8 +14,9 @@ namespace shearwake::pstd {
 /// straining the medium, and does not converge. With something above: the force p/d on u_z at z =
 /// 0. Velocities get the load of the middle of their leap, and half of it at t = 0.
 ///
-/// Moved (PstdLoad::displacement): u_z at z = 0 is set as k-Wave's Dirichlet source sets it,
-/// wherever a focus comes with more than a thousandth of its peak within the run.
+/// Moved (PstdLoad::displacement): u_z at z = 0 is set wherever a focus comes with more than a
+/// thousandth of its peak within the run. The whole of it: k-Wave's Dirichlet source sets one of
+/// three split parts, and the skin then moves several times as far.
 Source load_source(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s);
 
 } // namespace shearwake::pstd

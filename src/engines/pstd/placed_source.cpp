@@ -39,6 +39,10 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state) {
         auto& total = state.total[static_cast<std::size_t>(place.total)];
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
         double kept = 0.0; // of a dirichlet velocity: its other parts
+        if (source_.mode == SourceMode::whole) {
+            total = static_cast<Real>(value);
+            continue;
+        }
         for (std::size_t p = 0; p + 1 < parts.count && place.part >= 0; ++p) {
             auto& part = state.part[p][static_cast<std::size_t>(place.part)];
             if (velocity)

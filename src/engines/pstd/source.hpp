@@ -8,7 +8,8 @@
 
 namespace shearwake::pstd {
 
-enum class SourceMode { additive, dirichlet };
+/// `dirichlet` is k-Wave's, `whole` sets the total of a velocity.
+enum class SourceMode { additive, dirichlet, whole };
 
 /// What an additive source's values are multiplied by. k-Wave: 2 c_p dt/d at each node for a
 /// velocity (d along its own axis), 2 c_p dt/(3 dx) in each split part for a stress; with the c_p
@@ -19,7 +20,8 @@ enum class SourceScaling { none, kwave, kwave_of_first_node };
 /// field. Additive: velocities grow by the scaled value; normal stresses likewise, a third in each
 /// of their parts; shear stresses by a third in each of their two. Dirichlet: a velocity's own part
 /// (d/dx for ux) becomes the value while its other parts go on; stresses' parts become a third of
-/// it each. After the last sample nothing is done any more.
+/// it each. Whole, of a velocity: the total becomes the value; its own part takes up what the
+/// others are. After the last sample nothing is done any more.
 struct Source {
     Field field = Field::uz;
     SourceMode mode = SourceMode::additive;

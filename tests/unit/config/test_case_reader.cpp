@@ -219,3 +219,54 @@ TEST_CASE("volumes are kept in order, each once, whatever the order of the job",
     CHECK(case_id(without) == case_id(only_case(plain_and(spectral))));
     CHECK(canonical_text(without).find("volume") == std::string::npos);
 }
+
+TEST_CASE("the options of engine pstd are read, and what it cannot compute is refused", "[job]") {
+    const std::string chosen = "[solver]\nengine = \"pstd\"\n[solver.pstd]\n";
+    CHECK(only_case(plain_and(chosen)).solver == SolverOptions(PstdOptions{}));
+    const auto all = std::get<PstdOptions>(
+        only_case(plain_and(chosen +
+                            "time_step_us = 2.5\nc_p_over_c_s = 5\ntop = \"fluid\"\n"
+                            "fluid_density_kg_m3 = 900\nfluid_c_p_m_s = 40\n"
+                            "load = \"displacement\"\ndisplacement_um = 3.6\ndepth_mm = 15\n"
+                            "absorbing_points = 12\nabsorbing_strength = 2\n"
+                            "edges = \"absorbing\"\nprecision = \"single\"\n"))
+            .solver);
+    CHECK(all.time_step_s == 2.5e-6);
+    CHECK(all.displacement_m == Approx(3.6e-6).epsilon(1e-14));
+    PstdOptions expected{2.5e-6,
+                         5.0,
+                         PstdTop::fluid,
+                         900.0,
+                         40.0,
+                         PstdLoad::displacement,
+                         all.displacement_m,
+                         15e-3,
+                         12,
+                         2.0,
+                         true,
+                         Precision::single_precision};
+    CHECK(all == expected);
+
+    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+        {"top = \"air\"", "solver.pstd.top must be one of \"void\", \"continued\" or \"fluid\""},
+        {"fluid_c_p_m_s = 40", "solver.pstd.fluid_c_p_m_s is of solver.pstd.top = \"fluid\""},
+        {"load = \"displacement\"", "solver.pstd.load needs solver.pstd.displacement_um"},
+        {"displacement_um = 1", "solver.pstd.displacement_um is of solver.pstd.load"},
+        {"absorbing_points = 10.5", "solver.pstd.absorbing_points must be a whole number"},
+        {"c_p_over_c_s = 1", "solver.pstd.c_p_over_c_s must be between 2 and 1000"},
+        {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "keeps; solver.engine ="},
+    }));
+    const Texts found = findings_of(plain_and(chosen + more));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find(finding) != std::string::npos);
+
+    const Texts lossy =
+        findings_of(replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
+                             "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }"));
+    REQUIRE(lossy.size() == 1);
+    CHECK(lossy[0].find("error: solver.engine: \"pstd\" takes layers") != std::string::npos);
+    const Texts array = findings_of(replaced(
+        plain_and(chosen), "footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
+        "footprint = { shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0 }"));
+    CHECK(any_contains(array, "the engine \"pstd\" takes Gaussian foci"));
+}

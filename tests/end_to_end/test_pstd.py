@@ -1,0 +1,88 @@
+"""Engine pstd as a user meets it: beside the exact engine, refused, ended and going on."""
+import unittest
+
+import h5py
+import numpy
+import xarray
+
+from program import SWEEP, ProgramTest, case_files, table, without_reference
+from test_checkpoint import SavedCase
+
+PSTD = ('engine = "layered"', 'engine = "pstd"')
+BOTH = without_reference(
+    ('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""),
+    ("fwhm_mm = 4.5", "fwhm_mm = 6.0"),
+    (SWEEP, SWEEP.replace("400, 500, ", "")
+     + '\nzip = [ { "solver.engine" = ["layered", "pstd"], "medium.layer[1].c_p_m_s" = [50, 1500] } ]'))
+SAVED = without_reference(
+    (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'), PSTD,
+    ("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"),
+    ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
+    ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[0.0, 0.0]]"),
+    ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"),
+    ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
+
+
+class Pstd(ProgramTest):
+    def test_a_sweep_has_it_beside_the_exact_engine(self):
+        self.write_job(BOTH)
+        said = self.shearwake("plan", "job.toml").said
+        self.says(said, 'c_p of layer "tissue" is held to 50 m/s, 10 times c_s', "the surface field is 3.2 % off",
+                  "pstd takes steps of")
+        self.shearwake("run", "job.toml", ranks=2, timeout_s=120)
+        self.shearwake("reduce", self.out)
+        exact, stepped = table(self.out)
+        self.assertEqual([exact["solver.engine"], stepped["solver.engine"]], ["layered", "pstd"])
+        for name in ("eta_period_1", "eta_at_1", "focal_rms_um", "peak_um"):
+            with self.subTest(column=name):  # 4 points in the focus' width: 2 to 3 % of the field
+                self.assertLess(abs(float(stepped[name]) / float(exact[name]) - 1.0), 0.04)
+        notes = []
+        for path in case_files(self.out):
+            with xarray.open_dataset(path, decode_timedelta=False) as case:
+                notes.append(case.attrs.get("solver_notes", ""))
+        self.assertEqual(sum("is held to 50 m/s" in note for note in notes), 1, notes)
+
+    def test_a_moved_skin_is_as_deep_as_it_is_told(self):
+        moved = PSTD[0], PSTD[1] + '\npstd = { load = "displacement", displacement_um = 4.0, top = "continued" }'
+        self.write_job(without_reference(moved, (SWEEP, SWEEP.replace("400, 500, ", "")),
+                                         ("duration_ms = 4.0", "duration_ms = 1.5"), ("at_ms = 4.0", "at_ms = 1.5"),
+                                         ("settled_after_ms = 1.0", "settled_after_ms = 0.2")))
+        self.shearwake("run", "job.toml", timeout_s=120)
+        with h5py.File(case_files(self.out)[0]) as file:
+            surface_m = file["surface/u_z"][()]
+        # At 1 ms AM of 1 kHz is at its minimum, and at 0.5 and 1.5 ms the skin is moved all the way.
+        self.assertAlmostEqual(surface_m[14].max(), 4e-6, delta=0.05 * 4e-6)  # 0.5 mm from a point
+        self.assertLess(numpy.abs(surface_m).max(), 4.0001e-6)
+
+    def test_what_it_does_not_do_is_refused(self):
+        unstable = PSTD[0], PSTD[1] + "\npstd = { time_step_us = 50.0 }"
+        self.write_job(without_reference(unstable, (SWEEP, SWEEP.replace("400, 500, ", ""))))
+        self.says(self.shearwake("plan", "job.toml").said, "solver.pstd.time_step_us = 50 is unstable on this grid")
+        said = self.shearwake("run", "job.toml", expect=4).said
+        self.says(said, "solver.pstd.time_step_us = 50 is unstable on this grid: above", "give less, or leave it out")
+        fractional = 'loss = { law = "fractional", tau_us = 260.0, exponent = 0.27 }'
+        for change, told in ((("viscosity_Pa_s = 1.0", fractional), '"pstd" takes layers that are lossless or'),
+                             (("frames = true", 'volumes_ms = [4.0]\nvolume_fields = ["u", "stress"]'),
+                              "asks for more than the displacement")):
+            self.write_job(without_reference(PSTD, change))
+            self.says(self.shearwake("check", "job.toml", expect=3).said, told)
+
+
+class PstdGoesOn(SavedCase):
+    JOB = SAVED
+
+    def test_killed_in_the_middle_it_goes_on_from_there(self):
+        self.kill_in_the_middle(ranks=1, saves=5)
+        self.go_on()
+        self.assert_resumed(100)
+        self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
+
+    def test_killed_on_two_ranks_it_goes_on_on_three(self):
+        self.kill_in_the_middle(ranks=2, saves=5)
+        self.go_on(ranks=3)
+        self.assert_resumed(100)
+        self.assertLess(self.largest_difference(), 1e-12)  # sums over the ranks
+
+
+if __name__ == "__main__":
+    unittest.main()
