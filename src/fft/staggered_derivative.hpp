@@ -7,7 +7,12 @@
 #include <algorithm>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
+
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 namespace shearwake {
 
@@ -49,7 +54,22 @@ public:
     void along_rows(HalfCell shift, const Real* from, Real* to, std::ptrdiff_t pitch,
                     std::ptrdiff_t rows);
 
-    /// Copies a row of the block, 2 width reals, or the first `count` of them.
+    /// Copies a row of the block, 2 width reals, or the first `count` of them; stream_row does not
+    /// read what it overwrites into the cache: for what is not needed soon.
+    static void stream_row(const Real* from, std::ptrdiff_t count, Real* to) {
+#ifdef __AVX__ // what a portable program cannot say
+        if (count == 2 * width && reinterpret_cast<std::uintptr_t>(to) % 32 == 0) {
+            const char* source = reinterpret_cast<const char*>(from);
+            char* target = reinterpret_cast<char*>(to);
+            for (std::size_t i = 0; i < 2 * width * sizeof(Real); i += 32)
+                _mm256_stream_si256(
+                    reinterpret_cast<__m256i*>(target + i),
+                    _mm256_loadu_si256(reinterpret_cast<const __m256i*>(source + i)));
+            return;
+        }
+#endif
+        copy_row(from, count, to);
+    }
     static void copy_row(const Real* from, std::ptrdiff_t count, Real* to) {
         if (count == 2 * width)
             std::memcpy(to, from, 2 * width * sizeof(Real)); // of a known size: no call

@@ -98,17 +98,21 @@ void SplitAxis<Real>::along_x(std::size_t number, const Task& task) {
                     const Real* next = p.from + x * p.from_stride + c + width;
                     __builtin_prefetch(next);
                     __builtin_prefetch(next + width / 2);
-                    Real* next_to = p.to + x * columns + c + width;
-                    __builtin_prefetch(next_to, 1);
-                    __builtin_prefetch(next_to + width / 2, 1);
                 }
             }
         }
         derivative_.differentiate_block(task.shift);
         at = block;
-        for (const Piece& p : pieces)
-            for (std::ptrdiff_t x = 0; x < p.x_count; ++x, at += width)
-                StaggeredDerivative<Real>::copy_row(at, count, p.to + x * columns + c);
+        for (const Piece& p : pieces) {
+            // What stays here waits for its plane's turn; what travels goes at once.
+            const bool travels = p.to == p.from;
+            for (std::ptrdiff_t x = 0; x < p.x_count; ++x, at += width) {
+                if (travels)
+                    StaggeredDerivative<Real>::copy_row(at, count, p.to + x * columns + c);
+                else
+                    StaggeredDerivative<Real>::stream_row(at, count, p.to + x * columns + c);
+            }
+        }
     }
 }
 
