@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <fmt/format.h>
 #include <new>
 
@@ -155,21 +154,6 @@ MaterialMap read_from(hid_t file) {
     return map;
 }
 
-/// In pieces: MPI counts with int, and a copy of the whole is not needed.
-void broadcast(std::vector<double>& values, const Comm& comm) {
-    constexpr std::size_t piece = std::size_t{1} << 22;
-    values.resize(static_cast<std::size_t>(comm.broadcast(static_cast<long>(values.size()))));
-    for (std::size_t start = 0; start < values.size(); start += piece) {
-        const std::size_t count = std::min(piece, values.size() - start);
-        std::string bytes;
-        if (comm.is_root())
-            bytes.assign(reinterpret_cast<const char*>(values.data() + start),
-                         count * sizeof(double));
-        bytes = comm.broadcast(std::move(bytes));
-        std::memcpy(values.data() + start, bytes.data(), bytes.size());
-    }
-}
-
 } // namespace
 
 MaterialMap read_map_file(const std::filesystem::path& path) {
@@ -201,13 +185,13 @@ MaterialMap read_map_file(const std::filesystem::path& path, const Comm& comm) {
     map.file = path.string();
     std::vector<double> frame = {map.origin_m.x,  map.origin_m.y,  map.origin_m.z,
                                  map.spacing_m.x, map.spacing_m.y, map.spacing_m.z};
-    broadcast(frame, comm);
+    comm.broadcast(frame);
     map.origin_m = {frame[0], frame[1], frame[2]};
     map.spacing_m = {frame[3], frame[4], frame[5]};
     for (std::ptrdiff_t& count : map.counts)
         count = comm.broadcast(static_cast<long>(count));
     for (const Property& property : properties)
-        broadcast(map.*property.values, comm);
+        comm.broadcast(map.*property.values);
     map.content_hash = comm.broadcast(std::move(map.content_hash));
     return map;
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace shearwake {
@@ -110,6 +111,15 @@ std::string Comm::broadcast(std::string text, int from) const {
 long Comm::broadcast(long value, int from) const {
     checked(MPI_Bcast(&value, 1, MPI_LONG, from, raw()));
     return value;
+}
+
+void Comm::broadcast(std::vector<double>& values, int from) const {
+    constexpr std::size_t piece = std::size_t{1} << 24; // MPI counts with int
+    values.resize(static_cast<std::size_t>(broadcast(static_cast<long>(values.size()), from)));
+    for (std::size_t start = 0; start < values.size(); start += piece)
+        checked(MPI_Bcast(values.data() + start,
+                          static_cast<int>(std::min(piece, values.size() - start)), MPI_DOUBLE,
+                          from, raw()));
 }
 
 std::vector<double> Comm::all_gather(std::span<const double> mine) const {

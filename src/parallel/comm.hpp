@@ -34,6 +34,8 @@ public:
     void max(std::span<double> values) const;
     std::string broadcast(std::string text, int from = 0) const;
     long broadcast(long value, int from = 0) const;
+    /// However many there are on the root.
+    void broadcast(std::vector<double>& values, int from = 0) const;
     /// Every rank's values, in rank order, on every rank.
     std::vector<double> all_gather(std::span<const double> mine) const;
     std::vector<std::complex<double>> all_gather(std::span<const std::complex<double>> mine) const;

@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Makes a job and its grid study from a k-Wave simulation, so that `shearwake run NAME.toml` computes
+what pstdElastic3D would. docs/kwave.md has an example."""
+import argparse
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from structures import BadInput, structures
+from study import FIELDS, Study
+
+SCHEMA = "shearwake grid study 1"
+
+
+def options():
+    parser = argparse.ArgumentParser(
+        prog="import-kwave", description="Makes NAME.toml and NAME.h5 from medium, source, kgrid, sensor (and "
+        "options, a struct of PMLSize, PMLAlpha, PMLInside, MultiAxialPMLRatio, Smooth, ScaleSourceTerms) in a "
+        ".mat file of version 7.3 or in HDF5, for engine pstd. Then: shearwake run NAME.toml")
+    parser.add_argument("file", type=Path, help="what k-Wave's user has saved (docs/kwave.md)")
+    parser.add_argument("--out", type=Path, metavar="NAME", help="default: the file's name, here")
+    parser.add_argument("--plane", type=int, metavar="K", help="index along z, from 1, of the plane of u_z that "
+                        "frames, eta and ipr are of (default: where most nodes drive u_z, else the middle)")
+    parser.add_argument("--precision", choices=["double", "single"], default="double", help="default: double")
+    return parser.parse_args()
+
+
+def put(group, name, values, units=None):
+    group[name] = np.atleast_1d(np.asarray(values, dtype=float))
+    if units:
+        group[name].attrs["units"] = units
+
+
+def text(group, name, value):
+    group.attrs.create(name, np.bytes_(value))
+
+
+def write_study(path, study):
+    units = {"density_kg_m3": "kg/m3", "c_p_m_s": "m/s", "c_s_m_s": "m/s", "eta_Pa_s": "Pa s", "chi_Pa_s": "Pa s"}
+    with h5py.File(path, "w") as file:
+        text(file, "schema", SCHEMA)
+        file.attrs["sources"] = float(len(study.sources))
+        grid = file.create_group("grid")
+        put(grid, "points", study.points)
+        put(grid, "spacing_m", study.spacing_m, "m")
+        grid.attrs["time_step_s"], grid.attrs["steps"] = study.time_step_s, float(study.steps)
+        layer = file.create_group("layer")
+        put(layer, "points", study.layer_points)
+        put(layer, "strength", study.layer_strength)
+        layer.attrs["ratio"], layer.attrs["speed_m_s"] = study.layer_ratio, study.layer_speed_m_s
+        medium = file.create_group("medium")
+        for name, values in study.medium.items():
+            put(medium, name, values, units[name])
+        for number, source in enumerate(study.sources):
+            group = file.create_group(f"source_{number}")
+            text(group, "field", source["field"])
+            text(group, "mode", source["mode"])
+            for name in ("nodes", "weights", "rows", "series"):
+                put(group, name, source[name])
+        sensor = file.create_group("sensor")
+        put(sensor, "nodes", study.sensor_nodes)
+        text(sensor, "fields", " ".join(study.sensor_fields))
+        sensor.attrs["start"] = float(study.sensor_start)
+
+
+def good_even(n):
+    """The largest even product of 2, 3, 5 and 7 that is at most n: what the job's domain can have."""
+    for length in range(n - n % 2, 1, -2):
+        rest = length
+        for prime in (2, 3, 5, 7):
+            while rest % prime == 0:
+                rest //= prime
+        if rest == 1:
+            return length
+    raise BadInput(f"{n} points are too few")
+
+
+def place_of_sources(study):
+    """Where the plane, the centre (x, y in m, from the middle of the domain) and the width of what drives
+    u_z are; of all sources where none drives u_z."""
+    chosen = [s for s in study.sources if s["field"] == "uz"] or study.sources
+    nodes = np.concatenate([s["nodes"] for s in chosen])
+    power = np.concatenate([np.abs(s["weights"]) * np.sqrt(np.mean(s["series"] ** 2, axis=1))[s["rows"]]
+                            for s in chosen])
+    power = power / power.sum() if power.sum() > 0 else np.full(len(nodes), 1.0 / len(nodes))
+    plane = int(np.bincount(nodes[:, 2]).argmax())
+    at = (nodes[:, :2] - study.points[:2] // 2) * study.spacing_m[:2]
+    centre = power @ at
+    width = np.sqrt(8.0 * np.log(2.0) * (power @ np.sum((at - centre) ** 2, axis=1)) / 2.0)
+    return plane, centre, max(float(width), 2.0 * float(study.spacing_m[0]))
+
+
+def of_the_plane(study, plane):
+    """Density, c_p, c_s in the middle of the plane; c_s of the softest solid where that is a fluid."""
+    def value(name):
+        values = study.medium[name]
+        return float(values if not values.shape else values[study.points[0] // 2, study.points[1] // 2, plane])
+
+    c_s = value("c_s_m_s")
+    solid = study.medium["c_s_m_s"][study.medium["c_s_m_s"] > 0.0]
+    if c_s == 0.0 and solid.size:
+        c_s = float(solid.min())
+    return value("density_kg_m3"), value("c_p_m_s"), c_s
+
+
+def job_text(name, study, plane, precision, source_file):
+    d_mm = 1e3 * study.spacing_m
+    driven, centre, width_m = place_of_sources(study)
+    if plane is None:
+        plane = driven
+    density, c_p, c_s = of_the_plane(study, plane)
+    if c_s == 0.0:
+        raise BadInput("medium.sound_speed_shear is 0 everywhere: this program is for what shears")
+    every = max(1, study.steps // 200)
+    count = [good_even(int(n)) for n in study.points[:2]]
+    margin = max(int(n) for n in study.layer_points[:2]) * d_mm[0] if np.any(study.layer_strength[:2]) else 0.0
+    if 2.0 * margin >= min(count) * d_mm[0]:
+        margin = 0.0
+    return f"""\
+# From {source_file}, by scripts/import-kwave. {name}.h5 holds grid, absorbing layer, medium, sources
+# and sensor; `solver.pstd.study` names it. [medium] and [load] below drive nothing: they tell the
+# measures what shear waves run at and where the focus is. If it moves, give its path there.
+schema = 1
+
+[job]
+name = "{name}"
+title = "{name}, from k-Wave"
+
+[medium]
+base = "half-space"
+
+[[medium.layer]]
+name = "plane {plane + 1}"
+density_kg_m3 = {density!r}
+c_p_m_s = {max(c_p, 1.2 * c_s)!r}
+c_s_m_s = {c_s!r}
+
+[load]
+peak_Pa = 1.0
+footprint = {{ shape = "gaussian", fwhm_mm = {1e3 * width_m:.6g} }}
+
+[load.modulation]
+kind = "custom"
+[[load.modulation.trajectory]]
+move = "hold"
+position_mm = [{1e3 * centre[0]:.9g}, {1e3 * centre[1]:.9g}]
+
+[domain]
+extent_mm = [{count[0] * d_mm[0]:.12g}, {count[1] * d_mm[1]:.12g}]
+spacing_mm = {d_mm[0]:.15g}
+sponge_mm = {margin:.12g} # the absorbing layer is not measured
+
+[time]
+duration_ms = {1e3 * (study.steps // every) * every * study.time_step_s:.12g}
+output_interval_us = {1e6 * every * study.time_step_s:.12g} # {every} steps
+
+[solver]
+engine = "pstd"
+
+[solver.pstd]
+study = "{name}.h5"
+precision = "{precision}"
+
+[measure]
+depths_mm = [{(plane + 0.5) * d_mm[2]:.12g}] # u_z of plane {plane + 1} of {study.points[2]}
+"""
+
+
+def main():
+    chosen = options()
+    try:
+        study = Study(structures(chosen.file))
+        if abs(study.spacing_m[0] - study.spacing_m[1]) > 1e-9 * study.spacing_m[0]:
+            raise BadInput("kgrid.dx and dy differ: frames have one spacing. Exchange the axes so that z is "
+                           "the one that differs")
+        plane = None
+        if chosen.plane is not None:
+            plane = chosen.plane - 1 + int(study.first[2])
+            if not 0 <= plane < study.points[2]:
+                raise BadInput(f"--plane must be 1 to {study.points[2] - 2 * study.first[2]}")
+        out = chosen.out or Path(chosen.file.stem)
+        job = job_text(out.name, study, plane, chosen.precision, chosen.file.name)
+        write_study(out.with_name(out.name + ".h5"), study)
+        out.with_name(out.name + ".toml").write_text(job, encoding="utf-8")
+    except BadInput as problem:
+        print(f"import-kwave: {problem}", file=sys.stderr)
+        return 3
+    except OSError as problem:
+        print(f"import-kwave: {problem}", file=sys.stderr)
+        return 6
+    for note in study.notes:
+        print(f"note: {note}")
+    print(f"{out}.toml and {out}.h5: {' x '.join(map(str, study.points))} nodes, {study.steps} steps of "
+          f"{1e6 * study.time_step_s:.6g} us, {len(study.sources)} sources, {len(study.sensor_nodes)} sensor nodes "
+          f"({', '.join(f for f in FIELDS if f in study.sensor_fields)})")
+    print(f"next: shearwake run {out}.toml")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,218 @@
+"""A k-Wave simulation as a grid study: what pstdElastic3D would do, node by node."""
+import math
+
+import numpy as np
+
+from structures import BadInput, Structure
+
+FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
+# What simulations of other k-Wave functions have, and this one would silently pass over.
+KNOWN = {
+    "medium": {"sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression",
+               "alpha_coeff_shear", "sound_speed_ref"},
+    "source": {"u_mask", "u_mode", "ux", "uy", "uz", "s_mask", "s_mode", "sxx", "syy", "szz", "sxy", "sxz",
+               "syz", "p0"},
+    "sensor": {"mask", "record", "record_start_index"},
+    "options": {"PMLSize", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms"},
+}
+
+
+def three(value, name, whole=False):
+    values = np.broadcast_to(np.ravel(value), 3) if np.size(value) in (1, 3) else None
+    if values is None or np.any(values < 0) or (whole and np.any(values != np.floor(values))):
+        raise BadInput(f"{name} must be one {'whole ' if whole else ''}number or three, 0 or more")
+    return np.array(values, dtype=float)
+
+
+class Study:
+    """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
+
+    def __init__(self, parts):
+        for name, structure in parts.items():
+            unknown = sorted(set(structure.fields()) - KNOWN.get(name, set(structure.fields())))
+            if unknown:
+                raise BadInput(f"{name}.{unknown[0]} is unknown to pstdElastic3D, which knows "
+                               f"{', '.join(sorted(KNOWN[name]))}")
+        self.notes = []
+        self.options = parts.get("options") or Structure({}, "options")
+        self.read_grid(parts["kgrid"])
+        self.read_medium(parts["medium"])
+        self.enlarge_if_layer_is_outside()
+        self.sources = []
+        self.read_sources(parts["source"])
+        self.read_sensor(parts.get("sensor") or Structure({}, "sensor"))
+
+    # ---- the grid and its layer
+
+    def read_grid(self, kgrid):
+        self.points = np.array([kgrid.number(f"N{axis}") for axis in "xyz"])
+        if np.any(self.points < 2) or np.any(self.points != np.floor(self.points)):
+            raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2: in two dimensions "
+                           "there is nothing to import")
+        self.points = self.points.astype(int)
+        self.spacing_m = np.array([kgrid.number(f"d{axis}") for axis in "xyz"])
+        if "t_array" in kgrid and not ("dt" in kgrid and "Nt" in kgrid):
+            times = np.ravel(kgrid.array("t_array"))
+            if times.size < 2:
+                raise BadInput("kgrid.t_array must hold the times of all steps")
+            self.time_step_s, self.steps = float(times[1] - times[0]), times.size
+        else:
+            self.time_step_s, self.steps = kgrid.number("dt"), int(kgrid.number("Nt"))
+        if self.time_step_s <= 0 or np.any(self.spacing_m <= 0) or self.steps < 1:
+            raise BadInput("kgrid.dx, dy, dz, dt and Nt must be above 0")
+        option = self.options
+        self.layer_points = three(option.array("PMLSize") if "PMLSize" in option else 10, "options.PMLSize", True)
+        self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
+        self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
+        self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
+        self.first = np.zeros(3, dtype=int)  # of the user's grid within ours
+
+    def enlarge_if_layer_is_outside(self):
+        if self.options.number("PMLInside", 1.0) != 0.0:
+            return
+        self.first = self.layer_points.astype(int)
+        pads = [(int(n), int(n)) for n in self.first]
+        self.given_points, self.points = self.points, self.points + 2 * self.first
+        for name, values in self.medium.items():
+            if values.shape:
+                self.medium[name] = np.pad(values, pads, mode="edge")
+
+    # ---- the medium
+
+    def read_medium(self, medium):
+        def values(field):
+            found = medium.array(field)
+            if found.shape not in ((), tuple(self.points)):
+                raise BadInput(f"medium.{field} has the shape {found.shape}: one number, or {tuple(self.points)}")
+            return found
+
+        for field in ("sound_speed_compression", "sound_speed_shear", "density"):
+            if field not in medium:
+                raise BadInput(f"medium.{field} is missing")
+        c_p, c_s, rho = (values(f) for f in ("sound_speed_compression", "sound_speed_shear", "density"))
+        self.medium = {"density_kg_m3": rho, "c_p_m_s": c_p, "c_s_m_s": c_s}
+        absorbs = [f"alpha_coeff_{wave}" in medium for wave in ("compression", "shear")]
+        if any(absorbs):
+            if not all(absorbs):
+                raise BadInput("medium.alpha_coeff_compression and alpha_coeff_shear belong together")
+            # dB/(MHz^2 cm) as Np (rad/s)^-2 m^-1
+            neper = 100.0 * (1e-6 / (2.0 * math.pi)) ** 2 / (20.0 * math.log10(math.e))
+            eta = 2.0 * rho * c_s ** 3 * values("alpha_coeff_shear") * neper
+            chi = 2.0 * rho * c_p ** 3 * values("alpha_coeff_compression") * neper - 2.0 * eta
+            self.medium.update(eta_Pa_s=eta, chi_Pa_s=chi)
+        self.layer_speed_m_s = 0.0  # the largest c_p
+        if "sound_speed_ref" in medium:
+            try:
+                named = {"min": np.min, "mean": np.mean, "max": np.max}[medium.text("sound_speed_ref", "max")]
+                self.layer_speed_m_s = float(named(c_p))
+            except BadInput:
+                self.layer_speed_m_s = medium.number("sound_speed_ref")
+
+    def c_p_at(self, nodes):
+        c_p = self.medium["c_p_m_s"]
+        return c_p[tuple(nodes.T)] if c_p.shape else np.full(len(nodes), float(c_p))
+
+    # ---- what drives it
+
+    def nodes_of(self, mask, name):
+        """Nodes of a mask, x fastest as k-Wave counts them, and their labels."""
+        given = tuple(self.points - 2 * self.first)
+        if mask.shape != given:
+            raise BadInput(f"{name} has the shape {mask.shape}, the grid {given}")
+        flat = mask.ravel(order="F")
+        at = np.flatnonzero(flat)
+        if at.size == 0:
+            raise BadInput(f"{name} marks no node")
+        return np.stack(np.unravel_index(at, given, order="F"), axis=1) + self.first, flat[at]
+
+    def read_sources(self, source):
+        for kind, fields in (("u", FIELDS[:3]), ("s", FIELDS[3:])):
+            driven = [field for field in fields if field in source]
+            if not driven:
+                continue
+            if f"{kind}_mask" not in source:
+                raise BadInput(f"source.{kind}_mask is missing beside source.{driven[0]}")
+            nodes, labels = self.nodes_of(source.array(f"{kind}_mask"), f"source.{kind}_mask")
+            mode = source.text(f"{kind}_mode", "additive")
+            if mode not in ("additive", "dirichlet"):
+                raise BadInput(f"source.{kind}_mode is \"{mode}\": additive or dirichlet")
+            for field in driven:
+                self.add_source(field, mode, nodes, labels, source.array(field))
+        if "p0" in source:
+            self.add_initial_pressure(source.array("p0"))
+        if not self.sources:
+            raise BadInput("source drives nothing: no ux ... uz, sxx ... syz, p0")
+
+    def add_source(self, field, mode, nodes, labels, series):
+        series = np.atleast_2d(series)
+        if series.shape[1] == 1 and series.shape[0] > 1 and len(nodes) != series.shape[0]:
+            series = series.T
+        count = series.shape[0]
+        labelled = not np.all(labels == 1)
+        if labelled:
+            if np.any(labels != np.floor(labels)) or labels.max() != count:
+                raise BadInput(f"source.{field} has {count} rows for labels up to {labels.max():g}")
+            rows = labels.astype(int) - 1
+        elif count == 1:
+            rows = np.zeros(len(nodes), dtype=int)
+        elif count == len(nodes):
+            rows = np.arange(count)
+        else:
+            raise BadInput(f"source.{field} has {count} rows for {len(nodes)} nodes of its mask: one, or as many")
+        weights = np.ones(len(nodes))
+        if mode == "additive" and self.scaled:
+            # 2 c_p dt/d, d along its own axis for a velocity, dx for a stress; c_p of the node, or of the
+            # node that stands at the row's number when rows are fewer than nodes, as k-Wave has it.
+            axis = FIELDS.index(field) if field in FIELDS[:3] else 0
+            scales = 2.0 * self.c_p_at(nodes) * self.time_step_s / self.spacing_m[axis]
+            weights = scales if count == len(nodes) and not labelled else scales[rows]
+        self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights, "rows": rows,
+                             "series": series[:, :self.steps]})
+
+    def add_initial_pressure(self, p0):
+        if self.options.number("Smooth", 1.0) != 0.0:
+            raise BadInput("source.p0 would be smoothed by k-Wave: smooth it there, p0 = smooth(p0, true), and "
+                           "say options.Smooth = false")
+        nodes, _ = self.nodes_of(np.where(p0 != 0.0, 1.0, 0.0), "source.p0")
+        weights = -0.5 * p0[tuple((nodes - self.first).T)]
+        for field in ("sxx", "syy", "szz"):
+            self.sources.append({"field": field, "mode": "additive", "nodes": nodes, "weights": weights,
+                                 "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2))})
+
+    # ---- where it is listened to
+
+    def read_sensor(self, sensor):
+        record = sensor.texts("record", ["p"])
+        fields = []
+        for word in record:
+            if word in ("p", "p_final", "p_max", "p_rms"):
+                fields += ["sxx", "syy", "szz"]  # p is minus their mean
+            elif word.startswith("u"):
+                fields += ["ux", "uy", "uz"]
+                if word != "u":
+                    self.notes.append(f"sensor.record {word}: u is kept, at its staggered places")
+            else:
+                raise BadInput(f"sensor.record {word} is not known: p and u are")
+        self.sensor_fields = [field for field in FIELDS if field in fields]
+        self.sensor_start = int(sensor.number("record_start_index", 1.0))
+        if "mask" not in sensor:
+            self.sensor_nodes = np.zeros((0, 3), dtype=int)
+            return
+        mask = sensor.array("mask")
+        if mask.ndim == 3:
+            self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
+        elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1
+            boxes = mask.reshape(6, -1).T.astype(int) - 1
+            self.sensor_nodes = np.concatenate([
+                np.stack([i.ravel(order="F") for i in np.meshgrid(
+                    *[np.arange(box[a], box[a + 3] + 1) for a in range(3)], indexing="ij")], axis=1)
+                for box in boxes]) + self.first
+        elif mask.shape[0] == 3:
+            centre = (self.points - 2 * self.first) // 2
+            at = np.rint(mask.reshape(3, -1).T / self.spacing_m) + centre
+            self.sensor_nodes = at.astype(int) + self.first
+            self.notes.append("sensor.mask: Cartesian points are taken at their nearest nodes")
+        else:
+            raise BadInput(f"sensor.mask has the shape {mask.shape}: the grid's, 6 corners, or 3 coordinates")
+        if np.any(self.sensor_nodes < 0) or np.any(self.sensor_nodes >= self.points):
+            raise BadInput("sensor.mask leaves the grid")

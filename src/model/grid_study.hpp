@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// Velocities and stresses at a node of a staggered grid, in the order of numbers in files.
+inline constexpr std::array<const char*, 9> grid_fields = {"ux",  "uy",  "uz",  "sxx", "syy",
+                                                           "szz", "sxy", "sxz", "syz"};
+
+/// What drives a field at some nodes: of node n, weights[n] times the sample of its row. Additive
+/// values are added to the field in each step, Dirichlet's replace it (velocities: the part that
+/// their own direction feeds). After the last sample nothing is done.
+struct NodeSource {
+    std::size_t field = 0; // of grid_fields
+    bool dirichlet = false;
+    std::vector<std::array<std::ptrdiff_t, 3>> nodes; // along x, y, z, from 0; each once
+    std::vector<double> weights;                      // m/s or Pa for each unit of the series
+    std::vector<std::size_t> rows;                    // of each node
+    std::vector<double> series;                       // [row][sample]
+    std::ptrdiff_t samples = 0;
+    bool operator==(const NodeSource&) const = default;
+};
+
+/// A study that is given node by node, as users of the k-Wave toolbox have theirs, for engine
+/// `pstd`: the whole grid, its absorbing layer within it, the medium, what drives it, and where it
+/// is listened to. scripts/import-kwave makes the file.
+struct GridStudy {
+    std::string file;
+    std::string content_hash; // 16 hex digits of everything but the file's name
+    std::array<std::ptrdiff_t, 3> points = {};
+    std::array<double, 3> spacing_m = {};
+    double time_step_s = 0.0;
+    std::ptrdiff_t steps = 0;
+    std::array<std::ptrdiff_t, 3> layer_points = {}; // of the absorbing layer, on each side
+    std::array<double, 3> layer_strength = {};       // Np a point at its outer edge
+    double layer_ratio = 0.1;                        // of the multi-axial layer
+    double layer_speed_m_s = 0.0;                    // that it is made for; 0: the largest c_p
+    // One value for all nodes, or one a node: [x][y][z]. Empty chi and eta: lossless.
+    std::vector<double> density_kg_m3, c_p_m_s, c_s_m_s, chi_Pa_s, eta_Pa_s;
+    std::vector<NodeSource> sources;
+    std::vector<std::array<std::ptrdiff_t, 3>> sensors;
+    std::vector<std::size_t> sensor_fields; // of grid_fields
+    std::ptrdiff_t sensor_start = 1;        // first step that is kept
+
+    std::size_t size() const {
+        return static_cast<std::size_t>(points[0] * points[1] * points[2]);
+    }
+    bool lossy() const { return !eta_Pa_s.empty(); }
+    bool operator==(const GridStudy& other) const { return content_hash == other.content_hash; }
+};
+
+/// A study as a list of numbers, and back: how it travels between ranks, and what its hash is of.
+/// Not collective.
+std::vector<double> packed(const GridStudy& study);
+GridStudy unpacked(const std::vector<double>& numbers);
+std::string hash_of(const GridStudy& study);
+
+} // namespace shearwake
