@@ -107,11 +107,11 @@ BadJob::BadJob(std::vector<Finding> findings)
 
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides, const MapLoader& load_map,
-             const TextLoader& load_text) {
+             const TextLoader& load_text, const StudyLoader& load_study) {
     Diagnostics findings;
     Job job{.text = std::string(text), .plan = {}, .findings = {}};
     if (const NodePtr tree = parse(text, file_name, overrides, findings))
-        job.plan = read_plan(tree, {load_map, load_text}, findings);
+        job.plan = read_plan(tree, {load_map, load_text, load_study}, findings);
     job.findings = findings.sorted();
     if (findings.errors() > 0) throw BadJob(std::move(job.findings));
     return job;

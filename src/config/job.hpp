@@ -31,11 +31,11 @@ private:
 };
 
 /// Reads, expands and checks. Throws BadJob with every mistake (and the warnings) at once. Touches
-/// no files: `file_name` is for messages, maps come from `load_map` and paths from `load_text`;
+/// no files: `file_name` is for messages, maps, paths and studies come from the loaders;
 /// without them a job that names one is bad. Collective if they are; the same text and files give
 /// the same job.
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
-             const TextLoader& load_text = nullptr);
+             const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr);
 
 } // namespace shearwake

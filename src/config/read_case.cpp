@@ -1,5 +1,6 @@
 #include "config/read_case.hpp"
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "config/presets.hpp"
 #include "config/read_afferents.hpp"
@@ -198,8 +199,28 @@ LayeredOptions read_layered(Reader options, const TimeAxis& time) {
     return layered;
 }
 
-PstdOptions read_pstd(Reader options, const TimeAxis& time) {
+/// With a study all else of the table but the precision would do nothing.
+SharedStudy read_study(Reader& options, const StudyLoader& load_study) {
+    const auto file = options.find_word("study");
+    if (!file) return {};
+    for (const char* key : {"time_step_us", "c_p_over_c_s", "top", "load", "displacement_um",
+                            "depth_mm", "absorbing_points", "absorbing_strength", "edges"})
+        if (options.has(key)) options.error(key, "does nothing beside a study: leave it out");
+    if (!load_study) {
+        options.error("study", "names a file, and no files are read here");
+        return {};
+    }
+    try {
+        return {load_study(*file)};
+    } catch (const UsageError& problem) {
+        options.error("study", fmt::format("cannot be used: {}", problem.what()));
+        return {};
+    }
+}
+
+PstdOptions read_pstd(Reader options, const TimeAxis& time, const StudyLoader& load_study) {
     PstdOptions pstd;
+    pstd.study = read_study(options, load_study);
     if (!is_auto(options, "time_step_us")) pstd.time_step_s = read_time_step_s(options, time);
     pstd.c_p_over_c_s =
         options.number_or("c_p_over_c_s", pstd.c_p_over_c_s, Range::between(2.0, 1000.0));
@@ -242,13 +263,13 @@ PstdOptions read_pstd(Reader options, const TimeAxis& time) {
     return pstd;
 }
 
-SolverOptions read_solver(Reader& reader, const TimeAxis& time) {
+SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study) {
     static const std::array<std::string, 3> engines = {"layered", "spectral", "pstd"};
     const auto engine = reader.find_choice("engine", engines);
     // All tables are read: a sweep over the engine brings them, and their mistakes are told.
     const LayeredOptions layered = read_layered(reader.optional_table("layered"), time);
     const SpectralOptions spectral = read_spectral(reader.optional_table("spectral"), time);
-    const PstdOptions pstd = read_pstd(reader.optional_table("pstd"), time);
+    const PstdOptions pstd = read_pstd(reader.optional_table("pstd"), time, load_study);
     if (engine || !reader.has("engine")) reader.finish(); // else there may be its own table
     if (engine == "spectral") return spectral;
     if (engine == "pstd") return pstd;
@@ -376,7 +397,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.load = read_load(load, c.medium, other_kinds, files.load_text);
     c.domain = read_domain(domain);
     c.time = read_time(time);
-    c.solver = read_solver(solver, c.time);
+    c.solver = read_solver(solver, c.time, files.load_study);
     c.measure = read_measure(measure, c.time, c.load, c.medium);
     c.record = read_record(record, c.domain, c.time, c.measure);
     c.afferents = read_afferents(afferents, c.domain, files.load_text);

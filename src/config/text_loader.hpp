@@ -1,6 +1,7 @@
 #pragma once
 
 #include "config/map_loader.hpp"
+#include "config/study_loader.hpp"
 
 #include <functional>
 #include <string>
@@ -14,6 +15,7 @@ using TextLoader = std::function<std::string(const std::string& file)>;
 struct FileLoaders {
     MapLoader load_map;
     TextLoader load_text;
+    StudyLoader load_study;
 };
 
 } // namespace shearwake

@@ -40,6 +40,14 @@ struct VolumePlane {
     View2<const double> values; // x_count rows of ny values, in the field's SI unit
 };
 
+/// What some nodes have heard of a field in every step.
+struct SensorSeries {
+    std::string field;
+    bool velocity = false;      // m/s, else Pa
+    std::ptrdiff_t samples = 0; // of each node
+    std::vector<double> values; // [node][sample]
+};
+
 /// What a case took, and what the engine chose for it and why. The same on all ranks.
 struct SolverReport {
     std::vector<std::string> notes;     // one line each
@@ -48,6 +56,7 @@ struct SolverReport {
     std::ptrdiff_t most_iterations = 0; // in one step
     // Of the load; and what still moves and strains the medium half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
+    std::vector<SensorSeries> sensors = {}; // of a grid study; on rank 0 only
 };
 
 /// Receives the field of a case as the engine produces it. Called on every rank of the team, in

@@ -42,7 +42,8 @@ public:
     double number(const std::string& name, double least, double most) const {
         const double value = h5::number_attribute(group_.raw(), name);
         if (!(value >= least && value <= most))
-            fail(name, fmt::format("is {}, and must lie between {:g} and {:g}", value, least, most));
+            fail(name,
+                 fmt::format("is {}, and must lie between {:g} and {:g}", value, least, most));
         return value;
     }
     std::ptrdiff_t whole(const std::string& name, double least, double most) const {
@@ -58,8 +59,8 @@ public:
         std::array<Number, 3> result{};
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!(values[axis] >= least && values[axis] <= most))
-                fail(name, fmt::format("holds {}, and must lie between {:g} and {:g}",
-                                       values[axis], least, most));
+                fail(name, fmt::format("holds {}, and must lie between {:g} and {:g}", values[axis],
+                                       least, most));
             if constexpr (std::is_integral_v<Number>)
                 result[axis] = as_whole(name, values[axis]);
             else
@@ -121,9 +122,9 @@ void read_grid(hid_t file, GridStudy& study) {
     study.layer_points = layer.triple<std::ptrdiff_t>("points", 0, 1e6);
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (2 * study.layer_points[axis] > study.points[axis])
-            layer.fail("points", fmt::format("{} on both sides do not fit into {} along {}",
-                                             study.layer_points[axis], study.points[axis],
-                                             "xyz"[axis]));
+            layer.fail("points",
+                       fmt::format("{} on both sides do not fit into {} along {}",
+                                   study.layer_points[axis], study.points[axis], "xyz"[axis]));
     study.layer_strength = layer.triple<double>("strength", 0.0, 1e3);
     study.layer_ratio = layer.number("ratio", 0.0, 10.0);
     study.layer_speed_m_s = layer.number("speed_m_s", 0.0, 1e6);
@@ -195,7 +196,8 @@ void read_sensor(hid_t file, GridStudy& study) {
 
 GridStudy read_from(hid_t file) {
     if (!h5::has_attribute(file, "schema") || h5::text_attribute(file, "schema") != schema)
-        throw UsageError(fmt::format("it is no \"{}\": make one with scripts/import-kwave", schema));
+        throw UsageError(
+            fmt::format("it is no \"{}\": make one with scripts/import-kwave", schema));
     GridStudy study;
     read_grid(file, study);
     read_medium(file, study);

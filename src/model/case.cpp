@@ -121,6 +121,7 @@ void put_solver(TomlText& t, const SolverOptions& solver) {
                        t.put("contrast_cap", o.contrast_cap);
                    },
                    [&](const PstdOptions& o) {
+                       if (o.study) t.put("study", (*o.study).content_hash); // any name
                        if (o.time_step_s) t.put("time_step_s", *o.time_step_s);
                        t.put("c_p_over_c_s", o.c_p_over_c_s);
                        t.put("top", o.top == PstdTop::nothing     ? "void"

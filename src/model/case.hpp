@@ -1,6 +1,7 @@
 #pragma once
 
 #include "model/afferents.hpp"
+#include "model/grid_study.hpp"
 #include "model/load.hpp"
 #include "model/medium.hpp"
 #include "model/volume.hpp"
@@ -107,6 +108,7 @@ struct PstdOptions {
     double absorbing_strength = 1.0; // Np a point at its outer edge
     bool absorbing_edges = false;    // a layer around x and y too; else periodic, or the sponge
     Precision precision = Precision::double_precision;
+    SharedStudy study; // instead of all this but the precision, and of the case's medium and load
     bool operator==(const PstdOptions&) const = default;
 };
 using SolverOptions = std::variant<LayeredOptions, SpectralOptions, PstdOptions>;

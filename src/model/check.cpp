@@ -1,5 +1,6 @@
 #include "model/check.hpp"
 
+#include "model/check_study.hpp"
 #include "model/check_variation.hpp"
 #include "model/edge_absorption.hpp"
 
@@ -272,6 +273,13 @@ void check_focal_region(const Case& c, Notes& notes) {
 
 std::vector<Remark> check(const Case& c) {
     Notes notes;
+    const auto* pstd = std::get_if<PstdOptions>(&c.solver);
+    if (pstd && pstd->study) { // neither medium nor load of the case drives anything
+        if (const std::string trouble = study_trouble(c); !trouble.empty())
+            notes.add(Severity::error, "solver.pstd.study", "{}", trouble);
+        check_focal_region(c, notes);
+        return notes.remarks;
+    }
     check_focus_resolution(c, notes);
     check_sampling(c, notes);
     check_focus_in_domain(c, notes);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -46,11 +47,19 @@ struct GridStudy {
     std::vector<std::size_t> sensor_fields; // of grid_fields
     std::ptrdiff_t sensor_start = 1;        // first step that is kept
 
-    std::size_t size() const {
-        return static_cast<std::size_t>(points[0] * points[1] * points[2]);
-    }
+    std::size_t size() const { return static_cast<std::size_t>(points[0] * points[1] * points[2]); }
     bool lossy() const { return !eta_Pa_s.empty(); }
     bool operator==(const GridStudy& other) const { return content_hash == other.content_hash; }
+};
+
+/// Shared by the cases of a sweep, for it may be large; equal when what it holds is.
+struct SharedStudy {
+    std::shared_ptr<const GridStudy> held;
+    explicit operator bool() const { return held != nullptr; }
+    const GridStudy& operator*() const { return *held; }
+    bool operator==(const SharedStudy& other) const {
+        return held && other.held ? *held == *other.held : held == other.held;
+    }
 };
 
 /// A study as a list of numbers, and back: how it travels between ranks, and what its hash is of.

@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace shearwake {
 namespace {
@@ -164,6 +165,49 @@ void add_columns(const std::vector<Column>& columns, VariableGroup& group) {
                                    .units = column.unit,
                                    .long_name = column.long_name,
                                    .note = column.note});
+}
+
+VariableGroup sensor_group(const GridStudy& study, const std::vector<SensorSeries>& sensors) {
+    VariableGroup group{.name = "sensor", .variables = {}};
+    if (sensors.empty()) return group;
+    const auto count = [](std::ptrdiff_t n) { return static_cast<std::size_t>(n); };
+    std::vector<double> samples_s(count(sensors.front().samples)), numbers(study.sensors.size());
+    for (std::size_t n = 0; n < samples_s.size(); ++n)
+        samples_s[n] =
+            study.time_step_s * (static_cast<double>(n) + static_cast<double>(study.sensor_start));
+    std::iota(numbers.begin(), numbers.end(), 0.0);
+    group.variables.push_back(
+        {.name = "time",
+         .dimensions = {"time"},
+         .values = samples_s,
+         .units = "s",
+         .long_name = "end of the step; velocities belong half a step earlier",
+         .note = ""});
+    group.variables.push_back({.name = "node",
+                               .dimensions = {"node"},
+                               .values = numbers,
+                               .units = "1",
+                               .long_name = "node of the sensor",
+                               .note = ""});
+    for (const std::size_t axis : {0u, 1u, 2u}) {
+        std::vector<double> indices;
+        for (const auto& node : study.sensors)
+            indices.push_back(static_cast<double>(node[axis]));
+        group.variables.push_back({.name = std::string(1, "ijk"[axis]),
+                                   .dimensions = {"node"},
+                                   .values = std::move(indices),
+                                   .units = "1",
+                                   .long_name = "index along an axis, from 0",
+                                   .note = ""});
+    }
+    for (const SensorSeries& series : sensors)
+        group.variables.push_back({.name = series.field,
+                                   .dimensions = {"node", "time"},
+                                   .values = series.values,
+                                   .units = series.velocity ? "m/s" : "Pa",
+                                   .long_name = series.velocity ? "particle velocity" : "stress",
+                                   .note = ""});
+    return group;
 }
 
 std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts) {

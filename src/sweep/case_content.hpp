@@ -20,6 +20,9 @@ std::vector<VariableGroup> case_content(const Case& c, const std::vector<DepthSe
 /// Columns of the table as scalars of a group.
 void add_columns(const std::vector<Column>& columns, VariableGroup& group);
 
+/// What a study's sensor has heard, /sensor of the file.
+VariableGroup sensor_group(const GridStudy& study, const std::vector<SensorSeries>& sensors);
+
 /// How and when it was computed.
 struct RunFacts {
     std::string job_title;

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "io/files.hpp"
+#include "io/grid_study_file.hpp"
 #include "io/map_file.hpp"
 #include "parallel/agree.hpp"
 #include "sweep/afferent_result.hpp"
@@ -21,6 +22,18 @@ MapLoader maps_beside(const std::filesystem::path& job, const Comm& world) {
         auto& map = (*known)[file];
         if (!map) map = std::make_shared<const MaterialMap>(read_map_file(folder / file, world));
         return map;
+    };
+}
+
+/// Studies likewise.
+StudyLoader studies_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::shared_ptr<const GridStudy>>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        auto& study = (*known)[file];
+        if (!study)
+            study = std::make_shared<const GridStudy>(read_grid_study(folder / file, world));
+        return study;
     };
 }
 
@@ -74,8 +87,9 @@ Job load_job(const std::filesystem::path& path, const std::vector<std::string>& 
         parsed.push_back(parse_override(text));
     std::string text;
     on_root(world, [&] { text = read_file(path); });
-    Job job = read_job(world.broadcast(std::move(text)), path.string(), parsed,
-                       maps_beside(path, world), texts_beside(path, world));
+    Job job =
+        read_job(world.broadcast(std::move(text)), path.string(), parsed, maps_beside(path, world),
+                 texts_beside(path, world), studies_beside(path, world));
     check_pins(job, path.string());
     return job;
 }

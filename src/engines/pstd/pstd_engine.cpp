@@ -4,6 +4,7 @@
 #include "engines/pstd/case_load.hpp"
 #include "engines/pstd/case_step.hpp"
 #include "engines/pstd/displacement_volumes.hpp"
+#include "engines/pstd/study_run.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -132,6 +133,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team, Obser
 
 Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
+    if (options.study) return estimate_study(c, ranks);
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_layers(c, options));
     const double points = static_cast<double>(grid.points[0]) *
@@ -154,12 +156,14 @@ Estimate PstdEngine::estimate(const Case& c, int ranks) const {
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
+    if (options.study) return {};
     return choice_notes(c, options, choose_step(c, options, extremes_of_layers(c, options)));
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, Observer& observer,
                      Checkpoints* checkpoints) {
     const auto& options = std::get<PstdOptions>(c.solver);
+    if (options.study) return run_study(c, team, observer, checkpoints);
     if (options.precision == Precision::single_precision)
         run_with<float>(c, options, team, observer, checkpoints);
     else

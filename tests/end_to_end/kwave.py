@@ -1,0 +1,57 @@
+"""What a k-Wave user saves, made from the runs of k-Wave's pstdElastic3D under tests/data/pstd."""
+import h5py
+import numpy
+
+from program import ROOT
+
+DATA = ROOT / "tests" / "data" / "pstd"
+POINTS = (48, 40, 32)
+FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
+
+
+def put(group, name, value):
+    """As MATLAB stores it: indices in reverse, at least two of them; words as codes of characters."""
+    if isinstance(value, str):
+        group[name] = numpy.array([[ord(letter)] for letter in value], dtype="u2")
+        return
+    value = numpy.asarray(value, dtype=float)
+    group[name] = value.T if value.ndim > 1 else value.reshape(-1, 1) if value.ndim else value.reshape(1, 1)
+    group[name].attrs["MATLAB_class"] = numpy.bytes_("double")
+
+
+def save(path, structures):
+    with h5py.File(path, "w") as file:
+        words = file.create_group("#refs#")
+        for name, fields in structures.items():
+            group = file.create_group(name)
+            for field, value in fields.items():
+                if not isinstance(value, list):
+                    put(group, field, value)
+                    continue
+                cells = group.create_dataset(field, (len(value), 1), dtype=h5py.ref_dtype)
+                for number, word in enumerate(value):
+                    put(words, f"{name}.{field}.{number}", word)
+                    cells[number, 0] = words[f"{name}.{field}.{number}"].ref
+
+
+def reference(run):
+    """{traces, source_G, source_R, points_ijk0} of one of k-Wave's runs."""
+    with h5py.File(DATA / f"{run}.h5", "r") as file:
+        return {name: file[name][()] for name in ("traces", "source_G", "source_R", "points_ijk0")}
+
+
+def structures_of(run, of):
+    """That run as its user had it; corners of cuboids make the sensor."""
+    mask = numpy.zeros(POINTS)
+    mask[:, :, 13] = 1.0
+    corners = of["points_ijk0"].astype(int).T + 1
+    amplitude = 1e-3 * of["source_G"].ravel(order="F")
+    return {
+        "kgrid": {**{f"N{axis}": n for axis, n in zip("xyz", POINTS)}, "dx": 1e-3, "dy": 1e-3, "dz": 1e-3,
+                  "dt": 1e-5, "Nt": 400},
+        "medium": {"sound_speed_compression": 20.0, "sound_speed_shear": 5.0, "density": 1000.0},
+        "source": {"u_mask": mask, "uz": amplitude[:, None] * of["source_R"][None, :],
+                   "u_mode": "dirichlet" if "dirichlet" in run else "additive"},
+        "sensor": {"mask": numpy.concatenate([corners, corners]), "record": ["p", "u"]},
+        "options": {"PMLAlpha": 0.0 if "off" in run else 2.0},
+    }
