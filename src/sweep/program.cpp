@@ -146,10 +146,10 @@ void add_bench(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<BenchArguments>();
     CLI::App* verb = app.add_subcommand(
         "bench", "this machine's speed beside the floor that its FFTs and memory set");
-    verb->add_option(
-            "ENGINE", arguments->engine,
-            "layered (default), spectral, pstd, neural, sweep: what cases cost beside their solves, "
-            "or machine: all that plan believes of it")
+    verb->add_option("ENGINE", arguments->engine,
+                     "layered (default), spectral, pstd, neural, sweep: what cases cost beside "
+                     "their solves, "
+                     "or machine: all that plan believes of it")
         ->check(CLI::IsMember({"layered", "spectral", "pstd", "neural", "sweep", "machine"}));
     verb->add_option(
             "--grid", arguments->grid,
