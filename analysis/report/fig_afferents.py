@@ -9,7 +9,7 @@ from words import key_name
 
 CLASSES = ["SA1", "RA", "PC"]
 PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
-          ("spread_mm", "spread (mm)"), ("locking_1", "locking (1)")]
+          ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
 
 
 def class_figure(sweep, folder, kind):

@@ -79,6 +79,7 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
     for (const AfferentClass kind : all_classes) {
         ClassResponse r{.kind = kind};
         double squares = 0.0, in_phase = 0.0, pairs = 0.0, first_s = nothing;
+        double together = 0.0, of_spikes = 0.0;
         for (std::size_t i = 0; i < afferents.size(); ++i) {
             if (afferents[i].kind != kind) continue;
             ++r.afferents;
@@ -90,14 +91,19 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
             squares += n * std::pow(distance_mm(afferents[i].at_mm), 2);
             first_s = std::isnan(first_s) ? train.front() : std::min(first_s, train.front());
             r.most_spikes = std::max(r.most_spikes, train.size());
-            if (train.size() < fewest_for_locking || !(frequency_Hz > 0.0)) continue;
-            in_phase += std::pow(resultant(train, frequency_Hz), 2) - n;
+            if (train.size() < 2 || !(frequency_Hz > 0.0)) continue;
+            const double sum = resultant(train, frequency_Hz);
+            together += sum;
+            of_spikes += n;
+            if (train.size() < fewest_for_locking) continue;
+            in_phase += sum * sum - n;
             pairs += n * (n - 1.0);
         }
         if (r.afferents == 0) continue;
         const auto n = static_cast<double>(r.spikes);
         r.mean_rate_Hz = r.active > 0 ? n / duration_s / static_cast<double>(r.active) : nothing;
         r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : nothing;
+        r.vector_strength = of_spikes > 0.0 ? together / of_spikes : nothing;
         r.locking = pairs > 0.0 ? std::sqrt(std::max(in_phase, 0.0) / pairs) : nothing;
         r.first_spike_ms = 1e3 * first_s;
         responses.push_back(r);

@@ -33,9 +33,10 @@ struct ClassResponse {
     std::size_t afferents = 0, active = 0, spikes = 0; // active: with a spike
     std::size_t most_spikes = 0;                       // of one of them
     double mean_rate_Hz = 0.0;                         // of the active
-    double spread_mm = 0.0;      // root of the mean square distance of spikes from the path
-    double locking = 0.0;        // vector strength, see below
-    double first_spike_ms = 0.0; // of all of them
+    double spread_mm = 0.0;       // root of the mean square distance of spikes from the path
+    double vector_strength = 0.0; // of each afferent, weighted by its spikes; see below
+    double locking = 0.0;         // the same without chance
+    double first_spike_ms = 0.0;  // of all of them
     bool operator==(const ClassResponse&) const = default;
 };
 
@@ -45,11 +46,11 @@ inline constexpr std::size_t fewest_for_locking = 5;
 
 /// One entry a class that is among the afferents, in their order. NaN where there is nothing to
 /// say: rates, spread and first spike without a spike; locking without a modulation (`frequency_Hz`
-/// 0) or an afferent of 5 spikes. The vector strength of n spikes is R = |sum_k exp(2 pi i f t_k)|
-/// / n, and that of n random ones sqrt(pi/(4n)), 0.4 for five; so locking is what is left without
-/// chance, the root of (n R^2 - 1)/(n - 1) (Vinck et al. 2010, NeuroImage 51, eq. 14: the mean over
-/// pairs of spikes), the mean over all pairs that an afferent fires: that the wave comes later
-/// further away does not count against it. 0 where the mean is negative.
+/// 0) or an afferent of 5 spikes, its vector strength without one of 2. That of n spikes is R =
+/// |sum_k exp(2 pi i f t_k)| / n, and that of n random ones sqrt(pi/(4n)), 0.4 for five; so locking
+/// is what is left without chance, the root of (n R^2 - 1)/(n - 1) (Vinck et al. 2010, NeuroImage
+/// 51, eq. 14: the mean over pairs of spikes), the mean over all pairs that an afferent fires: that
+/// the wave comes later further away does not count against it. 0 where the mean is negative.
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
                                            const SpikeTimes& times_s, double duration_s,
                                            double frequency_Hz,

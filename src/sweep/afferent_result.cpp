@@ -206,6 +206,14 @@ std::vector<Column> columns_of(const std::vector<neural::ClassResponse>& classes
             silent);
         add("_spread_mm", "mm", "rms distance of " + kind + " spikes from the path of the focus",
             r.spread_mm, silent);
+        add("_vector_strength_1", "1",
+            "vector strength of " + kind +
+                " spikes at the modulation frequency, mean over the afferents that fire twice or "
+                "more, by spikes",
+            r.vector_strength,
+            !silent.empty()       ? silent
+            : modulation_Hz > 0.0 ? "no afferent of this class fires twice"
+                                  : "there is no modulation");
         add("_locking_1", "1",
             "vector strength of " + kind +
                 " spikes at the modulation frequency, each afferent's, less that of chance",

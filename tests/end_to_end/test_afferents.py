@@ -51,7 +51,7 @@ class Afferents(ProgramTest):
         self.assertEqual(data.spike_time.attrs["units"], "s")
         self.assertLessEqual(float(data.spike_time.max()), 4e-3 + 1e-9)
         header = (self.out / "tables" / "small.csv").read_text().splitlines()[0].split(",")
-        for column in ("spikes_1", "active_1", "rate_Hz", "spread_mm", "locking_1",
+        for column in ("spikes_1", "active_1", "rate_Hz", "spread_mm", "vector_strength_1", "locking_1",
                        "first_spike_ms"):
             self.assertIn(f"PC_{column}", header)
             self.assertIn(f"RA_{column}", header)

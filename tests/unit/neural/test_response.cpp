@@ -139,12 +139,18 @@ TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike",
     CHECK(PC.mean_rate_Hz == Approx(6.0 / 0.5 / 2.0));
     CHECK(PC.spread_mm == Approx(std::sqrt((5.0 * 9.0 + 16.0) / 6.0)));
     CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; the lone spike says nothing
+    CHECK(PC.vector_strength == Approx(1.0).epsilon(1e-12));
     CHECK(PC.first_spike_ms == Approx(12.0));
     CHECK(PC.most_spikes == 5);
     // At four times the phase apart nothing is left: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
     times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
     CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1].locking <
           1e-12);
+    // Two spikes a quarter of a period apart beside those eight: |1 + i| = sqrt 2, by spikes.
+    times_s[1] = {0.010, 0.0125};
+    CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1]
+              .vector_strength == Approx(std::sqrt(2.0) / 10.0));
+    times_s[1].pop_back();
     CHECK(std::isnan(
         class_responses(afferents, times_s, 0.5, 0.0, [](Vec2) { return 0.0; })[1].locking));
 }
