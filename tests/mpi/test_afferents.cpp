@@ -44,7 +44,7 @@ TEST_CASE("any number of ranks gives the same spikes, noise on", "[mpi][neural]"
                variable(shared, "spike_count").values == variable(alone, "spike_count").values &&
                variable(shared, "spike_time").values.size() > 100;
     CHECK(world.broadcast(same) == 1);
-    CHECK(alone.columns.size() == 3 * 6);
+    CHECK(alone.columns.size() == 3 * 7);
 }
 
 TEST_CASE("a mistake of the pins is thrown on all ranks together", "[mpi][neural]") {
