@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/units.hpp"
 #include "io/files.hpp"
+#include "io/guard.hpp"
 #include "io/h5.hpp"
 #include "io/number_block.hpp"
 
@@ -265,6 +266,7 @@ auto read_traces(const std::filesystem::path& path, OfCsv of_csv, OfHdf5 of_hdf5
     try {
         if (path.extension() == ".csv") return of_csv(read_file(path));
         if (!std::filesystem::exists(path)) throw UsageError("there is no such file");
+        must_survive(path, [&] { of_hdf5(); });
         return of_hdf5();
     } catch (const UsageError& error) {
         if (error.code() != ExitCode::usage) throw; // the file system's own words name the file
