@@ -90,9 +90,12 @@ void print_layout(const std::vector<const PlannedCase*>& cases, const TeamLayout
         compute_s += without - files;
     }
     const double sum_s = std::max(compute_s + transposes_s + files_s, 1e-300);
-    fmt::print("on {} rank{}: {} team{} of {}, {:.0f} MB a rank at most, about {:.2g} s\n", ranks,
-               ranks == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
-               layout.ranks_per_case, memory_B / 1e6, layout.seconds);
+    // More teams than cases have nothing to do.
+    const int idle = layout.teams > busy ? ranks - busy * layout.ranks_per_case : 0;
+    fmt::print("on {} rank{}: {} team{} of {}{}, {:.0f} MB a rank at most, about {:.2g} s\n", ranks,
+               ranks == 1 ? "" : "s", busy, busy == 1 ? "" : "s", layout.ranks_per_case,
+               idle > 0 ? fmt::format(" ({} ranks have nothing to do)", idle) : "", memory_B / 1e6,
+               layout.seconds);
     fmt::print("of a team's time: {:.0f} % computing, {:.0f} % transposing, {:.0f} % files; the "
                "longest case takes {:.2g} s; teams work {:.0f} % of the time\n",
                100.0 * compute_s / sum_s, 100.0 * transposes_s / sum_s, 100.0 * files_s / sum_s,

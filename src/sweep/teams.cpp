@@ -35,8 +35,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
         if (wanted > 0 && size != std::min(wanted, ranks)) continue;
         if (wanted <= 0 && ranks % size != 0) continue;
         TeamLayout layout{.ranks_per_case = size, .teams = ranks / size};
-        const int busy =
-            static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
+        const int busy = std::max(
+            1, static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size())));
         double longest = 0.0, work = 0.0, shared = 0.0;
         bool useful = true;
         for (const PlannedCase* planned : sample) {
@@ -49,8 +49,8 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
         }
         if (!useful && wanted <= 0) continue;
         // What is shared is computed by every team for itself.
-        layout.seconds = shared + std::max(longest, work / layout.teams);
-        layout.busy = layout.seconds > 0.0 ? (work / layout.teams + shared) / layout.seconds : 1.0;
+        layout.seconds = shared + std::max(longest, work / busy);
+        layout.busy = layout.seconds > 0.0 ? (work / busy + shared) / layout.seconds : 1.0;
         const auto unfit = std::ranges::count_if(sample, [&](const PlannedCase* c) {
             return costs.memory_per_rank_B(c->physics, size) > memory_per_rank_B;
         });

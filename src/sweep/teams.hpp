@@ -13,7 +13,7 @@ struct TeamLayout {
     int ranks_per_case = 1;
     int teams = 1;
     double seconds = 0.0; // estimate for the whole sweep
-    double busy = 1.0;    // share of that time that a team works, on average
+    double busy = 1.0;    // share of that time that a team with a case works, on average
 
     int team_of(int rank) const { return std::min(rank / ranks_per_case, teams - 1); }
 };

@@ -5,7 +5,7 @@ import re
 import unittest
 from unittest import mock
 
-from program import ProgramTest
+from program import SWEEP, ProgramTest, without_reference
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
 PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge", "other"]
@@ -74,6 +74,12 @@ class Bench(ProgramTest):
         machine = json.loads((self.folder / "cache" / "machine.json").read_text(encoding="utf-8"))
         for name in ("layered_factor", "spectral_factor", "message_s", "transposed_B_s", "file_s", "written_B_s"):
             self.assertGreater(machine[name], 0.0, name)
+
+    def test_a_plan_has_no_more_teams_than_cases(self):
+        self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
+        said = self.shearwake("plan", "job.toml", "-n", 4096).said
+        self.assertRegex(said, r"on 4096 ranks: 1 team of \d+ \(\d+ ranks have nothing to do\)")
+        self.assertIn("teams work 100 % of the time", said)
 
     def test_grids_it_does_not_take(self):
         for grid in ("32x24", "33x24x9", "32x24x10", "32x24x9x1", "0x24x9", "many"):
