@@ -110,7 +110,7 @@ Source stress_above(const Case& c, const CaseGrid& grid, double step_s) {
 }
 
 Source force_sheet(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s) {
-    Source source{.field = Field::uz, .scaling = SourceScaling::none};
+    Source source{.field = Field::uz, .scaling = SourceScaling::none, .in_rates = true};
     std::vector<double> per_Pa; // of the velocity
     const Grid counts{grid.points, {}, step_s};
     const MaterialOfNode material = [&](Node n) { return material_at(c, options, grid, n); };
@@ -138,7 +138,10 @@ Source force_sheet(const Case& c, const PstdOptions& options, const CaseGrid& gr
 }
 
 Source moved_skin(const Case& c, const CaseGrid& grid, const PstdOptions& options, double step_s) {
-    Source source{.field = Field::uz, .mode = SourceMode::whole, .scaling = SourceScaling::none};
+    Source source{.field = Field::uz,
+                  .mode = SourceMode::whole,
+                  .scaling = SourceScaling::none,
+                  .in_rates = true};
     const auto ny = c.domain.ny;
     std::vector<char> held(static_cast<std::size_t>(c.domain.nx * ny), 0);
     MovingGaussians scan(c);

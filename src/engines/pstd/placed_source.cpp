@@ -28,7 +28,8 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
 }
 
 template <class Real>
-void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state) {
+void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
+                               std::span<Real> leaps) {
     if (sample >= source_.samples || which_.empty()) return;
     source_.values(sample, which_, values_);
     const Parts parts = parts_of(source_.field);
@@ -37,12 +38,9 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state) {
         const Place& place = places_[i];
         const double value = values_[i] * place.scale, third = value / 3.0;
         auto& total = state.total[static_cast<std::size_t>(place.total)];
+        const Real was = total;
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
         double kept = 0.0; // of a dirichlet velocity: its other parts
-        if (source_.mode == SourceMode::whole) {
-            total = static_cast<Real>(value);
-            continue;
-        }
         for (std::size_t p = 0; p + 1 < parts.count && place.part >= 0; ++p) {
             auto& part = state.part[p][static_cast<std::size_t>(place.part)];
             if (velocity)
@@ -56,7 +54,10 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state) {
         if (source_.mode == SourceMode::additive)
             total += static_cast<Real>(into_total);
         else
-            total = static_cast<Real>(kept + into_total);
+            total =
+                static_cast<Real>(source_.mode == SourceMode::whole ? value : kept + into_total);
+        if (source_.in_rates && !leaps.empty())
+            leaps[static_cast<std::size_t>(place.total)] += total - was;
     }
 }
 

@@ -14,7 +14,8 @@ public:
                  const MaterialOfNode& material, double first_node_c_p_m_s);
     Field field() const { return source_.field; }
     /// Puts a sample in, or nothing after the last one. Not collective.
-    void apply(std::ptrdiff_t sample, FieldState<Real>& state);
+    /// `leaps`: the field's accelerations times the step, or empty.
+    void apply(std::ptrdiff_t sample, FieldState<Real>& state, std::span<Real> leaps);
 
 private:
     struct Place {

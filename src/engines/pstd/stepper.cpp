@@ -126,7 +126,10 @@ void Stepper<Real>::along_z(HalfCell shift, const Real* plane, std::size_t to) {
 template <class Real>
 void Stepper<Real>::put_in_sources(bool velocities) {
     for (PlacedSource<Real>& source : sources_)
-        if (is_velocity(source.field()) == velocities) source.apply(steps_, state(source.field()));
+        if (is_velocity(source.field()) == velocities)
+            source.apply(steps_, state(source.field()),
+                         velocities ? std::span<Real>(acceleration_[index_of(source.field())])
+                                    : std::span<Real>());
 }
 
 // rho du_i/dt = sum_j g_ij,  g_ii = D_i+ s_ii,  g_ij = D_j- s_ij.

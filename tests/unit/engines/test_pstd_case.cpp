@@ -63,7 +63,7 @@ TEST_CASE("c_p is held, which is told; the user's step is refused with the numbe
     const auto notes = PstdEngine().choices(c);
     CHECK(any_has(notes, "is held to 50 m/s, 10 times c_s, instead of 1500 m/s"));
     CHECK(any_has(notes, "the surface field is 3.2 % off"));
-    CHECK(any_has(notes, "3 / 2 / 1 % of the surface field"));
+    CHECK(any_has(notes, "4 / 2 / 1 % of the surface field"));
     const StepChoice free = choose_step(c, options, extremes_of_layers(c, options));
     CHECK(free.step_s <= 0.95 * free.safe_s);
     CHECK(free.step_s * static_cast<double>(free.per_frame) == Approx(50e-6).epsilon(1e-14));
