@@ -20,8 +20,21 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
             source.mode == SourceMode::additive && source.scaling != SourceScaling::none;
         const std::ptrdiff_t row = (node[0] - slabs.x_start()) * slabs.ny() + node[1];
         which_.push_back(n);
-        places_.push_back({slabs.offset(node), state.runs.offset(row, node[2]),
-                           scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0});
+        Place place{.total = slabs.offset(node),
+                    .part = {-1, -1},
+                    .keeps_own = false,
+                    .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0};
+        if (const SplitRun* run = state.runs.run_at(row, node[2])) {
+            const Parts parts = parts_of(source.field);
+            const auto kept = [&](std::size_t p) {
+                return run->face < 0 || parts.axes[p] == static_cast<std::size_t>(run->face);
+            };
+            if (kept(0) || kept(1) || kept(2)) place.part[0] = run->offset + node[2] - run->begin;
+            if (run->face < 0 && parts.count == 3)
+                place.part[1] = run->second + node[2] - run->begin;
+            place.keeps_own = run->face >= 0 && kept(0);
+        }
+        places_.push_back(place);
     }
     values_.resize(which_.size());
     source_.nodes.clear();
@@ -41,16 +54,20 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
         const Real was = total;
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
         double kept = 0.0; // of a dirichlet velocity: its other parts
-        for (std::size_t p = 0; p + 1 < parts.count && place.part >= 0; ++p) {
-            auto& part = state.part[p][static_cast<std::size_t>(place.part)];
-            if (velocity)
+        for (std::size_t p = 0; p < place.part.size(); ++p) {
+            if (place.part[p] < 0) continue;
+            auto& part = state.part[p][static_cast<std::size_t>(place.part[p])];
+            if (velocity && source_.mode == SourceMode::additive)
+                part += static_cast<Real>(place.keeps_own ? value : 0.0);
+            else if (velocity)
                 kept += static_cast<double>(part);
             else if (source_.mode == SourceMode::additive)
                 part += static_cast<Real>(third);
             else
                 part = static_cast<Real>(third);
         }
-        // A velocity's own part is the one that is not stored.
+        // A velocity that is held keeps its other parts (Stepper asks for all of them there): its
+        // own one is what they leave.
         if (source_.mode == SourceMode::additive)
             total += static_cast<Real>(into_total);
         else

@@ -19,7 +19,9 @@ public:
 
 private:
     struct Place {
-        std::ptrdiff_t total, part; // part: -1 where none are kept
+        std::ptrdiff_t total;
+        std::array<std::ptrdiff_t, 2> part; // -1 where none is kept
+        bool keeps_own;                     // the first array is the part of the field's own axis
         double scale;
     };
     Source source_;

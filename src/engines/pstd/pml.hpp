@@ -22,13 +22,19 @@ struct PmlProfile {
 PmlProfile pml_profile(const Grid& grid, const PmlOptions& options, std::size_t axis,
                        bool staggered, double reference_speed_m_s);
 
-/// Values that keep their split parts: [begin, end) of a row, from `offset` on in the parts.
+/// Values that keep their split parts: [begin, end) of a row. Where the layers of two or three axes
+/// meet, all parts but the first are kept: from `offset` on in the first array of parts, from
+/// `second` on in the second one. Where one axis alone has its layer (`face`), all parts but that
+/// axis' have the same factor and move as one: that axis' part is kept, if the field has it, from
+/// `offset` on in the first array.
 struct SplitRun {
     std::ptrdiff_t begin = 0, end = 0;
-    std::ptrdiff_t offset = 0;
+    std::ptrdiff_t offset = 0, second = 0;
+    int face = -1; // an axis; -1: none
 };
 
-/// Where a field's parts are kept on a rank: in the layer, and at nodes that are asked for.
+/// Where a field's parts are kept on a rank: in the layer, and, all of them, at nodes that are
+/// asked for.
 class SplitRuns {
 public:
     /// Runs take up multiples of this many values: whole lines of the cache in either precision.
@@ -36,7 +42,8 @@ public:
 
     SplitRuns() = default;
     /// `nodes` of this rank whose values keep their parts outside the layer as well.
-    SplitRuns(const Slabs& slabs, const PmlOptions& options, const std::vector<Node>& nodes);
+    SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts& parts,
+              const std::vector<Node>& nodes);
 
     /// Of the row (x, y), x counted from the slab's first; ascending, apart from each other.
     struct Row {
@@ -48,18 +55,21 @@ public:
         const auto at = static_cast<std::size_t>(row);
         return {runs_.data() + starts_[at], runs_.data() + starts_[at + 1]};
     }
-    /// Where the parts of a value stand; -1 where it has none.
-    std::ptrdiff_t offset(std::ptrdiff_t row, std::ptrdiff_t z) const {
+    /// The run that a value is in, or none.
+    const SplitRun* run_at(std::ptrdiff_t row, std::ptrdiff_t z) const {
         for (const SplitRun& run : this->row(row))
-            if (z >= run.begin && z < run.end) return run.offset + z - run.begin;
-        return -1;
+            if (z >= run.begin && z < run.end) return &run;
+        return nullptr;
     }
-    std::ptrdiff_t size() const { return size_; }
+    /// Values of the first and of the second array of parts.
+    std::ptrdiff_t size(std::size_t part) const { return sizes_[part]; }
 
 private:
+    void add(std::ptrdiff_t begin, std::ptrdiff_t end, int face, const Parts& parts);
+
     std::vector<std::size_t> starts_ = {0};
     std::vector<SplitRun> runs_;
-    std::ptrdiff_t size_ = 0;
+    std::array<std::ptrdiff_t, 2> sizes_ = {};
 };
 
 } // namespace shearwake::pstd

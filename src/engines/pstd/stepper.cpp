@@ -150,7 +150,8 @@ void Stepper<Real>::velocity_plane(std::ptrdiff_t x) {
             const Real *g_own = own(y), *g_second = second(y), *g_third = third(y);
             const Real* c = dt_over_rho_[index_of(field)].row(x, y);
             update_row(
-                state(field), nz, pitch, at, [=](std::ptrdiff_t z) { return c[z] * g_own[z]; },
+                state(field), parts_of(field), nz, pitch, at,
+                [=](std::ptrdiff_t z) { return c[z] * g_own[z]; },
                 [=](std::ptrdiff_t z) { return c[z] * g_second[z]; },
                 [=](std::ptrdiff_t z) { return c[z] * g_third[z]; });
             if (absorption_ == Absorption::none) continue;
@@ -219,8 +220,8 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
             const Real *m = dt_p_modulus_.row(x, y), *l = dt_lambda_.row(x, y);
             const Real *m_v = lossy ? chi_2eta_.row(x, y) : nullptr,
                        *l_v = lossy ? chi_.row(x, y) : nullptr;
-            update_row(state(field), nz, pitch, at, rate(m, m_v, own(y)), rate(l, l_v, second(y)),
-                       rate(l, l_v, third(y)));
+            update_row(state(field), parts_of(field), nz, pitch, at, rate(m, m_v, own(y)),
+                       rate(l, l_v, second(y)), rate(l, l_v, third(y)));
         }
     };
     normal(Field::sxx, ex(0), e(1), e(5));
@@ -231,7 +232,7 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
         for (std::ptrdiff_t y = 0; y < ny; ++y) {
             const RowAt at{x * ny + y, slabs_.x_start() + x, y};
             const Real *mu = dt_mu_[i].row(x, y), *eta = lossy ? eta_[i].row(x, y) : nullptr;
-            update_row(state(field), nz, pitch, at, rate(mu, eta, first(y)),
+            update_row(state(field), parts_of(field), nz, pitch, at, rate(mu, eta, first(y)),
                        rate(mu, eta, second(y)));
         }
     };

@@ -20,11 +20,11 @@ StateRows planes_of(const Slabs& slabs) {
 
 /// Kept parts follow each other along x, y, z whoever has them, in whole runs: a row is what all
 /// runs are multiples of. Collective.
-StateRows rows_of(const SplitRuns& runs, const Comm& team) {
+StateRows rows_of(const SplitRuns& runs, std::size_t part, const Comm& team) {
     const std::ptrdiff_t length = SplitRuns::line;
-    const double mine = static_cast<double>(runs.size() / length);
+    const double mine = static_cast<double>(runs.size(part) / length);
     const std::vector<double> counts = team.all_gather(std::span<const double>(&mine, 1));
-    StateRows rows{.count = runs.size() / length, .row_length = length};
+    StateRows rows{.count = runs.size(part) / length, .row_length = length};
     for (std::size_t r = 0; r < counts.size(); ++r) {
         rows.total += std::lround(counts[r]);
         if (static_cast<int>(r) < team.rank()) rows.start += std::lround(counts[r]);
@@ -45,9 +45,9 @@ void Stepper<Real>::save(StateWriter& state) const {
         for (std::ptrdiff_t row = 0; row < slabs_.rows(); ++row)
             std::copy_n(field.total.data() + row * slabs_.pitch, nz, values.data() + row * nz);
         state.put(names[f], planes_of(slabs_), values.data());
-        const StateRows rows = rows_of(field.runs, team_);
-        if (rows.total == 0) continue;
         for (std::size_t p = 0; p + 1 < parts_of(static_cast<Field>(f)).count; ++p) {
+            const StateRows rows = rows_of(field.runs, p, team_);
+            if (rows.total == 0) continue;
             values.assign(field.part[p].begin(), field.part[p].end());
             state.put(std::string(names[f]) + "_part_" + std::to_string(p), rows, values.data());
         }
@@ -67,9 +67,9 @@ void Stepper<Real>::restore(StateReader& state) {
         for (std::ptrdiff_t row = 0; row < slabs_.rows(); ++row)
             std::transform(values.data() + row * nz, values.data() + (row + 1) * nz,
                            field.total.data() + row * slabs_.pitch, to_real);
-        const StateRows rows = rows_of(field.runs, team_);
-        if (rows.total == 0) continue;
         for (std::size_t p = 0; p + 1 < parts_of(static_cast<Field>(f)).count; ++p) {
+            const StateRows rows = rows_of(field.runs, p, team_);
+            if (rows.total == 0) continue;
             values.resize(field.part[p].size());
             state.get(std::string(names[f]) + "_part_" + std::to_string(p), rows, values.data());
             std::transform(values.begin(), values.end(), field.part[p].begin(), to_real);
