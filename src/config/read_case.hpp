@@ -21,7 +21,7 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
                            const TextLoader& load_text);
 Domain read_domain(Reader& reader);
 TimeAxis read_time(Reader& reader);
-SolverOptions read_solver(Reader& reader, const TimeAxis& time);
+SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
 MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
                             const Medium& medium);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
