@@ -5,16 +5,8 @@
 
 namespace shearwake::pstd {
 
-Slab domain_slab(const Case& c, const CaseGrid& grid, const Slabs& slabs) {
-    const auto inside = [&](std::ptrdiff_t x) {
-        return std::clamp<std::ptrdiff_t>(x - grid.first_x, 0, c.domain.nx);
-    };
-    const std::ptrdiff_t start = inside(slabs.x_start());
-    return {start, inside(slabs.x_start() + slabs.x_count()) - start};
-}
-
 DisplacementVolumes::DisplacementVolumes(const Case& c, const CaseGrid& grid, const Slabs& slabs)
-    : c_(c), grid_(grid), slabs_(slabs), slab_(domain_slab(c, grid, slabs)) {
+    : c_(c), grid_(grid), slabs_(slabs), slab_(domain_slab(c, grid.first_x, slabs)) {
     if (c.record.volumes_s.empty()) return;
     for (const Field field : {Field::ux, Field::uy})
         lateral_.emplace_back(field, slabs, grid.surface, grid.levels);

@@ -1,12 +1,9 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/pstd/displacements.hpp"
+#include "engines/pstd/frames.hpp"
 
 namespace shearwake::pstd {
-
-/// The part of a rank's slab of the grid that belongs to the domain.
-Slab domain_slab(const Case& c, const CaseGrid& grid, const Slabs& slabs);
 
 /// The displacement of volume snapshots at the domain's points and at z = 0, d, 2 d, ... as deep as
 /// nothing absorbs. u_x and u_y stand half a cell off, and are the means of their neighbours: of

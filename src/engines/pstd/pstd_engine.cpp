@@ -4,12 +4,12 @@
 #include "engines/pstd/case_load.hpp"
 #include "engines/pstd/case_step.hpp"
 #include "engines/pstd/displacement_volumes.hpp"
+#include "engines/pstd/frames.hpp"
 #include "engines/pstd/study_run.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <optional>
 
 namespace shearwake {
@@ -28,51 +28,17 @@ Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid, 
     return setup;
 }
 
-/// u_z of the surface grid at the measured depths.
-class Frames {
-public:
-    Frames(const Case& c, const PstdOptions& options, const CaseGrid& grid, const Slabs& slabs)
-        : c_(c), grid_(grid), slabs_(slabs), slab_(domain_slab(c, grid, slabs)),
-          plane_m_(static_cast<std::size_t>(slabs.rows())) {
-        const bool rings = options.top == PstdTop::nothing && options.load == PstdLoad::traction;
-        std::size_t planes = 1;
-        if (!c.record.volumes_s.empty()) planes = static_cast<std::size_t>(grid.levels);
-        for (const double depth_m : c.measure.depths_m) {
-            weights_.push_back(depth_weights(depth_m, grid.spacing_m, rings));
-            planes = std::max(planes, weights_.back().size());
-        }
-        u_z_.emplace(Field::uz, slabs, grid.surface - 1, static_cast<std::ptrdiff_t>(planes));
+FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGrid& grid) {
+    const bool rings = options.top == PstdTop::nothing && options.load == PstdLoad::traction;
+    FramePlaces places{
+        .first_x = grid.first_x, .first_y = grid.first_y, .first_z = grid.surface - 1};
+    if (!c.record.volumes_s.empty()) places.planes = grid.levels;
+    for (const double depth_m : c.measure.depths_m) {
+        places.weights.push_back(depth_weights(depth_m, grid.spacing_m, rings));
+        places.planes = std::max(places.planes, std::ssize(places.weights.back()));
     }
-    const Slab& slab() const { return slab_; }
-    Displacement& displacement() { return *u_z_; }
-
-    /// Collective.
-    void give(std::ptrdiff_t number, Observer& observer, const Comm& team) {
-        if (!u_z_->finite(team))
-            throw FieldDiverges(fmt::format("the field of engine \"pstd\" is not finite at frame "
-                                            "{}: a smaller solver.pstd.time_step_us may help",
-                                            number));
-        const std::ptrdiff_t ny = slabs_.ny(),
-                             first = slab_.x_start + grid_.first_x - slabs_.x_start();
-        for (std::size_t d = 0; d < weights_.size(); ++d) {
-            u_z_->sum(weights_[d], plane_m_);
-            const double* values =
-                plane_m_.data() + (slab_.x_count > 0 ? first * ny + grid_.first_y : 0);
-            observer.frame({.number = number,
-                            .depth = d,
-                            .u_z_m = View2<const double>(values, slab_.x_count, c_.domain.ny, ny)});
-        }
-    }
-
-private:
-    const Case& c_;
-    CaseGrid grid_;
-    Slabs slabs_;
-    Slab slab_;
-    std::vector<std::vector<double>> weights_; // of each depth
-    std::optional<Displacement> u_z_;
-    std::vector<double> plane_m_;
-};
+    return places;
+}
 
 /// The snapshot that a frame is, if any.
 std::optional<std::size_t> snapshot_of(const Case& c, std::ptrdiff_t frame) {
@@ -93,7 +59,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team, Obser
     std::optional<Frames> frames;
     std::optional<DisplacementVolumes> volumes;
     together(team, [&] {
-        frames.emplace(c, options, grid, stepper.slabs());
+        frames.emplace(c, frame_places(c, options, grid), stepper.slabs());
         volumes.emplace(c, grid, stepper.slabs());
     });
     Displacement& u_z = frames->displacement();

@@ -1,7 +1,7 @@
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/displacements.hpp"
+#include "engines/pstd/frames.hpp"
 #include "engines/pstd/sensor.hpp"
 #include "model/check_study.hpp"
 #include "parallel/agree.hpp"
@@ -66,86 +66,38 @@ std::ptrdiff_t steps_of_a_frame(const Case& c) {
     return std::llround(c.time.interval_s / study_of(c).time_step_s);
 }
 
-/// Planes of u_z whose weighted sum is each measured depth: linear between the two around it.
-struct Depths {
-    std::ptrdiff_t first = 0, planes = 0;
-    std::vector<std::vector<double>> weights; // of each depth, from `first` on
-};
-
-Depths depths_of(const Case& c) {
+/// The domain in the middle of the grid; depths linear between the two planes around them.
+FramePlaces frame_places(const Case& c) {
     const GridStudy& study = study_of(c);
     std::vector<double> places;
     for (const double depth_m : c.measure.depths_m)
         places.push_back(std::clamp(depth_m / study.spacing_m[2] - 0.5, 0.0,
                                     static_cast<double>(study.points[2] - 1)));
     const auto [low, high] = std::minmax_element(places.begin(), places.end());
-    Depths depths;
-    depths.first = static_cast<std::ptrdiff_t>(std::floor(*low + 1e-9));
-    depths.planes = static_cast<std::ptrdiff_t>(std::ceil(*high - 1e-9)) - depths.first + 1;
+    FramePlaces frames{.first_x = study.points[0] / 2 - c.domain.nx / 2,
+                       .first_y = study.points[1] / 2 - c.domain.ny / 2,
+                       .first_z = static_cast<std::ptrdiff_t>(std::floor(*low + 1e-9))};
+    frames.planes = static_cast<std::ptrdiff_t>(std::ceil(*high - 1e-9)) - frames.first_z + 1;
     for (const double place : places) {
-        std::vector<double> weights(static_cast<std::size_t>(depths.planes), 0.0);
-        const auto below = static_cast<std::ptrdiff_t>(std::floor(place + 1e-9));
-        const double share = std::max(place - static_cast<double>(below), 0.0);
-        weights[static_cast<std::size_t>(below - depths.first)] = 1.0 - share;
-        if (share > 1e-9) weights[static_cast<std::size_t>(below - depths.first) + 1] = share;
-        depths.weights.push_back(std::move(weights));
+        std::vector<double> weights(static_cast<std::size_t>(frames.planes), 0.0);
+        const auto above = static_cast<std::ptrdiff_t>(std::floor(place + 1e-9));
+        const auto at = static_cast<std::size_t>(above - frames.first_z);
+        const double share = std::max(place - static_cast<double>(above), 0.0);
+        weights[at] = 1.0 - share;
+        if (share > 1e-9) weights[at + 1] = share;
+        frames.weights.push_back(std::move(weights));
     }
-    return depths;
+    return frames;
 }
-
-/// u_z of the domain, in the middle of the grid, at the measured depths.
-class StudyFrames {
-public:
-    StudyFrames(const Case& c, const Slabs& slabs)
-        : c_(c), slabs_(slabs), depths_(depths_of(c)),
-          u_z_(Field::uz, slabs, depths_.first, depths_.planes),
-          plane_m_(static_cast<std::size_t>(slabs.rows())) {
-        const std::ptrdiff_t first = slabs.nx() / 2 - c.domain.nx / 2;
-        const auto inside = [&](std::ptrdiff_t x) {
-            return std::clamp<std::ptrdiff_t>(x - first, 0, c.domain.nx);
-        };
-        slab_.x_start = inside(slabs.x_start());
-        slab_.x_count = inside(slabs.x_start() + slabs.x_count()) - slab_.x_start;
-        first_row_ = slab_.x_start + first - slabs.x_start();
-    }
-    const Slab& slab() const { return slab_; }
-    Displacement& displacement() { return u_z_; }
-
-    /// Collective.
-    void give(std::ptrdiff_t number, Observer& observer, const Comm& team) {
-        if (!u_z_.finite(team))
-            throw FieldDiverges(fmt::format(
-                "the field of the study is not finite at frame {}: kgrid.dt may be too long",
-                number));
-        const std::ptrdiff_t ny = slabs_.ny(), first_y = ny / 2 - c_.domain.ny / 2;
-        const double* values =
-            plane_m_.data() + (slab_.x_count > 0 ? first_row_ * ny + first_y : 0);
-        for (std::size_t d = 0; d < depths_.weights.size(); ++d) {
-            u_z_.sum(depths_.weights[d], plane_m_);
-            observer.frame({.number = number,
-                            .depth = d,
-                            .u_z_m = View2<const double>(values, slab_.x_count, c_.domain.ny, ny)});
-        }
-    }
-
-private:
-    const Case& c_;
-    Slabs slabs_;
-    Depths depths_;
-    Displacement u_z_;
-    std::vector<double> plane_m_;
-    Slab slab_;
-    std::ptrdiff_t first_row_ = 0;
-};
 
 template <class Real>
 void run_with(const Case& c, const Comm& team, Observer& observer, Checkpoints* checkpoints) {
     const GridStudy& study = study_of(c);
     Stepper<Real> stepper(setup_of(study), team);
-    std::optional<StudyFrames> frames;
+    std::optional<Frames> frames;
     std::optional<Sensor> sensor;
     together(team, [&] {
-        frames.emplace(c, stepper.slabs());
+        frames.emplace(c, frame_places(c), stepper.slabs());
         sensor.emplace(study, stepper.slabs());
     });
     observer.begin(frames->slab());
