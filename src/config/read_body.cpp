@@ -72,7 +72,7 @@ Vec3 read_centre_m(Reader& reader, bool has_depth) {
 void read_properties(Reader& reader, Body& body) {
     body.density_kg_m3 = reader.find_number("density_kg_m3", Range::above(0.0));
     body.c_p_m_s = reader.find_number("c_p_m_s", Range::above(0.0));
-    body.c_s_m_s = reader.find_number("c_s_m_s", Range::above(0.0));
+    body.c_s_m_s = reader.find_number("c_s_m_s", Range::at_least(0.0));
     body.viscosity_Pa_s = reader.find_number("viscosity_Pa_s", Range::at_least(0.0));
     for (const char* key : {"density_kg_m3", "c_p_m_s", "c_s_m_s", "viscosity_Pa_s"})
         if (reader.has(key)) return;

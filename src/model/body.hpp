@@ -39,9 +39,13 @@ struct Body {
     Vec3 centre_m;
     double edge_m = 0.0; // width of the smooth transition; 0: a sharp face, so one cell of the grid
     // What is not given is that of the layer around.
-    std::optional<double> density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s;
+    std::optional<double> density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s; // c_s 0: a fluid
     bool operator==(const Body&) const = default;
 };
+
+inline bool is_fluid(const Body& body) {
+    return body.c_s_m_s == 0.0;
+}
 
 /// Share of the cell that the body fills, 0 to 1, averaged over sub-samples at places symmetric
 /// about the cell's centre: mirrored bodies give mirrored shares to rounding. A size may be 0 along

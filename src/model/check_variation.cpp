@@ -19,6 +19,10 @@ std::string body_key(std::size_t i, std::string_view key) {
 }
 
 void check_engine(const Case& c, std::vector<Remark>& remarks) {
+    for (std::size_t i = 0; i < c.medium.bodies.size(); ++i)
+        if (is_fluid(c.medium.bodies[i]) && std::holds_alternative<SpectralOptions>(c.solver))
+            remarks.push_back({Severity::error, body_key(i, "c_s_m_s"),
+                               "is 0, a fluid, which the engine \"pstd\" alone takes"});
     if (!std::holds_alternative<LayeredOptions>(c.solver)) return;
     const auto refuse = [&](const char* key) {
         remarks.push_back({Severity::error, key,

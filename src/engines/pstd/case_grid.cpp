@@ -35,12 +35,22 @@ double chosen_depth_m(const Case& c) {
     return std::max(reach_m, lowest_m + 0.5 * reach_m);
 }
 
-NodeMaterial held(const Material& m, double c_p_over_c_s) {
+/// What a fluid's compressional waves are held to, which has no shear waves: the layers' own limit.
+/// 0 where no body is a fluid.
+double fluid_limit_m_s(const Medium& medium, double c_p_over_c_s) {
+    const bool fluid = std::any_of(medium.bodies.begin(), medium.bodies.end(), is_fluid);
+    double limit_m_s = 0.0;
+    for (const Layer& layer : medium.layers)
+        if (fluid) limit_m_s = std::max(limit_m_s, c_p_over_c_s * layer.c_s_m_s);
+    return limit_m_s;
+}
+
+NodeMaterial held(const Material& m, double c_p_over_c_s, double fluid_m_s = 0.0) {
     NodeMaterial node;
     node.density_kg_m3 = m.density_kg_m3;
     node.c_s_m_s = std::sqrt(m.mu_Pa / m.density_kg_m3);
     node.c_p_m_s = std::min(std::sqrt((m.lambda_Pa + 2.0 * m.mu_Pa) / m.density_kg_m3),
-                            c_p_over_c_s * node.c_s_m_s);
+                            std::max(c_p_over_c_s * node.c_s_m_s, fluid_m_s));
     node.eta_Pa_s = m.viscosity_Pa_s;
     return node;
 }
@@ -137,7 +147,7 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
     const std::ptrdiff_t i = std::clamp<std::ptrdiff_t>(node[0] - grid.first_x, 0, c.domain.nx - 1),
                          j = std::clamp<std::ptrdiff_t>(node[1] - grid.first_y, 0, c.domain.ny - 1);
     return held(cell_material(c, {c.domain.x_m(i), c.domain.y_m(j), z_m}, c.domain.spacing_m),
-                options.c_p_over_c_s);
+                options.c_p_over_c_s, fluid_limit_m_s(c.medium, options.c_p_over_c_s));
 }
 
 NodeMaterial held_material(const Layer& layer, const PstdOptions& options) {

@@ -58,6 +58,16 @@ TEST_CASE("the layered engine refuses bodies and maps by their keys", "[check_va
     CHECK(only_remark(c).severity == Severity::error);
 }
 
+TEST_CASE("a fluid inside is for the engine pstd", "[check_variation]") {
+    Case c = good_case();
+    c.medium.bodies[0].c_s_m_s = 0.0;
+    c.solver = SpectralOptions{};
+    CHECK(only_remark(c).severity == Severity::error);
+    CHECK(only_remark(c).key == "medium.body[1].c_s_m_s");
+    c.solver = PstdOptions{};
+    CHECK(check_variation(c).empty());
+}
+
 TEST_CASE("a body that falls through the grid is told in numbers", "[check_variation]") {
     Case c = good_case();
     c.medium.bodies.push_back(
