@@ -87,6 +87,9 @@ struct Estimate {
     double seconds = 0.0;        // on one rank, everything shared already there
     double shared_seconds = 0.0; // once per medium and grid, on one rank
     int useful_ranks = 1;        // more have no slab
+    // Of engines whose steps transpose the grid: how often, and bytes of all ranks each time. 0: a
+    // plane a frame and depth.
+    double all_to_alls = 0.0, all_to_all_B = 0.0;
 };
 
 /// Turns a case into frames of u_z. Keeps nothing between cases but what may be shared on purpose.

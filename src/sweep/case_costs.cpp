@@ -121,6 +121,11 @@ const CaseCost& CaseCosts::of(const Case& c) {
         cost.transposes += 2.0 * v.points * v.components * passes * steps;
         cost.written_B = written_B(c, static_cast<double>(mesh.levels()));
     }
+    if (e.all_to_alls > 0.0) {
+        cost.compute_s = e.seconds * machine_.spectral_factor; // it steps, too
+        cost.transposes = e.all_to_alls;
+        cost.plane_B = e.all_to_all_B;
+    }
     return known_[&c] = cost;
 }
 

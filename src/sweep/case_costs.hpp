@@ -14,8 +14,8 @@ namespace shearwake {
 struct CaseCost {
     double compute_s = 0.0;  // on one rank of this machine
     double shared_s = 0.0;   // once per medium and grid, on one rank
-    double transposes = 0.0; // of one plane of the grid, each an all-to-all of the team
-    double plane_B = 0.0;
+    double transposes = 0.0; // each an all-to-all of the team
+    double plane_B = 0.0;    // of all ranks in one of them, mostly a plane of the grid
     double written_B = 0.0;
     int useful_ranks = 1;
 };

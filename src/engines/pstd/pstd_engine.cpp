@@ -4,6 +4,7 @@
 #include "engines/pstd/case_load.hpp"
 #include "engines/pstd/case_step.hpp"
 #include "engines/pstd/displacement_volumes.hpp"
+#include "engines/pstd/estimate.hpp"
 #include "engines/pstd/frames.hpp"
 #include "engines/pstd/study_run.hpp"
 #include "parallel/agree.hpp"
@@ -112,10 +113,9 @@ Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     const double coefficients = c.medium.bodies.empty() && !c.medium.map ? 0.0 : lossy ? 13.0 : 8.0;
     const double kept = c.record.volumes_s.empty() ? 0.0 : 3.0 * sizeof(double);
     const double per_point = bytes * (values + coefficients) + sizeof(NodeMaterial) + kept;
-    Estimate e;
+    Estimate e = estimate_steps(
+        {points, static_cast<double>(c.time.frames * step.per_frame), lossy, single});
     e.memory_per_rank_B = 60e6 + per_point * points / ranks;
-    e.seconds = points * static_cast<double>(c.time.frames * step.per_frame) *
-                (lossy ? 90e-9 : 55e-9) * (single ? 0.6 : 1.0);
     e.useful_ranks = static_cast<int>(std::min(grid.points[0], grid.points[1]));
     return e;
 }

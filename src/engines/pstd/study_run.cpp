@@ -1,6 +1,7 @@
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
+#include "engines/pstd/estimate.hpp"
 #include "engines/pstd/frames.hpp"
 #include "engines/pstd/sensor.hpp"
 #include "model/check_study.hpp"
@@ -137,7 +138,7 @@ Estimate estimate_study(const Case& c, int ranks) {
     const GridStudy& study = study_of(c);
     const auto points = static_cast<double>(study.size());
     const bool single = std::get<PstdOptions>(c.solver).precision == Precision::single_precision;
-    Estimate e;
+    Estimate e = estimate_steps({points, static_cast<double>(study.steps), study.lossy(), single});
     double held = 0.0;
     for (const auto* values :
          {&study.density_kg_m3, &study.c_p_m_s, &study.c_s_m_s, &study.chi_Pa_s, &study.eta_Pa_s})
@@ -146,8 +147,6 @@ Estimate estimate_study(const Case& c, int ranks) {
         held += static_cast<double>(source.series.size() + 5 * source.nodes.size());
     e.memory_per_rank_B =
         60e6 + 8.0 * held + (single ? 4.0 : 8.0) * (study.lossy() ? 52.0 : 38.0) * points / ranks;
-    e.seconds = points * static_cast<double>(study.steps) * (study.lossy() ? 90e-9 : 55e-9) *
-                (single ? 0.6 : 1.0);
     e.useful_ranks = static_cast<int>(std::min(study.points[0], study.points[1]));
     return e;
 }

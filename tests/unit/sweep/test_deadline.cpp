@@ -63,6 +63,27 @@ TEST_CASE("a case costs what its parts cost", "[costs]") {
     CHECK(seconds_on(cost, 1000, 1, machine) == seconds_on(cost, 100, 1, machine));
 }
 
+TEST_CASE("each step of engine pstd takes four all-to-alls of its grid", "[costs]") {
+    PlannedCase planned{"a",
+                        test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0}),
+                        {},
+                        false,
+                        ""};
+    planned.physics.time = {20, 1e-3};
+    const auto cost_in = [&](Precision precision, double viscosity_Pa_s) {
+        planned.physics.medium.layers[0].loss = KelvinVoigt{viscosity_Pa_s};
+        planned.physics.solver = PstdOptions{.time_step_s = 1e-5, .precision = precision};
+        return CaseCosts({&planned}, {}).of(planned.physics);
+    };
+    const CaseCost in_double = cost_in(Precision::double_precision, 1.0),
+                   in_single = cost_in(Precision::single_precision, 1.0),
+                   lossless = cost_in(Precision::double_precision, 0.0);
+    CHECK(in_double.transposes == 4.0 * 2000.0);
+    CHECK(in_single.plane_B == 0.5 * in_double.plane_B);
+    CHECK(lossless.plane_B == Approx(in_double.plane_B / 1.5));
+    CHECK(lossless.compute_s < in_double.compute_s);
+}
+
 TEST_CASE("a dozen cases of a sweep are probed, the others take the step of the nearest",
           "[costs]") {
     std::vector<PlannedCase> planned;
