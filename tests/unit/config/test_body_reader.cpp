@@ -123,7 +123,7 @@ TEST_CASE("a mistake in a body stands in its place", "[config][body]") {
          "job.toml:29:9: error: medium.body[1].shape is of no other material than what is around "
          "it: give density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s or a preset"},
         {"c_s_m_s = 9.0", "c_s_m_s = -9",
-         "job.toml:32:11: error: medium.body[1].c_s_m_s must be above 0, and is -9"},
+         "job.toml:32:11: error: medium.body[1].c_s_m_s must be at least 0, and is -9"},
         {"c_s_m_s = 9.0", "c_s_m_s = 1400.0",
          "job.toml:32:11: error: medium.body[1].c_s_m_s makes c_p = 1500 and c_s = 1400 m/s in "
          "layer \"tissue\": c_p must be above 1616.58, 1.1547 times c_s (a positive bulk modulus)"},
