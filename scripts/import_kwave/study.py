@@ -185,14 +185,16 @@ class Study:
         record = sensor.texts("record", ["p"])
         fields = []
         for word in record:
-            if word in ("p", "p_final", "p_max", "p_rms"):
+            if word in FIELDS:  # more than k-Wave itself keeps
+                fields.append(word)
+            elif word in ("p", "p_final", "p_max", "p_rms"):
                 fields += ["sxx", "syy", "szz"]  # p is minus their mean
             elif word.startswith("u"):
                 fields += ["ux", "uy", "uz"]
                 if word != "u":
                     self.notes.append(f"sensor.record {word}: u is kept, at its staggered places")
             else:
-                raise BadInput(f"sensor.record {word} is not known: p and u are")
+                raise BadInput(f"sensor.record {word} is not known: p, u and {', '.join(FIELDS)} are")
         self.sensor_fields = [field for field in FIELDS if field in fields]
         self.sensor_start = int(sensor.number("record_start_index", 1.0))
         if "mask" not in sensor:

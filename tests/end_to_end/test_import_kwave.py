@@ -126,6 +126,13 @@ class Studies(ImportTest):
             numpy.testing.assert_array_equal(study["sensor/nodes"][0],
                                              reference("a_additive_pml10")["points_ijk0"][0] + [4, 5, 6])
 
+    def test_any_field_can_be_kept(self):
+        with self.study({"sensor": {"record": ["syz", "uy", "sxy"]}}) as study:
+            self.assertEqual(study["sensor"].attrs["fields"], b"uy sxy syz")
+        of = reference("a_additive_pml10")
+        self.shearwake("run", "study.toml", ranks=2)
+        self.assertLess(self.worst(of, ("uy", "sxy", "syz")), 1e-12)
+
     def test_initial_pressure_comes_in_two_steps(self):
         p0 = numpy.zeros(POINTS)
         p0[10, 11, 12] = 7.0
