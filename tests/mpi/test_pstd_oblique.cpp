@@ -1,4 +1,4 @@
-#include "engines/pstd/recording.hpp"
+#include "support/pstd_recording.hpp"
 #include "support/worst.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-#include "engines/pstd/recording.hpp"
+#include "support/pstd_recording.hpp"
 #include "support/pstd_reference.hpp"
 #include "support/worst.hpp"
 

@@ -1,5 +1,5 @@
 // The stress at receptors that the spectral engine gives, on any number of ranks.
-#include "support/cases.hpp"
+#include "support/spectral_cases.hpp"
 #include "support/stop_at.hpp"
 #include "support/stress_store.hpp"
 
@@ -13,20 +13,9 @@ using namespace shearwake;
 namespace {
 
 Case small_case(double contrast) {
-    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.medium.base = Base::rigid;
-    c.medium.layers[0].thickness_m = 4e-3;
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-3e-3, 0.0}, {200e-3, 0.0}};
-    if (contrast > 1.0)
-        c.medium.bodies = {{.name = "body",
-                            .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
-                            .centre_m = {1e-3, 2e-3, 2e-3},
-                            .c_s_m_s = 5.0 * std::sqrt(contrast)}};
-    c.domain = {18, 14, 1e-3, 0.0}; // on 5 ranks slabs differ
-    c.time = {4, 100e-6};
+    Case c = test::thin_layer(contrast);
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
-    c.solver = SpectralOptions{.time_step_s = 50e-6};
     return c;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engines/pstd/recording.hpp"
+#include "support/pstd_recording.hpp"
 
 #include <functional>
 

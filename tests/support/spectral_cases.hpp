@@ -44,6 +44,23 @@ inline Body small_body(double contrast) {
     return body;
 }
 
+/// A 4 mm layer with a lump of so many times its shear stiffness (1: none), in steps of 50 us.
+inline Case thin_layer(double contrast) {
+    Case c = moving_focus(half_space(tissue(1500.0, 1.0)), ConstantSpeed{7.0});
+    c.medium.base = Base::rigid;
+    c.medium.layers[0].thickness_m = 4e-3;
+    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-3e-3, 0.0}, {200e-3, 0.0}};
+    if (contrast > 1.0)
+        c.medium.bodies = {{.name = "body",
+                            .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
+                            .centre_m = {1e-3, 2e-3, 2e-3},
+                            .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+    c.domain = {18, 14, 1e-3, 0.0}; // on 5 ranks slabs differ
+    c.time = {4, 100e-6};
+    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    return c;
+}
+
 inline double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
     double above = 0.0, below = 0.0;
     for (std::size_t i = 0; i < a.size(); ++i) {

@@ -36,24 +36,4 @@ std::vector<double> values_in(const Stepper<Real>& stepper, Field field, const B
     return values_at<Real>(stepper, field, nodes, team);
 }
 
-/// Displacement from velocity: after step n, the sum of dt u over n steps is that of time n dt to
-/// second order, since velocities stand in the middle of their steps. On this rank's slab.
-template <class Real>
-class Displacement {
-public:
-    explicit Displacement(Field velocity) : velocity_(velocity) {}
-    /// After every step. Not collective.
-    void add(const Stepper<Real>& stepper) {
-        const std::span<const Real> u = stepper.total(velocity_);
-        values_m_.resize(u.size());
-        for (std::size_t i = 0; i < u.size(); ++i)
-            values_m_[i] += stepper.slabs().grid.dt_s * static_cast<double>(u[i]);
-    }
-    std::span<const double> values_m() const { return values_m_; } // as Stepper::total
-
-private:
-    Field velocity_;
-    std::vector<double> values_m_;
-};
-
 } // namespace shearwake::pstd
