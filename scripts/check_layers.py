@@ -1,84 +1,244 @@
 #!/usr/bin/env python3
-"""Holds every include to the layers of the program: own folder and lower folders only.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checks that all #include lines respect the layers of the program.
 
-Usage: check_layers.py [SRC] (default: src beside this script). Prints each breach as
-file:line and exits 1 if there is one. Tests and analysis/reduce are checked as well.
+Usage: check_layers.py [ROOT] (default: the folder above this script). Prints each error with file and line,
+and exits 1 if there is one.
+
+${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt: a folder that the
+registry does not include is an error, as is a file outside of an engine's folder that includes one of its
+headers; the registry and benchmarks may.
+
+A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
+cmake/components.cmake. It may include its own headers and those of the folders that it lists:
+PUBLIC ones everywhere, PRIVATE ones in .cpp files only. The lists must be complete, must not contain
+unused entries, and must not form a cycle. To include a header of a library, or to use one of its
+functions, a component must list the library. Tests may include every component, but no component may
+include tests.
 """
 import re
 import sys
 from pathlib import Path
 
-# Lowest first; folders of one row are siblings and never include each other.
-LAYERS = [
-    ["base"],
-    ["model"],
-    ["parallel"],
-    ["fft"],
-    ["config", "engines", "measures", "neural", "acoustics", "io"],
-    ["reduce"],  # analysis/reduce: reads case files, writes tables
-    ["sweep"],
-    ["main.cpp"],
-]
-
-# Third-party headers and the only places that may include them.
-ALLOWED = [
-    (r"mpi\.h", ["parallel/", "fft/slab_transform", "io/h5"]),
-    (r"fftw3.*\.h", ["fft/"]),
-    (r"hdf5\.h|H5.*\.h", ["io/"]),
-    (r"toml\+\+/.*", ["config/"]),
-    (r"Eigen/.*", ["engines/", "neural/"]),
-    (r"Random123/.*", ["neural/"]),
-    (r"CLI/.*", ["sweep/", "main.cpp"]),
-    (r"nlohmann/.*", ["io/", "reduce/", "sweep/"]),
-    (r"spdlog/.*", ["base/", "sweep/", "main.cpp"]),
-]
-
-INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
-
-
-def level(folder):
-    for number, row in enumerate(LAYERS):
-        if folder in row:
-            return number
-    return None
+# Libraries with the patterns of their headers and of their names. Every other header in angle brackets must
+# belong to the standard library, POSIX or fmt.
+LIBRARIES = {
+    "MPI::MPI_C": (r"mpi\.h", r"MPI_\w+"),
+    "FFTW::FFTW": (r"fftw3(-mpi)?\.h", r"fftwf?_\w+"),
+    "HDF5::HDF5": (r"hdf5(_hl)?\.h", r"H5[A-Z]{1,2}\w+"),
+    "tomlplusplus::tomlplusplus": (r"toml\+\+/.*\.h", r"toml::\w+"),
+    "Random123::Random123": (r"Random123/.*", r"r123::\w+"),
+    "xxhash::xxhash": (r"xxhash\.h", r"XXH\w+"),
+    "Eigen3::Eigen": (r"Eigen/\w+", r"Eigen::\w+"),
+    "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
+    "nlohmann_json::nlohmann_json": (r"nlohmann/json\.hpp", r"nlohmann::\w+"),
+}
+STANDARD = set("""
+    algorithm any array atomic bit cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits clocale cmath
+    compare complex concepts condition_variable csignal cstdarg cstddef cstdint cstdio cstdlib cstring ctime
+    deque exception execution filesystem forward_list fstream functional future initializer_list iomanip ios
+    iosfwd iostream istream iterator latch limits list locale map memory memory_resource mutex new numbers
+    numeric optional ostream queue random ranges ratio regex set shared_mutex source_location span sstream
+    stack stdexcept stop_token streambuf string string_view system_error thread tuple type_traits typeindex
+    typeinfo unordered_map unordered_set utility valarray variant vector version
+    dirent.h dlfcn.h emmintrin.h fcntl.h immintrin.h malloc.h poll.h sched.h signal.h time.h unistd.h x86intrin.h sys/file.h sys/mman.h
+    sys/prctl.h sys/resource.h sys/stat.h sys/statvfs.h sys/time.h sys/types.h sys/utsname.h sys/vfs.h
+    sys/wait.h linux/magic.h fmt/core.h fmt/format.h fmt/ranges.h fmt/std.h fmt/chrono.h""".split())
+GENERATED = {"git_id.hpp"}  # by the build
+KEYWORDS = ("UNITED", "ALONE", "FAST", "KERNELS", "PUBLIC", "PRIVATE")
 
 
-def breaches(root, path):
-    relative = path.relative_to(root).as_posix()
-    folder = relative.split("/")[0]
-    mine = level(folder)
-    if mine is None:
-        yield 1, f"{folder} has no layer"
-        return
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        match = INCLUDE.match(line)
-        if not match:
-            continue
-        kind, header = match.groups()
-        if kind == "<":
-            for pattern, places in ALLOWED:
-                if re.fullmatch(pattern, header) and not any(relative.startswith(p) for p in places):
-                    yield number, f"<{header}> belongs to {', '.join(places)} only"
-            continue
-        other = header.split("/")[0]
-        theirs = level(other)
-        if header == "git_id.hpp":
-            continue
-        if theirs is None:
-            yield number, f'"{header}" is in no layer; write includes from src/ on'
-        elif theirs > mine or (theirs == mine and other != folder):
-            yield number, f'{folder} must not include {other} ("{header}")'
+class Component:
+    def __init__(self, folder, text, engines):
+        self.folder = folder
+        self.lists = {keyword: [] for keyword in KEYWORDS}
+        call = re.search(r"^shearwake_component\(([^)]*)\)", text, re.M)
+        mode = None
+        for word in re.sub(r"#.*", "", call.group(1)).split() if call else ():
+            if word in KEYWORDS:
+                mode = word
+            elif mode:
+                self.lists[mode] += engines if word == "${SHEARWAKE_ENGINES}" else [word]
+        self.found = call is not None
+
+    def sources(self):
+        return [name for keyword in KEYWORDS[:4] for name in self.lists[keyword]]
+
+    def may_use(self, dependency, suffix):
+        return dependency in self.lists["PUBLIC"] or (
+            suffix == ".cpp" and dependency in self.lists["PRIVATE"])
+
+
+def without_comments(text):
+    """The text with joined line continuations and without comments and string literals, except for the names
+    in include lines. Line numbers are preserved."""
+    pattern = re.compile(
+        r'//[^\n]*|/\*.*?\*/|(?P<include>^[ \t]*(?:#|%:|\?\?=)[^\n]*)|R"(?P<d>[^(\s]*)\(.*?\)(?P=d)"'
+        r'''|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])*\'''', re.S | re.M)
+
+    def replace(match):
+        if match.group("include"):
+            return re.sub(r"//.*|/\*.*?\*/", " ", match.group(0))
+        return "\n" * match.group(0).count("\n") or " "
+
+    joined = re.sub(r"\\\n((?:[^\n]*\\\n)*)", lambda m: m.group(1).replace("\\\n", ""), text)
+    return pattern.sub(replace, joined)
+
+
+def included(text):
+    """Line number and argument of each directive that includes a file; the argument is None if the directive
+    does not name the file literally."""
+    for number, line in enumerate(text.splitlines(), 1):
+        match = re.match(r"\s*(?:#|%:|\?\?=)\s*(include|include_next|import|embed)\b(.*)", line)
+        if match:
+            plain = re.fullmatch(r'\s*("[^"]+"|<[^>]+>)\s*', match.group(2))
+            yield number, plain.group(1) if plain and match.group(1) == "include" else None
+        elif re.match(r"\s*(export\s+)?(import|module)\b[^=(]*;", line):
+            yield number, None
+
+
+class Tree:
+    def __init__(self, root):
+        self.root, self.source = root, root / "src"
+        self.components = {}
+        self.engines = sorted(path.parent.relative_to(self.source).as_posix()
+                              for path in self.source.glob("engines/*/CMakeLists.txt")
+                              if path.parent.name != "registry")
+        for path in sorted(self.source.rglob("CMakeLists.txt")):
+            folder = path.parent.relative_to(self.source).as_posix()
+            if folder != ".":
+                self.components[folder] = Component(folder, path.read_text(encoding="utf-8"), self.engines)
+
+    def errors(self):
+        yield from self.errors_of_lists()
+        yield from self.cycles()
+        for top in ("src", "tests"):
+            for path in sorted((self.root / top).rglob("*")):
+                if path.suffix in (".cpp", ".hpp"):
+                    yield from self.errors_of_file(path)
+                elif path.suffix in (".h", ".cc", ".cxx", ".hh", ".hxx", ".ipp", ".inl", ".inc", ".tpp", ".c"):
+                    yield path, 1, "source files end in .cpp and headers in .hpp"
+
+    def errors_of_lists(self):
+        for folder, component in self.components.items():
+            lists = self.source / folder / "CMakeLists.txt"
+            if not component.found:
+                yield lists, 1, "does not call shearwake_component()"
+            used = self.used_by(folder)
+            for keyword in ("PUBLIC", "PRIVATE"):
+                for dependency in component.lists[keyword]:
+                    if dependency not in self.components and dependency not in LIBRARIES:
+                        yield lists, 1, f"{dependency} is neither a component nor a known library"
+                    elif keyword not in used.get(dependency, ()):
+                        yield lists, 1, f"{dependency} is listed as {keyword}, but is not used in that way"
+            here = {path.stem for path in (self.source / folder).glob("*.cpp")} - {"main"}
+            for name in sorted(here.symmetric_difference(component.sources())):
+                yield lists, 1, f"{name}.cpp is {'not listed' if name in here else 'listed, but does not exist'}"
+
+    def used_by(self, folder):
+        """How each dependency is used: PUBLIC if a header uses it, PRIVATE if only .cpp files do."""
+        used = {}
+        for path in sorted((self.source / folder).glob("*.[ch]pp"), key=lambda p: p.suffix != ".hpp"):
+            for _, name in included(without_comments(path.read_text(encoding="utf-8"))):
+                dependency = name and (name[1:-1].rpartition("/")[0] if name[0] == '"' else library(name[1:-1]))
+                if dependency:
+                    used.setdefault(dependency, "PUBLIC" if path.suffix == ".hpp" else "PRIVATE")
+        return used
+
+    def cycles(self):
+        done, path = set(), []
+
+        def visit(folder):
+            if folder in path:
+                ring = " -> ".join([*path[path.index(folder):], folder])
+                yield self.source / folder / "CMakeLists.txt", 1, f"components depend on each other: {ring}"
+            elif folder not in done and folder in self.components:
+                path.append(folder)
+                lists = self.components[folder].lists
+                for dependency in lists["PUBLIC"] + lists["PRIVATE"]:
+                    yield from visit(dependency)
+                path.pop()
+                done.add(folder)
+
+        for folder in self.components:
+            yield from visit(folder)
+
+    def errors_of_file(self, path):
+        relative = path.relative_to(self.root)
+        folder = relative.parent.relative_to(relative.parts[0]).as_posix()
+        in_tests = relative.parts[0] == "tests"
+        component = None if in_tests else self.components.get(folder)
+        if not in_tests and component is None:
+            yield path, 1, f"src/{folder} is not a component: it has no CMakeLists.txt"
+            return
+        text = without_comments(path.read_text(encoding="utf-8"))
+        for number, name in included(text):
+            if name is None:
+                yield path, number, 'unsupported directive: write #include "..." or #include <...>'
+            elif name[0] == '"':
+                message = self.project_header(name[1:-1], path, component)
+                if message:
+                    yield path, number, message
+            else:
+                message = self.library_header(name[1:-1], path, component)
+                if message:
+                    yield path, number, message
+        if component:
+            yield from self.names(text, path, component)
+
+    def project_header(self, header, path, component):
+        if component and header in GENERATED:
+            return None
+        where, _, _ = header.rpartition("/")
+        if not component and (self.root / "tests" / header).is_file():
+            return None
+        if ".." in Path(header).parts or where not in self.components or not (self.source / header).is_file():
+            return f'"{header}" is not a header of a component; write its path relative to src'
+        if component and self.engine_of(where) not in (None, self.engine_of(component.folder)) and \
+                component.folder not in ("engines/registry", "bench"):
+            return f'"{header}": only the registry and benchmarks may include headers of an engine'
+        if component and where != component.folder and not component.may_use(where, path.suffix):
+            list_name = "PUBLIC" if path.suffix == ".hpp" else "PUBLIC or PRIVATE"
+            return f'"{header}": {component.folder} does not list {where} as {list_name}'
+        return None
+
+    def engine_of(self, folder):
+        """The engine that a component belongs to, or None."""
+        return next((e for e in self.engines if folder == e or folder.startswith(e + "/")), None)
+
+    def library_header(self, header, path, component):
+        found = library(header)
+        if found is None:
+            if header in STANDARD or (not component and header in ("catch2/catch.hpp",)):
+                return None
+            if (self.source / header).is_file() or (self.root / "tests" / header).is_file():
+                return f"<{header}> is a header of the project; write it in quotes"
+            return f"<{header}> does not belong to a library that the program uses"
+        if component and not component.may_use(found, path.suffix):
+            return f"<{header}>: {component.folder} does not list {found}"
+        return None
+
+    def names(self, text, path, component):
+        for found, (_, prefix) in LIBRARIES.items():
+            if component.may_use(found, ".cpp"):
+                continue
+            for number, line in enumerate(text.splitlines(), 1):
+                match = re.search(rf"(?<![\w:])(?:::)?{prefix}", line)
+                if match:
+                    yield path, number, f"{match.group(0)}: {component.folder} does not list {found}"
+                    break
+
+
+def library(header):
+    return next((name for name, (headers, _) in LIBRARIES.items() if re.fullmatch(headers, header)), None)
 
 
 def main():
-    source = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent / "src").resolve()
-    roots = [source, source.parent / "analysis"]
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
     found = 0
-    for root in roots:
-        for path in sorted(root.rglob("*.[ch]pp")):
-            for number, message in breaches(root, path):
-                print(f"{path}:{number}: {message}")
-                found += 1
+    for path, number, message in Tree(root).errors():
+        print(f"{path}:{number}: {message}")
+        found += 1
     return 1 if found else 0
 
 

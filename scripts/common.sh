@@ -1,7 +1,9 @@
-# What the scripts share; sourced by them, never run.
+# SPDX-License-Identifier: BSD-3-Clause
+# Functions of several scripts, which source this file.
 # shellcheck shell=sh
 
-# The first Python that has numpy and h5py: the chosen one, that of the PATH, that of the system.
+# Prints the path of the first Python that has numpy and h5py. Tries SHEARWAKE_PYTHON, then the PATH, then
+# the system's Python.
 find_python() {
     for python in "${SHEARWAKE_PYTHON:-}" python3 /usr/bin/python3; do
         if [ -n "$python" ] && "$python" -c 'import numpy, h5py' >/dev/null 2>&1; then
@@ -9,11 +11,11 @@ find_python() {
             return 0
         fi
     done
-    echo "no Python with numpy and h5py; SHEARWAKE_PYTHON may name one" >&2
+    echo "no Python with numpy and h5py found; set SHEARWAKE_PYTHON to choose one" >&2
     return 6
 }
 
-# Cores as mpirun counts them: hardware threads of one core are one, and only ours count.
+# The number of cores that mpirun counts: physical cores that this process may use.
 count_cores() {
     cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l)
     mine=$(nproc 2>/dev/null || echo 1)
@@ -24,7 +26,7 @@ count_cores() {
     fi
 }
 
-# on_ranks N COMMAND...: mpirun as root (a container) and with fewer cores than ranks too.
+# on_ranks N COMMAND...: runs mpirun, also as root (in a container) and with fewer cores than ranks.
 on_ranks() {
     ranks=$1
     shift
@@ -38,15 +40,42 @@ on_ranks() {
     fi
 }
 
-# build PRESET FOLDER [TARGET]: configures and builds without a word; says what is wrong when it
-# fails.
+# show_steps LOG: copies the output of a build to LOG and shows its progress: on a terminal a line that is
+# redrawn, elsewhere a line every 15 seconds.
+show_steps() {
+    shown=$(date +%s)
+    while IFS= read -r line; do
+        printf '%s\n' "$line" >>"$1"
+        case $line in
+        \[[0-9]*/[0-9]*\]*) steps=${line%%]*}] ;;
+        *) continue ;;
+        esac
+        if [ -t 1 ]; then
+            printf '\r\033[Kbuilding %s' "$steps"
+        elif now=$(date +%s) && [ $((now - shown)) -ge 15 ]; then
+            echo "building $steps"
+            shown=$now
+        fi
+    done
+    if [ -t 1 ]; then printf '\r\033[K'; fi
+}
+
+# build PRESET FOLDER [TARGET]: configures and builds, shows the progress, and prints the errors if the build
+# fails. SHEARWAKE_WERROR=ON in the environment turns warnings into errors; a folder that was built without
+# it is recompiled completely.
 build() {
     mkdir -p "$2"
-    if { cmake --preset "$1" && cmake --build --preset "$1" --target "${3:-all}"; } \
-        >"$2/build.log" 2>&1; then
+    : >"$2/build.log"
+    {
+        if cmake --preset "$1" ${SHEARWAKE_WERROR:+"-DSHEARWAKE_WERROR=$SHEARWAKE_WERROR"} &&
+            cmake --build --preset "$1" --target "${3:-all}"; then
+            echo "the build is complete"
+        fi
+    } 2>&1 | show_steps "$2/build.log"
+    if [ "$(tail -n 1 "$2/build.log")" = "the build is complete" ]; then
         return 0
     fi
     grep -m 20 -A 5 -E 'error|FAILED' "$2/build.log" >&2 || tail -n 40 "$2/build.log" >&2
-    echo "the build failed; its log: $PWD/$2/build.log" >&2
+    echo "the build failed; log: $PWD/$2/build.log" >&2
     return 1
 }

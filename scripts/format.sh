@@ -1,9 +1,10 @@
 #!/bin/sh
-# Formats every C++ file in place; with --check only says which ones would change (exit 1).
+# SPDX-License-Identifier: BSD-3-Clause
+# Formats every C++ file in place; with --check only lists the files that would change (exit 1).
 set -eu
 cd "$(dirname "$0")/.."
 clang_format=$(command -v clang-format-14 || command -v clang-format)
-# Also where root works in somebody else's clone.
+# safe.directory lets root work in a clone that belongs to another user.
 files=$(git -c safe.directory="$PWD" ls-files --cached --others --exclude-standard '*.cpp' '*.hpp')
 # shellcheck disable=SC2086 # a list of names without blanks
 if [ "${1:-}" = "--check" ]; then

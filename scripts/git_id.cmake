@@ -1,5 +1,7 @@
-# Writes the commit of the source tree into a header, and touches it only when it changes. Changes that
-# are not committed add -dirty and a hash of them: two such trees are two versions.
+# SPDX-License-Identifier: BSD-3-Clause
+# Writes the commit of the source tree to a header, which is only touched when the commit changes. For
+# uncommitted changes the id ends in -dirty and a hash of the changes, so that different trees have different
+# ids.
 cmake_policy(VERSION 3.22)
 set(GIT git -C ${SOURCE} -c safe.directory=${SOURCE})
 execute_process(COMMAND ${GIT} describe --always --dirty --abbrev=12

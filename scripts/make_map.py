@@ -1,10 +1,12 @@
-"""A map of properties for medium.map, and a pattern for your own: any arrays of shape (x, y, z)
-that write_map() takes make a map.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes a map of material properties for medium.map.
+
+For maps of your own, pass arrays of shape (x, y, z) to write_map():
 
     from make_map import write_map
     write_map("mine.h5", x_m, y_m, z_m, c_s_m_s=..., density_kg_m3=...)
 
-Run by scripts/make-map, it makes soft tissue with a stiff inclusion that fades out as a Gaussian.
+scripts/make-map runs this file to write soft tissue with a stiff inclusion of Gaussian shape.
 """
 import argparse
 import sys
@@ -16,17 +18,19 @@ UNITS = {"c_s_m_s": "m/s", "c_p_m_s": "m/s", "density_kg_m3": "kg/m3", "viscosit
 
 
 def write_map(path, x_m, y_m, z_m, **properties):
-    """Coordinates in m, regular and ascending, z the depth; a single one along an axis means that
-    nothing changes along it. Properties by the keys of UNITS, each of shape (x, y, z); those that
-    are not given are the layer's. An existing file is replaced."""
+    """Writes a map. The coordinates in m must be uniformly spaced and ascending; z is the depth. With a
+    single coordinate along an axis, the properties are constant along it. The properties, named by the keys
+    of UNITS, have the shape (x, y, z); those that are not specified are taken from the layers. An existing
+    file is replaced."""
     coordinates = {"x_m": x_m, "y_m": y_m, "z_m": z_m}
     shape = tuple(len(values) for values in coordinates.values())
     unknown = sorted(set(properties) - set(UNITS))
     if unknown or not properties:
-        raise ValueError(f"a map holds {', '.join(UNITS)}; not {', '.join(unknown) or 'nothing'}")
+        raise ValueError(f"{'unknown property ' + ', '.join(unknown) if unknown else 'no property is specified'}; "
+                         f"the properties are {', '.join(UNITS)}")
     for name, values in properties.items():
         if np.shape(values) != shape:
-            raise ValueError(f"{name} has the shape {np.shape(values)}, the coordinates {shape}")
+            raise ValueError(f"{name} has the shape {np.shape(values)}; the coordinates require {shape}")
     with h5py.File(path, "w") as file:
         for name, values in coordinates.items():
             file[name] = np.asarray(values, dtype=float)
@@ -40,7 +44,7 @@ def write_map(path, x_m, y_m, z_m, **properties):
 
 
 def gaussian(x_m, y_m, z_m, center_m, fwhm_m):
-    """1 at the centre, 1/2 at half a FWHM from it along x, y or z; of shape (x, y, z)."""
+    """A Gaussian of shape (x, y, z) with the value 1 at the centre and the given widths along x, y and z."""
     def along(at_m, number):
         return np.exp(-4.0 * np.log(2.0) * ((np.asarray(at_m) - center_m[number]) / fwhm_m[number]) ** 2)
 
@@ -48,32 +52,33 @@ def gaussian(x_m, y_m, z_m, center_m, fwhm_m):
 
 
 def inclusion_c_s_m_s(share, around_m_s, inside_m_s):
-    """c_s when the stiffness rho c_s^2, at one density, goes from that around to that inside."""
+    """c_s for a constant density if `share` interpolates the stiffness rho c_s^2 between the surroundings (0)
+    and the inclusion (1)."""
     return np.sqrt(around_m_s ** 2 + share * (inside_m_s ** 2 - around_m_s ** 2))
 
 
 def options():
     parser = argparse.ArgumentParser(
         prog="make-map", formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-        description="Makes a map for medium.map: soft tissue with a stiff inclusion that fades out as "
-                    "a Gaussian. Only c_s is mapped; the rest stays that of the layers.")
+        description="Writes a map for medium.map: soft tissue with a stiff inclusion of Gaussian shape. The map "
+                    "contains only c_s; all other properties are those of the layers.")
     add = parser.add_argument
-    add("file", help="the HDF5 file to write; an existing one is replaced")
+    add("file", help="HDF5 file to write; an existing file is replaced")
     add("--extent_mm", type=float, nargs=2, default=[96.0, 64.0], metavar=("X", "Y"),
-        help="width of the map about the origin: that of the domain")
+        help="extents of the map, centred at the origin: those of the domain")
     add("--depth_mm", type=float, default=20.0, help="depth of the map: that of the layers")
-    add("--spacing_mm", type=float, default=0.75, help="distance of the map's points, at most")
+    add("--spacing_mm", type=float, default=0.75, help="largest distance between points of the map")
     add("--center_mm", type=float, nargs=3, default=[0.0, 0.0, 6.0], metavar=("X", "Y", "Z"),
         help="centre of the inclusion")
     add("--fwhm_mm", type=float, nargs=3, default=[8.0, 8.0, 6.0], metavar=("X", "Y", "Z"),
         help="full width at half maximum of the stiffness")
-    add("--c_s_m_s", type=float, default=5.0, help="shear speed around")
-    add("--inside_m_s", type=float, default=15.0, help="shear speed at the inclusion's centre")
+    add("--c_s_m_s", type=float, default=5.0, help="shear wave speed of the surroundings")
+    add("--inside_m_s", type=float, default=15.0, help="shear wave speed at the centre of the inclusion")
     chosen = parser.parse_args()
     lengths = [*chosen.extent_mm, chosen.depth_mm, chosen.spacing_mm, *chosen.fwhm_mm,
                chosen.c_s_m_s, chosen.inside_m_s]
     if not all(np.isfinite(length) and length > 0.0 for length in lengths):
-        parser.error("extents, depth, spacing, widths and speeds must be above 0")
+        parser.error("extents, depth, spacing, widths and speeds must be greater than 0")
     return chosen
 
 

@@ -1,182 +1,148 @@
 #!/usr/bin/env python3
-"""Runs every test of a build and counts test cases over all runners.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the tests of a build with CTest and counts test cases over all groups.
 
-Usage: run_tests.py BUILD [WORD ...]     WORD: only the groups whose name holds one of these words
+Usage: run_tests.py BUILD [-L LABEL] [WORD ...]     WORD: only groups whose name contains one of the words
 
-A heading a group, the text of each failure, and last of all one line `N passed, N failed`; exit 1
-if one failed. A runner that crashes, hangs or yields no count is a failure. What the runners said
-stays in BUILD/test-results.
+Prints the running groups, then for each group a line and the text of each failure, and finally the line
+`N passed, N failed`; exit 1 if a test failed. A group that crashes, hangs or reports no count is a failure.
+The output of the groups is kept in BUILD/test-results.
 """
+import argparse
 import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import threading
 import time
-import xml.etree.ElementTree as ElementTree
-from concurrent.futures import ThreadPoolExecutor
+import xml.etree.ElementTree as xml
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-
-# Runs one file of Python tests and writes what became of each.
-UNITTEST = """
-import json, pathlib, sys, unittest
-path, out = pathlib.Path(sys.argv[1]), sys.argv[2]
-sys.path.insert(0, str(path.parent))
-suite = unittest.defaultTestLoader.loadTestsFromName(path.stem)
-result = unittest.TextTestRunner(verbosity=2).run(suite)
-bad = [(str(test), text) for test, text in result.failures + result.errors]
-bad += [(str(test), 'passed unexpectedly') for test in result.unexpectedSuccesses]
-skipped = [(str(test), reason) for test, reason in result.skipped]
-passed = max(0, result.testsRun - len({name for name, _ in bad}) - len(skipped))
-json.dump({'passed': passed, 'failed': bad, 'skipped': skipped}, open(out, 'w'))
-"""
+from test_runner.progress import Progress
+from test_runner.screen import Screen
 
 
-class Group:
-    def __init__(self, name, command, count, timeout_s, *, beside=False):
-        self.name, self.command, self.count, self.timeout_s = name, command, count, timeout_s
-        self.beside = beside  # on one core: one of these runs beside all the others
-
-
-def mpirun(ranks):
-    """As root and with fewer cores than ranks too; unbound and yielding, since others may use the
-    cores (two ranks beside another program took six times as long as one)."""
-    return ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1", "-n",
-            str(ranks)]
-
-
-def words(element):
-    """What Catch2 says of one assertion that failed, or of an exception."""
-    at = f"{element.get('filename', '?')}:{element.get('line', '?')}"
-    parts = [" ".join((child.text or "").split()) for child in element.iter() if child is not element]
-    own = " ".join((element.text or "").split())
-    return f"    {at}: " + "\n        ".join(part for part in [own, *parts] if part)
-
-
-def count_catch(path):
-    """Verdicts of Catch2's XML reports, one a rank: a case passes when it passes on all ranks."""
-    verdicts, texts, broken = {}, [], []
-    for report in sorted(path.parent.glob(path.name + "*")):
-        ended = False
+def working_children(parent):
+    """The child processes of `parent` that have not ended."""
+    found = []
+    for entry in os.listdir("/proc"):
         try:
-            for _, element in ElementTree.iterparse(report):
-                ended = ended or element.tag == "OverallResults"
-                if element.tag != "TestCase":
-                    continue
-                name = element.get("name")
-                fine = element.find("OverallResult").get("success") == "true"
-                if not fine and verdicts.get(name, True):
-                    bad = [e for e in element.iter("Expression") if e.get("success") == "false"]
-                    bad += [tag for kind in ("Exception", "Failure", "FatalErrorCondition")
-                            for tag in element.iter(kind)]
-                    texts.append("\n".join([f"  {name}", *map(words, bad)]))
-                verdicts[name] = verdicts.get(name, True) and fine
-        except ElementTree.ParseError:
-            pass
-        if not ended:
-            broken.append(f"  {report.name} ends too early")
-    if not verdicts:
-        broken.append("  it yields no count")
-    passed = sum(verdicts.values())
-    return passed, len(verdicts) - passed, texts, broken
+            with open(f"/proc/{int(entry)}/stat", encoding="utf-8", errors="replace") as file:
+                state, of = file.read().rpartition(")")[2].split()[:2]
+        except (ValueError, OSError):
+            continue  # not a process, or a process that has just ended
+        if int(of) == parent and state != "Z":
+            found.append(int(entry))
+    return found
 
 
-def count_unittest(path):
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return 0, 0, [], ["  it yields no count"]
-    for name, reason in result["skipped"]:
-        print(f"  skipped {name}: {reason}")
-    failed = result["failed"]
-    texts = [f"  {name}\n" + re.sub("(?m)^", "    ", text) for name, text in failed]
-    return result["passed"], len({name for name, _ in failed}), texts, []
+class Watcher:
+    """Reads the files that groups.py writes, and passes their content to the screen."""
 
+    def __init__(self, results, screen):
+        self.results, self.screen = results, screen
+        self.running, self.ended = {}, {}  # by stem of the files
+        for kind in ("running", "result"):
+            for old in results.glob(f"*.{kind}"):
+                old.unlink()
 
-def run(command, log, timeout_s):
-    """Exit code, or None when it hung; the whole process group ends with it."""
-    with open(log, "w", encoding="utf-8") as out:
-        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=out,
-                                   stderr=subprocess.STDOUT, start_new_session=True, cwd=ROOT)
+    def look(self):
+        for path in sorted(self.results.glob("*.running")):
+            if path.stem not in self.running:
+                content = self.read(path)
+                if content:
+                    progress = Progress(path.with_suffix(".progress"))
+                    self.running[path.stem] = content["pid"], progress
+                    self.screen.started(content["name"], progress)
+        for path in sorted(self.results.glob("*.result")):
+            if path.stem not in self.ended:
+                self.ended[path.stem] = result = self.read(path)
+                self.screen.ended(result["name"], result["text"])
+        for stem, (_, progress) in self.running.items():
+            if stem not in self.ended:
+                progress.poll()
+        self.screen.refresh()
+
+    @staticmethod
+    def read(path):
         try:
-            return process.wait(timeout_s)
-        except subprocess.TimeoutExpired:
-            for kind in (signal.SIGTERM, signal.SIGKILL):
-                os.killpg(process.pid, kind)  # mpirun takes its ranks with it
-                try:
-                    process.wait(10)
-                    break
-                except subprocess.TimeoutExpired:
-                    continue
+            return json.loads(path.read_text(encoding="utf-8"))
+        except FileNotFoundError:  # the group has ended meanwhile
             return None
 
+    def stop(self, ctest):
+        """Stops ctest, so that it starts no more groups, and ends the running groups with their processes."""
+        os.kill(ctest, signal.SIGSTOP)
+        for pid in working_children(ctest):
+            os.kill(pid, signal.SIGTERM)
+        last = time.monotonic() + 30.0
+        while working_children(ctest) and time.monotonic() < last:
+            self.look()
+            time.sleep(0.1)
+        os.kill(ctest, signal.SIGKILL)
 
-def run_group(group, results):
-    if not group.beside:
-        print(f"== {group.name}", flush=True)
-    stem = results / re.sub(r"\W+", "-", group.name)
-    log, report = stem.with_suffix(".log"), stem.with_suffix(".report")
-    for old in results.glob(report.name + "*"):
-        old.unlink()
-    began = time.monotonic()
-    code = run([word.replace("REPORT", str(report)) for word in group.command], log, group.timeout_s)
-    passed, failed, texts, broken = (
-        group.count(report) if group.count else (int(code == 0), 0, [], []))
-    if code is None:
-        broken.insert(0, f"  it hung and was ended after {group.timeout_s} s")
-    elif code != 0 and not failed:
-        broken.insert(0, f"  it ended with exit code {code}")
-    if broken:
+
+def lost_groups(junit, results):
+    """Name and output of the groups that have no result, or a result without failures although CTest reports
+    a failure."""
+    failed = {result["name"]: result["failed"] for result in results}
+    for case in xml.parse(junit).iter("testcase"):
+        name = case.get("name")
+        if name not in failed or (case.get("status") != "run" and not failed[name]):
+            yield name, case.findtext("system-out") or ""
+
+
+def run_ctest(build, screen, stopping, selection=()):
+    """Runs CTest and returns the numbers of passed and failed tests."""
+    results = build / "test-results"
+    results.mkdir(exist_ok=True)
+    watcher = Watcher(results, screen)
+    junit = results / "ctest.xml"
+    junit.unlink(missing_ok=True)
+    command = ["ctest", "--test-dir", str(build), "--parallel", str(len(os.sched_getaffinity(0))),
+               "--output-junit", str(junit), "--no-tests=error", *selection]
+    with open(results / "ctest.log", "w", encoding="utf-8") as log:
+        with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                              start_new_session=True) as ctest:
+            while ctest.poll() is None and not stopping.is_set():
+                watcher.look()
+                time.sleep(0.1)
+            if ctest.poll() is None:
+                watcher.stop(ctest.pid)
+    watcher.look()
+    ended = list(watcher.ended.values())
+    passed, failed = sum(r["passed"] for r in ended), sum(r["failed"] for r in ended)
+    if stopping.is_set():
+        return passed, max(failed, 1)
+    if not junit.exists():
+        print(f"ctest failed; output: {log.name}")
+        return passed, failed + 1
+    if not ended and not any(xml.parse(junit).iter("testcase")):
+        print("the selection matches no group of tests")
+        return 0, 1
+    for name, text in lost_groups(junit, ended):
+        print(f"FAILED  {name} left no result\n" + re.sub("(?m)^", "    | ", text))
         failed += 1
-        tail = log.read_text(encoding="utf-8", errors="replace").splitlines()[-40:]
-        texts.append("\n".join([f"  {group.name} as a whole", *broken, *("    | " + t for t in tail)]))
-    said = [f"== {group.name}, beside the others"] if group.beside else []
-    said += [f"FAILED{text}" for text in texts]
-    said.append(f"   {passed} passed, {failed} failed, {time.monotonic() - began:.0f} s")
-    print("\n".join(said), flush=True)
     return passed, failed
 
 
-def groups_of(build, python):
-    def catch(name, ranks, timeout_s, *cases, beside=False):
-        launch = mpirun(ranks) if ranks > 1 else []
-        command = [*launch, str(build / "tests" / name), "-r", "xml", "-o", "REPORT", *cases]
-        plural = "s" if ranks > 1 else ""
-        return Group(f"{name} on {ranks} rank{plural}", command, count_catch, timeout_s, beside=beside)
-
-    groups = [Group("layers", [python, "scripts/check_layers.py"], None, 60)]
-    groups.append(catch("unit_tests", 1, 180))
-    if (build / "tests" / "verify_tests").exists():
-        groups.append(catch("verify_tests", 1, 900, beside=True))
-    if (build / "tests" / "mpi_tests").exists():
-        groups += [catch("mpi_tests", ranks, 180) for ranks in (1, 2, 3, 5)]
-        groups.append(catch("mpi_tests", 8, 180, "*any number of ranks*"))
-    for path in sorted(path for folder in ("report", "end_to_end", "faults", "slurm", "fuzz")
-                       for path in ROOT.glob(f"tests/{folder}/test_*.py")):
-        command = [python, "-c", UNITTEST, str(path), "REPORT"]
-        groups.append(Group(str(path.relative_to(ROOT)), command, count_unittest, 300,
-                            beside=path.parent.name == "report"))
-    return groups
-
-
 def main():
-    build = Path(sys.argv[1]).resolve()
-    results = build / "test-results"
-    results.mkdir(exist_ok=True)
-    os.environ.update(SHEARWAKE=str(build / "shearwake"), SHEARWAKE_PYTHON=sys.executable,
+    options = argparse.ArgumentParser(usage="run_tests.py BUILD [-L LABEL] [WORD ...]")
+    options.add_argument("build", type=Path)
+    options.add_argument("-L", dest="label")
+    options.add_argument("words", nargs="*")
+    chosen = options.parse_args()
+    selection = ["-L", f"^{re.escape(chosen.label)}$"] if chosen.label else []
+    if chosen.words:
+        selection += ["-R", "|".join(re.sub(r"([^\w/ ])", r"\\\1", word) for word in chosen.words)]
+    os.environ.update(SHEARWAKE_PYTHON=sys.executable,
                       SHEARWAKE_NEEDS_CHROMIUM="yes")  # scripts/setup --tests installs it
-    if os.geteuid() == 0:  # a container
-        os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    groups = [group for group in groups_of(build, sys.executable)
-              if not sys.argv[2:] or any(word in group.name for word in sys.argv[2:])]
-    with ThreadPoolExecutor(max_workers=1) as pool:
-        beside = [pool.submit(run_group, group, results) for group in groups if group.beside]
-        counts = [run_group(group, results) for group in groups if not group.beside]
-        counts += [future.result() for future in beside]
-    passed, failed = (sum(numbers) for numbers in zip(*counts)) if counts else (0, 0)
+    stopping = threading.Event()
+    for kind in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(kind, lambda *_: stopping.set())
+    passed, failed = run_ctest(chosen.build.resolve(), Screen(), stopping, selection)
     print(f"{passed} passed, {failed} failed")
     return 1 if failed else 0
 

@@ -1,11 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #define CATCH_CONFIG_RUNNER
 #include <catch2/catch.hpp>
+
+#include "simd/instruction_set.hpp"
 
 #include <algorithm>
 #include <mpi.h>
 #include <string>
 
+#include "progress_listener.hpp"
+
 namespace {
+
+CATCH_REGISTER_LISTENER(ProgressListener)
 
 /// Rank 0 reports where it is asked to; the others say nothing, or write `<file>.<rank>` beside it.
 std::string report_of(int rank, const std::string& file) {
@@ -21,6 +28,8 @@ int main(int argc, char** argv) {
     int rank = 0;
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     Catch::Session session;
+    if (const auto set = shearwake::simd::requested_instruction_set())
+        shearwake::simd::use_instruction_set(*set);
     int verdict = session.applyCommandLine(argc, argv);
     if (verdict == 0) {
         std::string& file = session.configData().outputFilename;

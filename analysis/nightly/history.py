@@ -1,7 +1,8 @@
-"""Every number of the past nights, in one SQLite file.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The results of all nights, in one SQLite file.
 
-SQLite and not CSV: a night is one transaction, so that a kill or a full disk leaves it whole or
-absent, and a damaged line cannot shift the columns of the others.
+SQLite is used instead of CSV because a night is one transaction: after a kill or on a full disk it is
+either complete or absent, and a damaged line cannot shift the columns of other lines.
 """
 import sqlite3
 from contextlib import closing
@@ -17,6 +18,12 @@ CREATE TABLE IF NOT EXISTS reading (night INTEGER NOT NULL REFERENCES night, job
 CREATE TABLE IF NOT EXISTS speed (night INTEGER NOT NULL REFERENCES night, name TEXT NOT NULL,
   ratio REAL NOT NULL, PRIMARY KEY (night, name));
 """
+# Parts of the names of speeds that earlier versions wrote, and the names since.
+RENAMED_SPEEDS = {"layered: its time over that of its bare FFTs": "layered: time relative to all FFTs",
+                  "spectral: its time over that of bare FFTs": "spectral: time relative to FFTs of planes",
+                  "spectral: its time over that of their rows": "spectral: time relative to FFTs of rows",
+                  "spectral: its time over that of memory": "spectral: time relative to memory traffic",
+                  ": its median case over the floor of layered": ": median case relative to FFTs of layered"}
 UNFINISHED = "unfinished"
 
 
@@ -25,18 +32,20 @@ class History:
         self._file = sqlite3.connect(path, timeout=60, isolation_level=None)
         self._file.execute("PRAGMA synchronous = FULL")
         self._file.executescript(TABLES)
+        self._file.executemany("UPDATE speed SET name = replace(name, ?1, ?2) WHERE instr(name, ?1)",
+                               RENAMED_SPEEDS.items())
 
     def close(self):
         self._file.close()
 
     def begin(self, started, git_id, host):
-        """The night's number. It counts as unfinished until `finish`."""
+        """Adds a night and returns its number. The night is unfinished until `finish`."""
         return self._file.execute("INSERT INTO night (started, git_id, host, verdict) VALUES (?, ?, ?, ?)",
                                   (started, git_id, host, UNFINISHED)).lastrowid
 
     def finish(self, night, verdict, jobs, readings, speeds):
-        """All or nothing. jobs: (name, verdict, message); readings: (job, case, column, value);
-        speeds: (name, ratio)."""
+        """Stores the results of a night in one transaction. jobs: (name, verdict, message); readings:
+        (job, case, column, value); speeds: (name, ratio)."""
         self._file.execute("BEGIN IMMEDIATE")
         try:
             for table, rows, places in (("job", jobs, 3), ("reading", readings, 4), ("speed", speeds, 2)):
@@ -58,7 +67,7 @@ class History:
         return self._rows("SELECT name, verdict, message FROM job WHERE night = ? ORDER BY rowid", night)
 
     def readings(self, job, first_night):
-        """{column: {case: {night: value}}} in the order of the names."""
+        """{column: {case: {night: value}}}"""
         found = {}
         for column, case, night, value in self._rows(
                 "SELECT column, case_name, night, value FROM reading WHERE job = ? AND night >= ?",

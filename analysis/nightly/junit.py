@@ -1,4 +1,5 @@
-"""The night as JUnit XML: a suite a job, a test a column."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes a night as JUnit XML, with one suite per job and one test per column."""
 from xml.etree import ElementTree
 
 import night
@@ -12,14 +13,14 @@ def add_case(suite, name, kind=None, message=""):
 
 
 def printable(text):
-    """XML has no place for control characters."""
+    """The text with control characters, which XML does not allow, replaced."""
     return "".join(c if c >= " " or c in "\n\t" else "?" for c in text)
 
 
 def worst_line(column):
     cell = column["cells"][0]
     return (f"{column['column']}: {cell['words']}: {cell['reference'] or '(empty)'} -> "
-            f"{cell['now'] or '(empty)'} at {cell['case']}; {len(column['cells'])} moved")
+            f"{cell['now'] or '(empty)'} at {cell['case']}; {len(column['cells'])} cases differ")
 
 
 def suite_of(root, result):

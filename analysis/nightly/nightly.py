@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""A night: runs the jobs anew, compares their tables with the baselines, keeps every number, writes
-one page and its JUnit XML. scripts/nightly builds the program and starts this."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the jobs, compares their tables with the baselines, stores all numbers in the history, and writes
+an HTML page and JUnit XML. scripts/nightly builds the program and then runs this script."""
 import argparse
 import fcntl
 import os
@@ -18,36 +19,38 @@ from history import History
 from shearwake_program import Program
 
 ROOT = Path(__file__).resolve().parents[2]
-# Over the median of the nights before, two nights running: others on the machine have changed a ratio
-# by 1.7 for one night.
+# A speed is reported as slower if its ratio exceeds the median of the earlier nights by this factor in two
+# consecutive nights. Other processes on the machine have changed a ratio by a factor of 1.7 for one night.
 SLOWER = 1.25
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds, runs the jobs, compares "
-                                     "them with their baselines; exit 5 when one differs.")
+    parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds the program, runs "
+                                     "the jobs and compares their tables with the baselines; exit 5 if one "
+                                     "differs.")
     parser.add_argument("jobs", nargs="*", metavar="JOB", help="name of a file in jobs/, or a path to one "
-                        "that ends in .toml (default: all that have a baseline)")
+                        "that ends in .toml (default: all jobs with a baseline)")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
-                        help="history, runs, page (default: out/nightly)")
+                        help="folder for history, runs and page (default: out/nightly)")
     parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
-                        help="default: tests/baselines")
-    parser.add_argument("--ranks", type=int, default=2, metavar="N", help="of a run (default: 2)")
-    parser.add_argument("--hours", type=float, default=6.0, metavar="H", help="at most for a job (default: 6)")
-    parser.add_argument("--nights", type=int, default=60, metavar="N", help="shown on the page (default: 60)")
-    parser.add_argument("--no-bench", action="store_true", help="measure no speed")
+                        help="folder of the baselines (default: tests/baselines)")
+    parser.add_argument("--ranks", type=int, default=2, metavar="N", help="ranks of each run (default: 2)")
+    parser.add_argument("--hours", type=float, default=6.0, metavar="H", help="time limit per job (default: 6)")
+    parser.add_argument("--nights", type=int, default=60, metavar="N", help="number of nights on the page "
+                        "(default: 60)")
+    parser.add_argument("--no-bench", action="store_true", help="do not measure speeds")
     parser.add_argument("--build-failed", metavar="LOG", help=argparse.SUPPRESS)
     chosen = parser.parse_intermixed_args()
     if chosen.ranks < 1 or chosen.nights < 1 or chosen.hours <= 0:
-        parser.error("--ranks, --nights and --hours want numbers above 0")
+        parser.error("--ranks, --nights and --hours must be greater than 0")
     chosen.jobs = chosen.jobs or sorted(path.stem for path in chosen.baselines.glob("*.csv"))
     if not chosen.jobs:
-        parser.error(f"{chosen.baselines} holds no baselines: name the jobs")
+        parser.error(f"{chosen.baselines} contains no baselines: specify the jobs")
     return chosen
 
 
 def lock(folder):
-    """Held until the last process of this night has ended; None when another night is at work."""
+    """The lock of this night, held until its last process has ended; None if another night is running."""
     handle = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o666)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -58,17 +61,18 @@ def lock(folder):
 
 
 def speeds_of(program, results):
-    """Ratios, and of a job: the seconds of its median case over the floor of engine layered."""
-    speeds, floor_s = program.speeds()
+    """The speeds of the engines, and per job the time of its median case over the lower bound of engine
+    layered."""
+    speeds, layered_s = program.speeds()
     for result in results:
-        if floor_s and result.seconds:
-            speeds.append((f"{result.name}: its median case over the floor of layered", result.seconds / floor_s))
+        if layered_s and result.seconds:
+            speeds.append((f"{result.name}: median case relative to FFTs of layered", result.seconds / layered_s))
     return speeds
 
 
 def slower_than_before(history, number, nights):
-    """Names of what this night and the one before were slower at than those before them, of which
-    there must be three."""
+    """Names of the speeds that were slower in this night and the night before than in the nights before
+    these two, of which there must be at least three."""
     found = []
     for name, values in history.speeds(nights[0][0]).items():
         ratios = [values[n] for n in sorted(values)]
@@ -92,14 +96,14 @@ def verdict_of(results):
 
 
 def code_of(results):
-    """5 when one differs; else the first code that is not 0."""
+    """5 if one job differs, otherwise the first code other than 0."""
     codes = [r.code for r in results]
     return 5 if 5 in codes else next((code for code in codes if code), 0)
 
 
 def broken_build(log, watched):
-    said = Path(log).read_text(encoding="utf-8", errors="replace")
-    return [night.Result(w, night.BROKEN, 1, "the build failed: " + night.last_words(said)) for w in watched]
+    output = Path(log).read_text(encoding="utf-8", errors="replace")
+    return [night.Result(w, night.BROKEN, 1, "the build failed: " + night.last_lines(output)) for w in watched]
 
 
 def the_night(chosen, watched, handle):
@@ -138,19 +142,19 @@ def main():
         chosen.out.mkdir(parents=True, exist_ok=True)
         handle = lock(chosen.out)
         if handle is None:
-            print(f"another night is at work in {chosen.out}; wait for its end, or take another --out",
+            print(f"another night is running in {chosen.out}; wait for its end, or choose another --out",
                   file=sys.stderr)
             return 6
         results, slower = the_night(chosen, watched, handle)
     except OSError as problem:
-        print(f"the night cannot go on: {problem}", file=sys.stderr)
+        print(f"the night cannot continue: {problem}", file=sys.stderr)
         return 6
     except sqlite3.Error as problem:
-        print(f"{chosen.out / 'history.sqlite'}: {problem}; if it is damaged, move it away: the next night "
-              "begins a new one", file=sys.stderr)
+        print(f"{chosen.out / 'history.sqlite'}: {problem}; if the file is damaged, move it away: the next "
+              "night creates a new one", file=sys.stderr)
         return 6
     for result in results:
-        print(f"{result.name}: {page.SAY[result.verdict]}")
+        print(f"{result.name}: {page.VERDICTS[result.verdict]}")
         if result.message:
             print("  " + result.message.strip().replace("\n", "\n  "))
     for name in slower:

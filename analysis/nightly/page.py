@@ -1,5 +1,6 @@
-"""One HTML page of a night: what moved and by how much, then the trend of every number. Nothing is
-fetched, everything is escaped."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The HTML page of a night: the numbers that differ from the baselines, then the trends of all numbers.
+The page loads nothing from elsewhere, and all text is escaped."""
 import html
 
 import night
@@ -28,12 +29,12 @@ svg { width: 100%; height: auto; display: block; } svg text { font-size: 8.5px; 
 .band { fill: #009E73; fill-opacity: .16; } .axis { fill: none; stroke: #999; stroke-width: .7; }
 code { font-size: .85rem; }
 """
-SAY = {night.EQUAL: "equal to the baseline", night.DIFFERS: "differs from the baseline",
-       night.NO_BASELINE: "has no baseline", night.BROKEN: "broke"}
+VERDICTS = {night.EQUAL: "equal to the baseline", night.DIFFERS: "differs from the baseline",
+            night.NO_BASELINE: "has no baseline", night.BROKEN: "failed"}
 
 
-def escape(words):
-    return html.escape(str(words))
+def escape(text):
+    return html.escape(str(text))
 
 
 def row(cells, tag="td"):
@@ -41,16 +42,17 @@ def row(cells, tag="td"):
 
 
 def moved_table(differences):
-    """A column a line, worst first."""
+    """One line per column that differs, largest change first."""
     if not differences.get("moved"):
         return ""
-    lines = [row(["column", "change", "baseline", "now", "case", "cases moved"], "th")]
+    lines = [row(["column", "change", "baseline", "now", "case", "cases that differ"], "th")]
     for column in differences["moved"]:
         cell = column["cells"][0]
         lines.append(row([column["column"], cell["words"], cell["reference"] or "(empty)",
                           cell["now"] or "(empty)", cell["case"],
                           f"{len(column['cells'])} of {differences['cases']}"]))
-    return f'<h3>What moved, worst first</h3><div class="scroll"><table class="moves">{"".join(lines)}</table></div>'
+    return ('<h3>Differences, largest first</h3>'
+            f'<div class="scroll"><table class="moves">{"".join(lines)}</table></div>')
 
 
 def other_differences(differences):
@@ -61,12 +63,12 @@ def other_differences(differences):
                          f"{escape('; '.join(differences[kind]))}</p>")
     if differences.get("cases_of_other_id"):
         lines.append(f"<p class='small'>{differences['cases_of_other_id']} cases have other ids than in the "
-                     "baseline: their physics is not the same. They are matched by their swept values.</p>")
+                     "baseline, so their physics has changed. They are matched by their swept values.</p>")
     return "".join(lines)
 
 
 def changes(values, baseline):
-    """{case: {night: change}} against the baseline's value, else against the first night."""
+    """{case: {night: change}} relative to the baseline or, without one, to the first night."""
     largest = max((abs(v) for v in baseline.values()), default=0.0)
     found = {}
     for case, by_night in values.items():
@@ -85,7 +87,7 @@ def span(values, last):
 
 
 def trends(result, history, nights):
-    """A chart for every watched column, those that moved first."""
+    """One chart per watched column, starting with those that differ."""
     ids, dates = [n[0] for n in nights], [n[1][:10] for n in nights]
     readings = history.readings(result.name, ids[0])
     baseline = {}
@@ -103,9 +105,10 @@ def trends(result, history, nights):
         marked = ' class="moved"' if column in moved else ""
         figures.append(f"<figure{marked}><figcaption><b>{escape(column)}</b> {escape(span(values, ids[-1]))}"
                        f"</figcaption>{drawn}</figure>")
-    against = "the baseline" if baseline else "the first night shown"
-    return (f"<h3>Every number over the nights</h3><p class='small'>Change against {against}, a line a case, "
-            "the tolerance shaded; of a reference that is 0, in parts of the column's largest.</p>"
+    reference = "the baseline" if baseline else "the first night shown"
+    return (f"<h3>Trends of all numbers</h3><p class='small'>Change relative to {reference}, one line per case; "
+            "the tolerance is shaded. Where the reference is 0, the change is relative to the largest value of "
+            "the column.</p>"
             f"<div class='charts'>{''.join(figures)}</div>")
 
 
@@ -120,10 +123,10 @@ def speed_section(history, nights, slower):
     if not figures:
         return ""
     warning = f"<p class='bad'><b>slower</b>: {escape('; '.join(slower))}</p>" if slower else ""
-    return ("<h2>Speed</h2><p class='small'>Times over those of the floor, which the same night's "
-            "<code>shearwake bench</code> measured on the same machine: 1 is the best that can be. What is "
-            "two nights running a quarter above the median of the nights before is called slower; it fails no "
-            "night.</p>"
+    return ("<h2>Speed</h2><p class='small'>Times relative to a lower bound that <code>shearwake bench</code> "
+            "measured in the same night on the same machine: 1 is the best possible value. A speed is marked as "
+            "slower if it exceeds the median of the earlier nights by 25 % in two consecutive nights; this does "
+            "not fail the night.</p>"
             f"{warning}<div class='charts'>{''.join(figures)}</div>")
 
 
@@ -131,35 +134,35 @@ def job_section(result, history, nights):
     trouble = ""
     if result.verdict in (night.BROKEN, night.NO_BASELINE):
         trouble = f"<pre>{escape(result.message)}</pre>"
-    return (f"<h2>{escape(result.name)}: {SAY[result.verdict]}</h2>{trouble}"
+    return (f"<h2>{escape(result.name)}: {VERDICTS[result.verdict]}</h2>{trouble}"
             f"{moved_table(result.differences)}{other_differences(result.differences)}"
             f"{trends(result, history, nights)}")
 
 
 def in_short(results):
-    """'quickstart differs from the baseline; mach-cone broke', or that all is well."""
-    parts = [f"{r.name} {SAY[r.verdict]}" for r in results if r.verdict != night.EQUAL]
-    return "; ".join(parts) or "everything is as in the baselines"
+    """For example 'quickstart differs from the baseline; mach-cone failed'."""
+    parts = [f"{r.name} {VERDICTS[r.verdict]}" for r in results if r.verdict != night.EQUAL]
+    return "; ".join(parts) or "all tables equal their baselines"
 
 
 def page(verdict, results, history, nights, slower):
     last = nights[-1]
     bad = "" if verdict == night.EQUAL else " bad"
-    lines = [row(["job", "verdict", "columns moved"], "th")]
+    lines = [row(["job", "verdict", "columns that differ"], "th")]
     for result in results:
         moved = ", ".join(c["column"] for c in result.differences.get("moved", []))
-        lines.append(row([result.name, SAY[result.verdict], moved]))
+        lines.append(row([result.name, VERDICTS[result.verdict], moved]))
     past = [row(["night", "program", "host", "verdict", "jobs"], "th")]
-    for number, started, git_id, host, said in reversed(nights):
+    for number, started, git_id, host, verdict_of_night in reversed(nights):
         jobs = ", ".join(f"{name}: {v}" for name, v, _ in history.jobs(number))
-        past.append(row([started.replace("T", " "), git_id, host, said, jobs]))
+        past.append(row([started.replace("T", " "), git_id, host, verdict_of_night, jobs]))
     summary = in_short(results)
     return (f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>shearwake: {escape(summary)}'
             f'</title><meta name="viewport" content="width=device-width"><style>{CSS}</style></head><body>'
-            f"<h1>shearwake, the night of {escape(last[1][:10])}</h1>"
+            f"<h1>shearwake, night of {escape(last[1][:10])}</h1>"
             f'<p class="verdict{bad}">{escape(summary)}</p>'
-            f'<p class="small">program {escape(last[2])}, host {escape(last[3])}, begun {escape(last[1])} UTC</p>'
+            f'<p class="small">program {escape(last[2])}, host {escape(last[3])}, started {escape(last[1])} UTC</p>'
             f'<div class="scroll"><table>{"".join(lines)}</table></div>'
             f'{"".join(job_section(r, history, nights) for r in results)}'
             f"{speed_section(history, nights, slower)}"
-            f'<h2>The nights</h2><div class="scroll"><table>{"".join(past)}</table></div></body></html>\n')
+            f'<h2>Nights</h2><div class="scroll"><table>{"".join(past)}</table></div></body></html>\n')

@@ -1,17 +1,19 @@
-"""Starts the program and reads what it says."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the program and parses its output."""
 import os
 import re
 import subprocess
 from dataclasses import dataclass
 
 BENCHES = {"layered": (), "spectral": ("--grid", "192x128x25", "--steps", "20")}
-FLOOR = re.compile(r"^\s*floor: (?P<floor>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) times that", re.M)
+LOWER_BOUND = re.compile(r"^\s*lower bound: (?P<name>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) "
+                         "times as long", re.M)
 
 
 @dataclass
 class Outcome:
-    code: int  # -1: it took too long
-    said: str
+    code: int  # -1: ended after the time limit
+    output: str  # standard output and standard error
 
 
 def environment():
@@ -22,45 +24,46 @@ def environment():
 
 
 class Program:
-    def __init__(self, path, log, held=()):
-        """`held`: open files that its processes hold too: a lock outlives us while one of them runs."""
-        self.path, self.log, self.held = str(path), log, held
+    def __init__(self, path, log, inherited=()):
+        """`inherited`: file descriptors that the processes inherit, so that a lock is held until the last
+        of them has ended."""
+        self.path, self.log, self.inherited = str(path), log, inherited
 
     def __call__(self, *arguments, ranks=1, limit_s=3600):
-        """Runs to the end, or to the limit; its words go to the log as well."""
-        # Unbound: others may use the cores that mpirun would choose.
+        """Runs the program to its end or to the time limit; the output is appended to the log."""
+        # Ranks are not bound, since other processes may use the cores that mpirun would choose.
         launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
         command = [*launch, self.path, *map(str, arguments)]
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
-                              env=environment(), pass_fds=self.held) as process:
+                              env=environment(), pass_fds=self.inherited) as process:
             try:
-                said, _ = process.communicate(timeout=limit_s)
-                outcome = Outcome(process.returncode, said)
-            except BaseException as problem:  # mpirun takes its ranks with it
+                output, _ = process.communicate(timeout=limit_s)
+                outcome = Outcome(process.returncode, output)
+            except BaseException as problem:  # when mpirun is terminated, it terminates its ranks
                 process.terminate()
                 try:
-                    said, _ = process.communicate(timeout=20)
+                    output, _ = process.communicate(timeout=20)
                 except subprocess.TimeoutExpired:
                     process.kill()
-                    said, _ = process.communicate()
+                    output, _ = process.communicate()
                 if not isinstance(problem, subprocess.TimeoutExpired):
                     raise
-                outcome = Outcome(-1, f"{said}\nended after {limit_s:g} s")
+                outcome = Outcome(-1, f"{output}\nended after {limit_s:g} s")
         with open(self.log, "a", encoding="utf-8") as log:
-            log.write(f"$ {' '.join(command)}\n{outcome.said}exit {outcome.code}\n\n")
+            log.write(f"$ {' '.join(command)}\n{outcome.output}exit {outcome.code}\n\n")
         return outcome
 
     def git_id(self):
-        match = re.search(r"^git\s+(\S+)", self("--version").said, re.M)
+        match = re.search(r"^git\s+(\S+)", self("--version").output, re.M)
         return match.group(1) if match else "unknown"
 
     def speeds(self):
-        """[(name, ratio to the floor)], and the seconds of the floor of engine layered."""
-        found, floor_s = [], None
+        """[(name, time over the lower bound)], and the seconds of the lower bound of engine layered."""
+        found, layered_s = [], None
         for engine, options in BENCHES.items():
-            for match in FLOOR.finditer(self("bench", engine, *options).said):
-                found.append((f"{engine}: its time over that of {match['floor']}", float(match["ratio"])))
+            for match in LOWER_BOUND.finditer(self("bench", engine, *options).output):
+                found.append((f"{engine}: time relative to {match['name']}", float(match["ratio"])))
                 if engine == "layered":
-                    floor_s = float(match["s"])
-        return found, floor_s
+                    layered_s = float(match["s"])
+        return found, layered_s

@@ -1,9 +1,10 @@
-"""Tables as `shearwake reduce` writes them: what is watched in them, and how cases are called."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads tables that `shearwake reduce` wrote: their watched numbers and the names of their cases."""
 import csv
 import math
 import statistics
 
-# Of the machine, not of the physics; as in analysis/reduce/tolerance.cpp.
+# Columns that depend on the machine, not on the physics; as in src/reduce/tolerance.cpp.
 NOT_COMPARED = ("wall_s", "host", "hosts", "note")
 
 
@@ -14,7 +15,7 @@ def read_rows(path):
 
 
 def swept_columns(columns):
-    """Those right behind `id` and `reference` whose names have a dot."""
+    """The columns directly after `id` and `reference` whose names contain a dot."""
     swept = []
     for column in columns:
         if column in ("id", "reference"):
@@ -26,7 +27,7 @@ def swept_columns(columns):
 
 
 def case_name(row, swept):
-    """As `shearwake diff` names it."""
+    """The name of the case, as in the output of `shearwake diff`."""
     parts = ["the reference"] if row.get("reference") == "yes" else []
     parts += [f"{column}={row[column]}" for column in swept if row[column]]
     return ", ".join(parts) or row.get("id", "")
@@ -41,7 +42,7 @@ def number(text):
 
 
 def readings(path):
-    """(case, column, value) of every watched number. Of two cases of one name, the first."""
+    """(case, column, value) of every watched number. If two cases have the same name, the first counts."""
     columns, rows = read_rows(path)
     swept = swept_columns(columns)
     watched = [c for c in columns if c not in (*swept, *NOT_COMPARED, "id", "reference", "status")]
@@ -55,7 +56,8 @@ def readings(path):
 
 
 def median_seconds(path):
-    """Of a case, or None. The first case of a medium is slower, and others may use the machine."""
+    """Median of the cases' times, or None. The median is robust against the first case of a medium, which
+    takes longer, and against other processes on the machine."""
     _, rows = read_rows(path)
     each = [value for value in (number(row.get("wall_s")) for row in rows) if value is not None]
     return statistics.median(each) if each else None

@@ -1,4 +1,5 @@
-"""Small charts as inline SVG: one number over the nights."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the trend of a number over the nights as inline SVG."""
 import html
 import math
 
@@ -17,7 +18,7 @@ def label(value, percent):
 
 
 def pieces(values, nights):
-    """Runs of nights without a gap: [(place, value), ...] each."""
+    """Sequences of nights without a gap, each as [(place, value), ...]."""
     run, found = [], []
     for place, night in enumerate(nights):
         if night in values:
@@ -56,9 +57,9 @@ def curve(name, values, nights, scale, colour, alarm):
     return f"<g><title>{html.escape(name)}</title>{''.join(drawn)}</g>"
 
 
-def chart(series, nights, dates, band=None, alarms=(), words=""):
-    """series: {name: {night: value}}. With a band, values are changes and +-band is shaded; without
-    one they are shown as they are, from 0 on. alarms: the names whose last night is marked."""
+def chart(series, nights, dates, band=None, alarms=(), title=""):
+    """series: {name: {night: value}}. If band is given, values are relative changes and +-band is shaded;
+    otherwise values are drawn on an axis from 0. alarms: names whose last value is marked."""
     values = [v for one in series.values() for v in one.values() if math.isfinite(v)]
     percent = band is not None
     if percent:
@@ -68,12 +69,13 @@ def chart(series, nights, dates, band=None, alarms=(), words=""):
     if high == low:
         low, high = -1e-9, 1e-9  # no tolerance and no change: a line in the middle
     scale = Scale(nights, low, high)
-    parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{html.escape(words)}">']
+    parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{html.escape(title)}">']
     if percent:
         parts.append(f'<rect x="{LEFT}" y="{scale.y(band):.1f}" width="{WIDTH - LEFT - RIGHT}" '
                      f'height="{max(1.0, scale.y(-band) - scale.y(band)):.1f}" class="band"/>')
     parts.append(f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}" class="axis"/>')
-    # A value that lies on the line of 0 is called 0: the tolerance's edge beside a larger change.
+    # A value that is indistinguishable from 0 on this scale is labelled 0, for example the edge of the
+    # tolerance next to a much larger change.
     ticks = [(v, label(v, percent) if abs(v) > 0.01 * (high - low) else "0") for v in (high, low)]
     if percent and scale.y(low) - scale.y(0) > 11 and scale.y(0) - scale.y(high) > 11:
         ticks.append((0.0, "0"))

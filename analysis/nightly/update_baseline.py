@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Makes the last night's table of a job its baseline; shows what changes first, and asks."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Replaces the baseline of a job by the table of the last night, after showing the differences and asking
+for confirmation."""
 import argparse
 import csv
 import os
@@ -14,19 +16,20 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="scripts/update-baseline", description="Makes the table of the last "
-                                     "night the baseline of a job. Shows the difference first, and asks.")
-    parser.add_argument("job", metavar="JOB", help="as given to scripts/nightly")
-    parser.add_argument("--yes", action="store_true", help="do not ask")
+    parser = argparse.ArgumentParser(prog="scripts/update-baseline", description="Replaces the baseline of a "
+                                     "job by the table of the last night. Shows the differences and asks for "
+                                     "confirmation first.")
+    parser.add_argument("job", metavar="JOB", help="name or path of the job, as given to scripts/nightly")
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
-                        help="of scripts/nightly (default: out/nightly)")
+                        help="output folder of scripts/nightly (default: out/nightly)")
     parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
-                        help="default: tests/baselines")
+                        help="folder of the baselines (default: tests/baselines)")
     return parser.parse_args()
 
 
 def write_baseline(source, target):
-    """The table without what depends on the machine. Whole or not at all."""
+    """Writes the table without the columns that depend on the machine. The file is replaced atomically."""
     columns, rows = table.read_rows(source)
     kept = [c for c in columns if c not in table.NOT_COMPARED]
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -39,7 +42,7 @@ def write_baseline(source, target):
 
 
 def agreed():
-    print("take this for the baseline? [y/N] ", end="", flush=True)
+    print("make this table the baseline? [y/N] ", end="", flush=True)
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
@@ -51,23 +54,23 @@ def update(chosen, watched):
     _, rows = table.read_rows(source)
     bad = [row["id"] for row in rows if row["status"] != "complete"]
     if bad:
-        print(f"{watched.name}: {len(bad)} of {len(rows)} cases are not whole ({', '.join(bad[:5])}): no baseline",
-              file=sys.stderr)
+        print(f"{watched.name}: {len(bad)} of {len(rows)} cases are not complete ({', '.join(bad[:5])}): the "
+              "baseline is not written", file=sys.stderr)
         return 4
     if watched.baseline.is_file():
         program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), os.devnull)
-        code, said, _ = night.compare(program, watched)
-        print(said, end="")
+        code, output, _ = night.compare(program, watched)
+        print(output, end="")
         if code == 0:
-            print("the baseline stands as it is")
+            print("the baseline is up to date")
             return 0
         if code != 5 and not chosen.yes:
-            print("they cannot be compared; --yes takes the new table all the same", file=sys.stderr)
+            print("the tables cannot be compared; use --yes to replace the baseline nevertheless", file=sys.stderr)
             return code
     else:
-        print(f"{watched.name} has no baseline yet; this one has {len(rows)} cases")
+        print(f"{watched.name} has no baseline yet; the new one has {len(rows)} cases")
     if not chosen.yes and not agreed():
-        print("left as it was")
+        print("the baseline is unchanged")
         return 5
     write_baseline(source, watched.baseline)
     print(f"written: {watched.baseline}")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The responses of each class of afferents against the swept key."""
 import math
 
@@ -35,10 +36,10 @@ def class_figure(sweep, folder, kind):
     style.save(figure, folder / f"{name}.png")
     title = f"{kind} afferents against {key_name(sweep.x)}"
     return Figure(name, title,
-                  f"What the {kind} afferents answer: all their spikes, the mean rate of those that "
-                  "fire, the rms distance of spikes from the path of the focus, and the vector "
-                  "strength of their spikes at the modulation frequency (1: all at one phase). A "
-                  "panel that is missing has no value in any case.", title)
+                  f"Response of the {kind} afferents: the number of spikes, the mean rate of the afferents that "
+                  "fire, the rms distance of the spikes from the path of the focus, and the vector strength of the "
+                  "spikes at the modulation frequency (1: all spikes have the same phase). Panels without a "
+                  "value in any case are omitted.", title)
 
 
 def figures(sweep, folder):

@@ -1,4 +1,5 @@
-"""A measure against the swept key: the period reading above, the instant below."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves of a measure against the swept key: the mean over periods above, the instant below."""
 import math
 
 import matplotlib.pyplot as plt
@@ -13,7 +14,7 @@ from words import SUPERSCRIPTS, number, value_text
 
 
 def set_x_axis(axes, sweep):
-    """Ticks at the swept values while they fit, words where x has no numbers."""
+    """Puts ticks at the swept values if they fit; strings of x become labels."""
     values = layout.x_values(sweep)
     axes.set_xlabel(layout.axis_label(sweep, sweep.x))
     if not layout.is_numeric(sweep):
@@ -38,7 +39,7 @@ def set_x_axis(axes, sweep):
 
 
 def points(sweep, group, column, aside=0.0):
-    """`aside`: beside the word that x is, so that curves do not hide each other."""
+    """x and y of a curve. `aside` shifts x if it is a string, so that curves do not hide each other."""
     x = [layout.x_position(sweep, c) + aside for c in group.cases]
     return np.array(x), np.array([c.value(column) for c in group.cases])
 
@@ -50,7 +51,8 @@ def asides(sweep, curves):
 
 
 def draw_reference(axes, sweep, group, column, colour, line, labels, name):
-    """One reference: a line across. One for each x: a line through them, in the curve's colour."""
+    """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
+    curve."""
     found = layout.references(sweep, group)
     if len(found) == 1:
         value = found[0].value(column)
@@ -65,17 +67,17 @@ def draw_reference(axes, sweep, group, column, colour, line, labels, name):
         look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
         if layout.is_numeric(sweep):
             axes.plot(*zip(*pairs), **look)
-        else:  # words are not neighbours: a dash at each
+        else:  # strings have no order: a dash at each
             for x, value in pairs:
                 axes.plot([x - 0.3, x + 0.3], [value, value], **look)
         value = [v for _, v in pairs if not math.isnan(v)][-1]
-    words = f"{name}\n{number(value, 3)}" if len(found) == 1 else name
-    if (words, colour) not in [(w, c) for _, w, c in labels]:
-        labels.append((value, words, colour))
+    text = f"{name}\n{number(value, 3)}" if len(found) == 1 else name
+    if (text, colour) not in [(t, c) for _, t, c in labels]:
+        labels.append((value, text, colour))
 
 
 def reference_lines(axes, sweep, curves, column, line):
-    """All references of one panel, with their labels for the right edge."""
+    """Draws all references of a panel and returns their labels for the right edge."""
     names = layout.reference_name(layout.all_references(sweep))
     shared = len(layout.all_references(sweep)) == 1
     labels = []
@@ -86,7 +88,7 @@ def reference_lines(axes, sweep, curves, column, line):
 
 
 def widen(axes, least=0.02):
-    """A flat curve is shown flat, not its rounding."""
+    """Widens the y axis of a flat curve, which would otherwise show only rounding errors."""
     if axes.get_yscale() == "log":
         return
     low, high = axes.get_ylim()
@@ -96,7 +98,7 @@ def widen(axes, least=0.02):
 
 
 def legend_above(figure, sweep, curves, top_in=0.08):
-    """One entry a curve, over the panels, never over data."""
+    """A legend with one entry per curve, above the panels."""
     if len(curves) < 2:
         return
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
@@ -113,8 +115,8 @@ def curves_of(sweep):
 
 
 def legend_columns(curves):
-    """As many as fit beside each other: a line of text holds about 100 characters."""
-    longest = max(len(group.label) for group, _, _ in curves) + 8  # the mark before it
+    """The number of columns that fit into a line of about 100 characters."""
+    longest = max(len(group.label) for group, _, _ in curves) + 8  # for the marker
     return max(1, min(4, len(curves), 100 // longest))
 
 
@@ -123,7 +125,7 @@ def legend_rows(curves):
 
 
 def panels(count, curves, height_in=2.35):
-    """Stacked axes with room for labels at the right and the legend above, all in inches."""
+    """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
     top, bottom, between = 0.3 + 0.22 * legend_rows(curves), 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
     figure = plt.figure(figsize=(style.WIDTH_in, total))
@@ -142,7 +144,7 @@ def has_any(sweep, column):
 
 
 def move_power_to_label(axes):
-    """'1.9 ... 2.7 (10⁻⁷ mm²)' instead of a power of ten floating over the axis."""
+    """Moves the power of ten from the axis to the label: '1.9 ... 2.7 (10⁻⁷ mm²)'."""
     largest = max(abs(limit) for limit in axes.get_ylim())
     if axes.get_yscale() == "log" or not 0 < largest < 1e-3:
         return
@@ -158,14 +160,14 @@ def spans_decades(sweep, column):
     return min(values) > 0 and max(values) > 10 * min(values)
 
 
-def instant_words(sweep):
-    """'at the instant, t = 14 ms', if it is the same for all."""
+def instant_title(sweep):
+    """'at the instant t = 14 ms', if it is the same for all cases."""
     times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(sweep)}
-    return "at the instant" + (f", t = {number(times.pop())} ms" if len(times) == 1 else "")
+    return f"at the instant t = {number(times.pop())} ms" if len(times) == 1 else "at one instant"
 
 
 def measure_figure(sweep, folder, measure):
-    """Writes the figure of one measure; None when no case has it."""
+    """Writes the figure of one measure; None if no case has a value."""
     period, instant = measure["period"], measure["instant"]
     rows = [c for c in (period, instant) if has_any(sweep, c)]
     if not sweep.x or not rows:
@@ -193,7 +195,7 @@ def measure_figure(sweep, folder, measure):
         axes.set_ylabel(measure["label"])
         move_power_to_label(axes)
         axes.yaxis.set_label_coords(-0.105, 0.5)
-        axes.set_title("period reading" if whole_periods else instant_words(sweep), loc="left",
+        axes.set_title("mean over periods" if whole_periods else instant_title(sweep), loc="left",
                        color="#555555")
         style.label_right(axes, labels)
     set_x_axis(made[-1], sweep)
@@ -202,35 +204,35 @@ def measure_figure(sweep, folder, measure):
     legend_above(figure, sweep, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
     return Figure(measure["name"], measure["title"].format(x=layout.name(sweep, sweep.x)),
-                  measure["caption"] + reading_words(sweep, rows, period, instant, numeric),
-                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: period reading and "
+                  measure["caption"] + marker_caption(sweep, rows, period, instant, numeric),
+                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: mean over periods and "
                   "instant, with the reference as dashed lines")
 
 
 def period_words(sweep):
     kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
-    return "the settled part of the run" if kinds == {"STM"} else "whole modulation periods"
+    return "the settled part of the run" if kinds == {"STM"} else "complete modulation periods"
 
 
-def reading_words(sweep, rows, period, instant, numeric):
-    """What the marks mean: told at length with eta, which comes first."""
+def marker_caption(sweep, rows, period, instant, numeric):
+    """Explains the markers; in detail for eta, whose figure is the first."""
     if period != "eta_period_1":
-        return " Marks and readings as in the first figure."
-    words = []
+        return " Markers and lines as in the first figure."
+    sentences = []
     if period in rows:
-        words.append(f" Filled markers: energy-weighted over {period_words(sweep)}.")
+        sentences.append(f" Filled markers: energy-weighted mean over {period_words(sweep)}.")
     if instant in rows:
-        upper = " the pale band repeats the period reading." if numeric and period in rows else ""
-        words.append(" Open markers, thin line: the single instant; it catches whichever phase the "
-                     "modulation happens to have then and is aliased by it, so its ups and downs "
-                     "are no trend" + (";" + upper if upper else "."))
+        sentences.append(" Open markers with thin line: value at a single instant, which depends on the phase of "
+                         "the modulation at that instant; its variation is therefore not a trend.")
+        if numeric and period in rows:
+            sentences.append(" The pale band repeats the mean over periods.")
     if layout.all_references(sweep):
-        words.append(f" Dashed and dotted: {layout.reference_name(layout.all_references(sweep))}, "
-                     "the asymptote, by the same reading.")
+        sentences.append(f" Dashed and dotted lines: {layout.reference_name(layout.all_references(sweep))}, "
+                         "evaluated in the same way.")
     missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
     if missing:
-        words.append(f" {missing} of {len(layout.ordinary(sweep))} cases have no period reading: "
-                     "the reasons stand below the table.")
+        sentences.append(f" {missing} of {len(layout.ordinary(sweep))} cases have no mean over periods; the "
+                         "reasons are listed below the table.")
     if period in rows:
-        words.append(" The vertical axes do not begin at zero.")
-    return "".join(words)
+        sentences.append(" The vertical axes do not start at zero.")
+    return "".join(sentences)

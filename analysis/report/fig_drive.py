@@ -1,4 +1,5 @@
-"""What presses: where the focus is and how strong, over time, for a few cases."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Position and force of the focus over time for a few cases."""
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -9,11 +10,12 @@ from figure import Figure
 from words import number
 
 CASES = 4
-LEAD = 1e-3  # of the way: what leads its reference by less moves as it does
+LEAD = 1e-3  # of the length of the path: smaller leads over the reference are neglected
 
 
 def chosen(sweep):
-    """The reference, then cases from the first to the last curve; of words the first curve's."""
+    """The reference, then cases from the first to the last curve; if x is a string, all cases of the first
+    curve."""
     found = layout.groups(sweep)
     if found and not layout.is_numeric(sweep) and len(found[0].cases) <= CASES:
         picks = found[0].cases
@@ -30,8 +32,8 @@ def is_moving(case):
 
 
 def lead_mm(sweep, case):
-    """How far the focus is ahead of its reference along that one's way, over time; None where both
-    move alike or there is none."""
+    """Lead of the focus over that of its reference along the path of the reference, over time; None if both
+    have the same path or there is no reference."""
     reference = sweep.reference_of(case)
     if not reference or len(reference.series["time"]) != len(case.series["time"]):
         return None
@@ -45,7 +47,7 @@ def lead_mm(sweep, case):
 
 
 def draw_place(axes, case):
-    """Coordinates that change, while the load lasts; a line along x has one curve."""
+    """Draws the coordinates that change while the load acts; a line along x has one curve."""
     pressed = wake.last_pressed(case) + 1
     time = 1e3 * case.series["time"][:pressed]
     for name, look in (("x", {"color": style.PALETTE[0]}),
@@ -68,7 +70,7 @@ def draw_force(axes, case):
 
 
 def changes(case):
-    """Whether the force does, while it presses."""
+    """Whether the force changes while the load acts."""
     force = case.series["force"][: wake.last_pressed(case) + 1]
     return np.ptp(force) > 1e-6 * np.abs(force).max()
 
@@ -103,12 +105,12 @@ def figures(sweep, folder):
         name_places(made, len(cases) // 2)
     style.save(figure, folder / "drive.png")
     return [Figure("drive", "How the skin is driven", caption(cases, columns, steady, name),
-                   "Place and force over time")]
+                   "Position and force over time")]
 
 
 def name_places(made, middle):
     lines = {line.get_label(): line for axes in made[:, 0] for line in axes.get_lines()}
-    label = "place" if len(lines) > 1 else next(iter(lines))
+    label = "position" if len(lines) > 1 else next(iter(lines))
     made[middle, 0].set_ylabel(f"{label} (mm)")
     if len(lines) > 1:
         made[0, 0].legend(handles=list(lines.values()), loc="lower right", ncol=2,
@@ -119,15 +121,15 @@ def caption(cases, columns, steady, name):
     parts = []
     for _, draw in columns:
         if draw is draw_place:
-            parts.append("the place of the focus, x and y where they change")
+            parts.append("position of the focus (x and y if they change)")
         elif draw is draw_force:
-            parts.append("the force of the whole footprint, averaged over the carrier's cycle")
+            parts.append("force of the complete footprint, averaged over a cycle of the carrier")
         else:
-            parts.append(f"how far it is ahead of {name}")
+            parts.append(f"lead of the focus over {name}")
     text = "; ".join(parts) + "."
     text = text[:1].upper() + text[1:]
     if steady and columns[-1][1] is not draw_force:
         forces = sorted({float(f"{1e3 * c.series['force'].max():.3g}") for c in cases})
-        text += (f" The force is steady, {number(forces[0], 3)}"
+        text += (f" The force is constant, {number(forces[0], 3)}"
                  + (f" to {number(forces[-1], 3)}" if len(forces) > 1 else "") + " mN.")
     return text

@@ -1,7 +1,7 @@
-"""The dominant frequency at the centre and the share of its energy in bands, against x."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The dominant frequency at the centre and the share of its energy in bands against x."""
 import math
-
-import numpy as np
+from dataclasses import dataclass
 
 import fig_curves
 import layout
@@ -10,44 +10,42 @@ import wake
 from figure import Figure
 from words import listed
 
-BANDS_Hz = [(40.0, 400.0)]  # vibration that is felt, where the job has no `measure.bands_Hz`
+
+
+@dataclass
+class Band:
+    """One panel: a column of u, that of du/dt (empty: none), its title and the label of its axis."""
+    column: str
+    velocity: str
+    title: str
+    label: str
+
+    @property
+    def is_share(self):
+        return bool(self.velocity)
+
+
+# The perceptible vibration, if the job has no `measure.bands_Hz`.
+FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (um)")
 
 
 def bands(sweep):
-    """(low, high) in Hz: those that the job asked for, else what is felt."""
+    """The bands of the job, else that of perceptible vibration."""
     for case in layout.ordinary(sweep):
         edges = case.setting("measure", "bands_Hz", default=[])
         if edges:
-            return list(zip(edges[::2], edges[1::2]))
-    return BANDS_Hz
+            return [Band(f"share_{low:g}_{high:g}_1", f"velocity_share_{low:g}_{high:g}_1",
+                         f"energy within {low:g} to {high:g} Hz", "share (1)")
+                    for low, high in zip(edges[::2], edges[1::2])]
+    return [FELT]
 
 
-def energy_share(u, interval_s, low, high):
-    """Of the spectrum of u above one period a run; padded fourfold, so that bands end where they
-    should."""
-    energy = np.abs(np.fft.rfft(u, n=4 * len(u))) ** 2
-    frequency = np.fft.rfftfreq(4 * len(u), interval_s)
-    above = frequency > 1.0 / (len(u) * interval_s)
-    total = energy[above].sum()
-    inside = above & (frequency >= low) & (frequency <= high)
-    return float(energy[inside].sum() / total) if total > 0 else math.nan
-
-
-def share(case, low, high, of=""):
-    """The column `share_...`, or the same from the trace; NaN where there is neither. `of`:
-    "velocity_" for du/dt."""
-    name = f"{of}share_{low:g}_{high:g}_1"
-    if name in case.scalars:
-        return case.value(name)
-    time = case.series["time"]
-    if of or not case.traces or len(time) < 2 or high > 0.5 / (time[1] - time[0]):
-        return math.nan
-    nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
-    return energy_share(nearest, time[1] - time[0], low, high)
+def has_values(sweep, column):
+    return any(not math.isnan(case.value(column)) for case in layout.ordinary(sweep))
 
 
 def peaks(sweep):
-    """(column, whose spectrum) of the dominant frequencies that most cases have."""
+    """The dominant frequencies that most cases have, as (column, quantity)."""
     cases = layout.ordinary(sweep)
     both = [("peak_frequency_Hz", "u"), ("velocity_peak_frequency_Hz", "du/dt")]
     return [(column, of) for column, of in both
@@ -68,45 +66,48 @@ def draw_peaks(axes, sweep, curves, column, of):
 
 
 def draw_band(axes, sweep, curves, band):
-    """Filled: of u; open and dashed: of du/dt."""
+    """Draws the share of u with filled markers, and that of du/dt with open markers and dashed lines."""
     numeric = layout.is_numeric(sweep)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
         x = [layout.x_position(sweep, c) + aside for c in group.cases]
-        for of, line, face in (("", "-", colour), ("velocity_", "--", "white")):
-            axes.plot(x, [share(c, *band, of) for c in group.cases], marker=marker, color=colour,
+        for column, line, face in ((band.column, "-", colour), (band.velocity, "--", "white")):
+            axes.plot(x, [c.value(column) for c in group.cases], marker=marker, color=colour,
                       markersize=5, zorder=3, markerfacecolor=face,
                       linestyle=line if numeric else "none")
-    axes.set_ylim(-0.02, 1.04)
-    axes.set_ylabel("share (1)")
-    axes.set_title("energy within {:g} to {:g} Hz".format(*band), loc="left", color="#555555")
+    if band.is_share:
+        axes.set_ylim(-0.02, 1.04)
+    else:
+        axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(band.label)
+    axes.set_title(band.title, loc="left", color="#555555")
 
 
 def caption(sweep, found, shown):
     text = []
     if found:
-        text.append("Where the spectrum at the centre, of "
+        text.append("The dominant frequency is that at which the spectrum at the centre of "
                     + listed("the displacement u" if of == "u" else "the velocity du/dt"
-                             for _, of in found) + ", is highest above one period a run.")
+                             for _, of in found) + " is largest, above one period per run.")
     if shown:
-        text.append("What share of the energy above one period a run lies in a band.")
-        if any(not math.isnan(share(c, *b, "velocity_")) for c in layout.ordinary(sweep)
-               for b in shown):
-            text.append("Filled markers: of u; open ones, dashed: of du/dt.")
+        text.append("The share in a band is that of the energy above one period per run."
+                    if shown[0].is_share else
+                    "The motion is the root mean square of u at the centre in the band of perceptible vibration.")
+        if any(has_values(sweep, b.velocity) for b in shown):
+            text.append("Filled markers: u. Open markers with dashed lines: du/dt.")
     if "u" not in [of for _, of in found] and found:
-        text.append("u itself is largest at 0 Hz in most cases and so has no dominant frequency.")
+        text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
     kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
     if kinds != {"STM"} and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
-        text.append("The focus passes the centre once, so that this is one passage and depends on "
-                    "the phase that the modulation has just then.")
+        text.append("The focus passes the centre once, so the values describe a single passage and depend on the "
+                    "phase of the modulation at that time.")
     return " ".join(text)
 
 
 def figures(sweep, folder):
-    cases = layout.ordinary(sweep)
     if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
         return []
     found = peaks(sweep)
-    shown = [b for b in bands(sweep) if any(not math.isnan(share(c, *b)) for c in cases)]
+    shown = [b for b in bands(sweep) if has_values(sweep, b.column)]
     if not found and not shown:
         return []
     curves = fig_curves.curves_of(sweep)
@@ -118,7 +119,9 @@ def figures(sweep, folder):
     fig_curves.set_x_axis(made[-1], sweep)
     fig_curves.legend_above(figure, sweep, curves)
     style.save(figure, folder / "frequency.png")
-    parts = ["dominant frequency"] * bool(found) + ["energy in bands"] * bool(shown)
+    parts = ["dominant frequency"] * bool(found)
+    if shown:
+        parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
     title = f"{' and '.join(parts)} against {layout.name(sweep, sweep.x)}"
     title = title[:1].upper() + title[1:]
     return [Figure("frequency", title, caption(sweep, found, shown), title)]

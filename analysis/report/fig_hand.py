@@ -1,4 +1,5 @@
-"""Where on the hand afferents fire, when, and what moves the skin there."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Firing afferents on the hand, their spikes over time, and the motion of the skin."""
 import math
 
 import h5py
@@ -12,14 +13,14 @@ from words import number
 
 CLASSES = ["SA1", "RA", "PC"]
 COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
-MOST_CASES = 6  # that have a figure of their own
-PLACES = 5  # that are chosen for motion and spikes
-NEAR_mm = 4.0  # afferents so near belong to a place
-MOST_TICKS = 200  # afferents of a class that have a row in a raster
+MOST_CASES = 6  # largest number of cases with figures
+PLACES = 5  # largest number of places at which motion and spikes are drawn
+NEAR_mm = 4.0  # largest distance of afferents from their place
+MOST_TICKS = 200  # largest number of afferents per class in a raster
 
 
 class Afferents:
-    """What the case file holds of them, in mm and ms; spikes as one array an afferent."""
+    """The afferents of a case file, in mm and ms, with one array of spikes per afferent."""
 
     def __init__(self, path):
         with h5py.File(path, "r") as file:
@@ -48,12 +49,12 @@ def duration_ms(case):
 
 
 def feels_stress(case):
-    """Pins move nothing then; they are places that were chosen."""
+    """Whether the stress at the receptors is the input. Pins then exert no motion and only mark places."""
     return case.setting("afferents", "input", default="") == "stress"
 
 
 def hand_axes(axes, afferents):
-    """The fingers up, the thumb to the left: a right hand from its palm."""
+    """Draws the palmar side of a right hand with the fingers up and the thumb to the left."""
     outline = np.vstack([afferents.outline, afferents.outline[:1]])
     axes.fill(outline[:, 1], -outline[:, 0], color="#f7f3ef", zorder=0)
     axes.plot(outline[:, 1], -outline[:, 0], color="#999999", linewidth=0.9, zorder=1)
@@ -62,7 +63,7 @@ def hand_axes(axes, afferents):
 
 
 def hand_figure(sweep, case, afferents, folder, name):
-    """A hand a class, a dot an afferent that fires, its rate as colour."""
+    """One hand per class with a dot per firing afferent, coloured by its rate."""
     kinds = afferents.present()
     rates = 1e3 * afferents.count / duration_ms(case)
     highest = max(rates.max(), 1e-9)
@@ -77,7 +78,7 @@ def hand_figure(sweep, case, afferents, folder, name):
         shown = axes.scatter(afferents.y[active], -afferents.x[active], s=7, c=rates[active],
                              cmap=style.sequential_map(), vmin=0.0, vmax=highest, zorder=3,
                              linewidths=0)
-        if not feels_stress(case):  # below the dots, whose colours they would hide
+        if not feels_stress(case):  # drawn below the dots, so that their colours are visible
             axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000",
                       markersize=5 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8,
                       zorder=2.5)
@@ -87,10 +88,10 @@ def hand_figure(sweep, case, afferents, folder, name):
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     style.save(figure, folder / f"{name}.png")
-    title = f"Where the hand feels it: {layout.case_label(sweep, case)}"
-    return Figure(name, title, "Afferents that fire, coloured by their mean rate over the run; grey "
-                  "dots are silent" + ("." if feels_stress(case) else
-                  "; red crosses are the pins by which the skin moves."), title)
+    title = f"Firing afferents on the hand: {layout.case_label(sweep, case)}"
+    return Figure(name, title, "Coloured dots: firing afferents with their mean rate over the run. Grey dots: "
+                  "silent afferents." + ("" if feels_stress(case) else
+                  " Red crosses: pins that move the skin."), title)
 
 
 def evenly(indices, most):
@@ -99,7 +100,7 @@ def evenly(indices, most):
 
 
 def raster_rows(afferents, kind):
-    """The active ones by their distance from the nearest pin, near ones below."""
+    """The firing afferents, sorted by their distance from the nearest pin, nearest first."""
     rows = afferents.of(kind)
     rows = rows[afferents.count[rows] > 0]
     between = np.hypot(afferents.x[rows, None] - afferents.pins[None, :, 0],
@@ -108,7 +109,7 @@ def raster_rows(afferents, kind):
 
 
 def raster_figure(sweep, case, afferents, folder, name):
-    """Spikes over time; a long run has its first part beside it, where bursts are."""
+    """Spikes over time; for a long run with an additional panel of its start, which shows bursts."""
     kinds = [k for k in afferents.present() if len(raster_rows(afferents, k))]
     if not kinds:
         return None
@@ -124,15 +125,15 @@ def raster_figure(sweep, case, afferents, folder, name):
                            linewidths=0.9 if span < 200.0 else 0.35)
             axes.set_xlim(0.0, span)
             axes.set_ylim(-0.5, max(len(rows), 5) - 0.5)
-        line[0].set_ylabel(f"{kind}, near to far")
+        line[0].set_ylabel(f"{kind}, near to distant")
         line[0].set_title(f"{afferents.count[afferents.of(kind)].sum()} spikes", loc="left", pad=3)
     for axes in made[-1]:
         axes.set_xlabel("time (ms)")
     style.save(figure, folder / f"{name}.png")
     title = f"Spikes over time: {layout.case_label(sweep, case)}"
-    return Figure(name, title, f"A line an afferent that fires (at most {MOST_TICKS} of a class, "
-                  "evenly chosen), sorted by its distance from the nearest "
-                  + ("of afferents.pins_mm." if feels_stress(case) else "pin.") +
+    return Figure(name, title, f"One line per firing afferent (at most {MOST_TICKS} per class, chosen evenly), "
+                  "sorted by its distance from the nearest "
+                  + ("point of afferents.pins_mm." if feels_stress(case) else "pin.") +
                   (" Left: the first 40 ms." if len(spans) > 1 else ""), title)
 
 
@@ -141,13 +142,13 @@ def chosen_pins(afferents):
 
 
 def tick_at(top):
-    """One or five times a power of ten below `top`."""
+    """The largest number of the form 1 or 5 times a power of ten that is at most `top`."""
     power = 10.0 ** math.floor(math.log10(top))
     return 5.0 * power if 5.0 * power <= top else power
 
 
 def places_figure(sweep, case, afferents, folder, name):
-    """The motion of a few pins and, below each line, the spikes of the afferents near it."""
+    """The motion of a few pins and, below each curve, the spikes of nearby afferents."""
     if afferents.u_um is None:
         return None
     pins = chosen_pins(afferents)
@@ -178,9 +179,9 @@ def places_figure(sweep, case, afferents, folder, name):
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
     style.save(figure, folder / f"{name}.png")
-    title = f"Motion and spikes at chosen places: {layout.case_label(sweep, case)}"
-    return Figure(name, title, "Black: how the pin moves, positive into the skin. Ticks: spikes of "
-                  f"afferents within {number(NEAR_mm)} mm of it, a row each, at most nine of a "
+    title = f"Motion and spikes at selected pins: {layout.case_label(sweep, case)}"
+    return Figure(name, title, "Black: displacement of the pin, positive into the skin. Ticks: spikes of "
+                  f"afferents within {number(NEAR_mm)} mm of the pin, one row per afferent, at most nine per "
                   "class.", title)
 
 

@@ -1,4 +1,5 @@
-"""Heat maps of a measure over two swept keys; a panel for each value of the others."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Heat maps of a measure over two swept keys, with one panel per value of the other keys."""
 import math
 import textwrap
 from itertools import product
@@ -8,19 +9,18 @@ import numpy as np
 
 import layout
 import style
-import table
 import wake
 from figure import Figure
 from words import listed, number, value_text
 
 PANELS = 12
 COLUMNS = 3
-WORDS = 18  # characters of a line beside an axis
-WRITTEN = 60  # up to so many cells carry their number
-LEAST = 3  # values along both keys: fewer are better drawn as curves
+WORDS = 18  # characters per line of a tick label
+WRITTEN = 60  # largest number of cells with printed values
+LEAST = 3  # smallest number of values along both keys; fewer are drawn as curves
 
 MEASURES = [
-    ("eta_period_1", "Reconstruction efficiency", "efficiency η, period reading (1)"),
+    ("eta_period_1", "Reconstruction efficiency", "efficiency η, mean over periods (1)"),
     ("eta_period_over_reference_1", "Efficiency relative to {reference}",
      "η / η of {reference} (1)"),
     ("focal_rms_um", "Strength at the focus", "focal rms (µm)"),
@@ -32,11 +32,11 @@ MEASURES = [
     ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity at the centre",
      "frequency of du/dt (Hz)"),
 ]
-HELD = 0.5  # of the cases have a measure that is drawn
+HELD = 0.5  # smallest share of cases with a value of a measure that is drawn
 
 
 def band_measures(sweep):
-    """Shares of the centre's energy in the bands that the job asked for."""
+    """Shares of the energy at the centre in the bands of the job."""
     found = dict.fromkeys(name for c in layout.ordinary(sweep) for name in c.scalars
                           if name.startswith("share_"))
     for name in found:
@@ -45,7 +45,7 @@ def band_measures(sweep):
 
 
 def plane(sweep):
-    """x, y and the keys of the panels; None when curves say it better."""
+    """x, y and the keys of the panels; None if curves are more suitable."""
     keys = layout.axes(sweep)
     if len(keys) < 2:
         return None
@@ -59,7 +59,7 @@ def plane(sweep):
 
 
 def panels(sweep, others):
-    """Combinations of the other keys that occur, and how many there are."""
+    """The combinations of the other keys that are drawn, and the number of combinations that occur."""
     every = list(product(*(layout.values_of(sweep, k) for k in others)))
     there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(sweep)}
     every = [values for values in every if values in there]
@@ -67,7 +67,7 @@ def panels(sweep, others):
 
 
 def cells(sweep, column, x, y, others, values):
-    """Numbers (y, x) of one panel, and which cells have a case without result."""
+    """The values (y, x) of one panel, and a mask of cells whose case has no result."""
     xs, ys = layout.values_of(sweep, x), layout.values_of(sweep, y)
     found, failed = np.full((len(ys), len(xs)), math.nan), np.zeros((len(ys), len(xs)), bool)
     for case in layout.swept_cases(sweep):
@@ -75,14 +75,14 @@ def cells(sweep, column, x, y, others, values):
         if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
             continue
         place = ys.index(own[y]), xs.index(own[x])
-        found[place] = table.value(sweep, case, column)
+        found[place] = case.value(column)
         failed[place] = not case.whole
     return found, failed
 
 
 def scale(grids, relative):
-    """Colours from the smallest to the largest; a ratio with values on both sides of one has its
-    pale middle there."""
+    """Norm and colour map from the smallest to the largest value; the middle of a diverging map is at 1 for
+    ratios with values on both sides of 1."""
     every = np.concatenate([g[np.isfinite(g)] for g in grids])
     if relative and every.min() < 1.0 < every.max():
         reach = max(1e-3, np.abs(every - 1.0).max())
@@ -126,7 +126,7 @@ def draw(axes, grid, failed, norm, colours, written):
 
 
 def columns_of(sweep, others, count):
-    """A row for each value but those of the last key, where they fit."""
+    """The number of columns: the number of values of the last key if they fit."""
     last = len(layout.values_of(sweep, others[-1])) if others else 1
     if len(others) > 1 and last <= 4 and count % last == 0:
         return last
@@ -139,12 +139,12 @@ def heat_figure(sweep, folder, measure, plan):
     shown, of = panels(sweep, others)
     every = [cells(sweep, column, x, y, others, v) for v in shown]
     grids = [g for g, _ in every]
-    known = [table.value(sweep, c, column) for c in layout.ordinary(sweep)]
+    known = [c.value(column) for c in layout.ordinary(sweep)]
     if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
     reference = layout.reference_name(layout.all_references(sweep))
     title, label = title.format(reference=reference), label.format(reference=reference)
-    norm, colours = scale(grids, column in table.RATIOS)
+    norm, colours = scale(grids, sweep.is_ratio(column))
     columns = columns_of(sweep, others, len(shown))
     rows = math.ceil(len(shown) / columns)
     height = 3.6 if rows == 1 and columns == 1 else 2.1
@@ -172,22 +172,22 @@ def heat_figure(sweep, folder, measure, plan):
     name = "heat_" + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
-    told = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
-    return Figure(name, head, told, head + ", as colours")
+    text = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
+    return Figure(name, head, text, head + ", as colours")
 
 
 def caption(every, others, shown, of):
-    text = "A cell is a case; the cells stand at equal distances, whatever their values."
+    text = "Each cell is a case; the cells are equidistant irrespective of their values."
     if others:
-        text += f" A panel for each {listed(others)}, one colour scale for all."
+        text += f" One panel per {listed(others)}, with the same colour scale in all panels."
     if shown < of:
-        text += f" {shown} of {of} panels are drawn, spread evenly; the table has all."
+        text += f" {shown} of {of} panels are drawn, spread evenly; the table lists all cases."
     failed = sum(int(f.sum()) for _, f in every)
     empty = sum(int((~np.isfinite(g)).sum()) for g, _ in every) - failed
     if failed:
-        text += f" Crossed: {failed} without a result, listed above."
+        text += f" Crossed: {failed} without a result, see the list above."
     if empty:
-        text += f" Hatched: {empty} without this reading or not swept; the reason is in the table."
+        text += f" Hatched: {empty} without a value or not swept; the reasons are in the table."
     return text
 
 
@@ -195,10 +195,10 @@ def figures(sweep, folder):
     plan = plane(sweep)
     if plan is None:
         return []
-    many = len(layout.groups(sweep)) > style.CURVES  # else curves show the others
+    many = len(layout.groups(sweep)) > style.CURVES  # otherwise the other measures are drawn as curves
     measures = list(MEASURES if many else MEASURES[:4])
     if not all(map(wake.is_passed, layout.ordinary(sweep))):
-        measures = [m for m in measures if "frequency" not in m[0]]  # of a point far from some
+        measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
     else:
         measures += band_measures(sweep)
     return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]

@@ -1,4 +1,5 @@
-"""Time-averaged intensity of the surface with the shape that was drawn."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Time-averaged intensity of the surface with the shape that the focus draws."""
 import numpy as np
 
 import fig_surface
@@ -16,7 +17,7 @@ def draw_lines(axes, lines):
 
 
 def window(found, shots, end):
-    """The rectangle in which anything is seen, and the drawn shape with it."""
+    """The rectangle that contains all visible vibration and the drawn shape."""
     limits = fig_surface.window(shots, end)
     points = 1e3 * np.concatenate([line for _, (_, _, _, lines) in found for line in lines])
     low, high = points.min(axis=0) - 3.0, points.max(axis=0) + 3.0
@@ -53,9 +54,9 @@ def figures(sweep, folder):
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "intensity.png")
-    text = ("Root of the time-averaged intensity, the mean of u² over whole periods, one colour "
-            "scale for all; dashed lines or crosses: what was drawn.")
+    text = ("Root of the time-averaged intensity, the mean of u² over complete periods, on the same colour scale "
+            "in all panels. Dashed lines or crosses: the shape that the focus draws.")
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
-        text += " Sharpness: the share of that energy within one FWHM of them."
+        text += " Sharpness: the share of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity of the surface seen from above")]

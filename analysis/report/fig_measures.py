@@ -1,4 +1,5 @@
-"""Which measures are drawn against the swept key, and what their captions say."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The measures that are drawn against the swept key, and their captions."""
 import math
 
 import numpy as np
@@ -13,46 +14,39 @@ from words import number
 MEASURES = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
      "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
-     "caption": "η is the share of Σu² of the whole surface that lies inside the focal disc: the "
-                "larger, the better the vibration stays where the focus is."},
+     "caption": "η is the share of Σu² of the complete surface that lies within the focal disc. The larger η is, "
+                "the better the vibration is confined to the focus."},
     {"name": "ipr_abs", "title": "Spread of the vibration (IPR of |u|) against {x}",
      "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2", "label": "(Σ|u|)² / Σu² (mm²)",
-     "caption": "The area over which the displacement is spread, (Σ|u|)²/Σu² times the cell: it "
-                "grows with spread, and weak, wide waves count much."},
+     "caption": "The area over which the displacement is spread, (Σ|u|)²/Σu² times the area of a cell. Weak, "
+                "widespread waves contribute strongly."},
     {"name": "participation", "title": "Participation area against {x}",
      "period": "participation_period_mm2", "instant": "participation_at_mm2",
      "label": "(Σu²)² / Σu⁴ (mm²)",
-     "caption": "The area over which the energy is spread, (Σu²)²/Σu⁴ times the cell: it grows "
-                "with spread, and strong spots count much."},
+     "caption": "The area over which the energy is spread, (Σu²)²/Σu⁴ times the area of a cell. Spots of strong "
+                "vibration contribute most."},
     {"name": "ipr", "title": "Literal inverse participation ratio against {x}",
      "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "label": "(Σu)² / Σu² (mm²)",
      "log": True,
-     "caption": "Read with care: the literal (Σu)²/Σu² measures compressibility, not spread. "
-                "Nearly incompressible tissue keeps its volume, so what sinks in one place rises "
-                "in another and Σu is close to zero; the value is then tiny whatever the pattern "
-                "is. The two areas above measure the spread."},
+     "caption": "The literal (Σu)²/Σu² measures compressibility, not spread: nearly incompressible tissue conserves "
+                "its volume, so Σu is close to zero and the value is very small for any pattern. Use the two areas "
+                "above to compare the spread."},
 ]
 
 
 SHARPNESS = {
     "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
     "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
-    "caption": "The share of the time-averaged energy that lies within one FWHM of the line that "
-               "is drawn."}
+    "caption": "The share of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
 def over_reference(sweep, group, column):
-    """A measure over that of each case's reference; NaN without one."""
-    ratios = []
-    for case in group.cases:
-        reference = sweep.reference_of(case)
-        below = reference.value(column) if reference else math.nan
-        ratios.append(case.value(column) / below if below else math.nan)
-    return np.array(ratios)
+    """A measure relative to that of the reference of each case; NaN without one."""
+    return np.array([case.value(sweep.ratio_of(column)) for case in group.cases])
 
 
 def ratio_curves(sweep, folder, column, name, label):
-    """One panel: a measure over that of the reference, which is a line at one."""
+    """One panel with a measure relative to the reference, which is a line at 1."""
     curves = curves_module.curves_of(sweep)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
     for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
@@ -76,20 +70,19 @@ def finish(figure, axes, sweep, curves, path):
 
 
 def gain_figure(sweep, folder):
-    """eta over that of the reference, both by the period reading: what a modulation gains."""
+    """eta relative to that of the reference, both as means over periods."""
     found = [over_reference(sweep, g, "eta_period_1") for g in layout.groups(sweep)]
     if not sweep.x or not any(np.isfinite(r).any() for r in found):
         return None
     name = layout.reference_name(layout.all_references(sweep))
     ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
-    return Figure("gain", title, f"η over whole periods, over that of {name} in the same window "
-                  "and medium: above one, the modulation keeps more of the energy at the focus.",
-                  title)
+    return Figure("gain", title, f"η over complete periods relative to that of {name} in the same time window and "
+                  "medium. Above 1, the modulation keeps a larger share of the energy at the focus.", title)
 
 
 def strength_figure(sweep, folder):
-    """rms over the focal disc relative to the reference; in micrometres where there is none."""
+    """rms over the focal disc relative to the reference; in micrometres without a reference."""
     if not sweep.x or not curves_module.has_any(sweep, "focal_rms_um"):
         return None
     title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
@@ -97,7 +90,7 @@ def strength_figure(sweep, folder):
     if layout.all_references(sweep):
         name = layout.reference_name(layout.all_references(sweep))
         ratio_curves(sweep, folder, "focal_rms_um", "strength.png", f"focal rms / {name} (1)")
-        caption += f", relative to {name}." + impulse_words(sweep, name)
+        caption += f", relative to {name}." + impulse_caption(sweep, name)
         return Figure("strength", title, caption, title)
     curves = curves_module.curves_of(sweep)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
@@ -112,8 +105,8 @@ def strength_figure(sweep, folder):
     return Figure("strength", title, caption + ".", title)
 
 
-def impulse_words(sweep, name):
-    """A modulation that halves the mean force halves the displacement: say what was delivered."""
+def impulse_caption(sweep, name):
+    """States the impulse relative to the reference, since half the mean force halves the displacement."""
     shares = [c.value("impulse_mN_ms") / sweep.reference_of(c).value("impulse_mN_ms")
               for c in layout.ordinary(sweep)
               if sweep.reference_of(c) and sweep.reference_of(c).value("impulse_mN_ms")]
@@ -122,12 +115,12 @@ def impulse_words(sweep, name):
         return ""
     low, high = number(min(shares), 2), number(max(shares), 2)
     amount = low if low == high else f"{low} to {high}"
-    return f" The impulse delivered to the skin (mean force times time) is {amount} of {name}'s."
+    return f" The impulse on the skin (mean force times time) is {amount} times that of {name}."
 
 
 def figures(sweep, folder):
     if len(layout.groups(sweep)) > style.CURVES:
-        return []  # they are small multiples and heat maps
+        return []  # drawn as small multiples and heat maps instead
     made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
     made += [gain_figure(sweep, folder), strength_figure(sweep, folder)]
     if not all(map(wake.runs_straight_on, layout.ordinary(sweep))):

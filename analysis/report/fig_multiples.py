@@ -1,4 +1,5 @@
-"""Curves in small multiples, where so many keys are swept that one panel cannot hold them."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves in small multiples, for sweeps of too many keys for one panel."""
 import math
 
 import matplotlib.pyplot as plt
@@ -6,7 +7,6 @@ import matplotlib.pyplot as plt
 import fig_curves
 import layout
 import style
-import table
 from figure import Figure
 from words import listed, value_text
 
@@ -17,8 +17,8 @@ MEASURES = [("eta_period_1", "Reconstruction efficiency", "efficiency η (1)"),
 
 
 def split(sweep):
-    """The key that colours tell apart and those of the panels; None when nothing is left. Of three,
-    rows have the fewest values, columns the most, and colours those between."""
+    """The key of the colours and the keys of the panels; None if there are too few keys. Of three keys, the one
+    with the fewest values forms the rows and the one with the most the columns."""
     others = [k for k in layout.axes(sweep) if k != sweep.x]
     if len(others) < 2 or not sweep.x:
         return None
@@ -29,7 +29,8 @@ def split(sweep):
 
 
 def chosen(sweep, every, others):
-    """Panels that are drawn: whole rows of some columns for two keys, else some, evenly."""
+    """The panels to draw: for two keys complete rows with some of the columns, else some panels, spread
+    evenly."""
     rows = layout.values_of(sweep, others[0])
     if len(others) != 2 or len(rows) > 3:
         return layout.evenly(every, PANELS)
@@ -39,7 +40,7 @@ def chosen(sweep, every, others):
 
 
 def curves(sweep, colour, others):
-    """(values of the panel's keys) -> value of the colour's key -> cases in the order of x."""
+    """(values of the keys of the panel) -> value of the key of the colour -> cases in the order of x."""
     found = {}
     for case in layout.ordinary(sweep):
         panel = tuple(case.settings.get(k, "") for k in others)
@@ -54,7 +55,7 @@ def curves(sweep, colour, others):
 
 
 def draw_references(axes, sweep, cases, column):
-    """What the cases of a line are compared with, in grey behind them."""
+    """Draws the references of the cases of a line in grey behind it."""
     pairs = [(layout.x_position(sweep, c), r.value(column)) for c in cases
              if (r := sweep.reference_of(c))]
     if pairs:
@@ -81,7 +82,7 @@ def curve_figure(sweep, folder, measure, plan):
             cases = lines.get(value, [])
             draw_references(axes, sweep, cases, column)
             axes.plot([layout.x_position(sweep, c) for c in cases],
-                      [table.value(sweep, c, column) for c in cases], color=line, linewidth=1.3,
+                      [c.value(column) for c in cases], color=line, linewidth=1.3,
                       marker="o", markersize=2.5)
         words = [value_text(k, v) for k, v in zip(others, panel)]
         if len(others) == 1:
@@ -108,15 +109,15 @@ def curve_figure(sweep, folder, measure, plan):
     name = "multiples_" + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} against {layout.name(sweep, sweep.x)}"
-    text = (f"A panel for each {listed(layout.name(sweep, k) for k in others)}, a colour for each "
-            f"{layout.name(sweep, colour)}; period reading, the same axes everywhere.")
+    text = (f"One panel per {listed(layout.name(sweep, k) for k in others)} and one colour per "
+            f"{layout.name(sweep, colour)}; means over periods, with the same axes in all panels.")
     if layout.all_references(sweep):
         text += f" Grey: {layout.reference_name(layout.all_references(sweep))}."
     if len(shown) < len(every):
         text += f" {len(shown)} of {len(every)} panels are drawn, spread evenly."
     if len(values) < len(layout.values_of(sweep, colour)):
         text += f" {len(values)} of {len(layout.values_of(sweep, colour))} values are drawn."
-    return Figure(name, head, text, head + ", one line a value")
+    return Figure(name, head, text, head + ", one line per value")
 
 
 def figures(sweep, folder):

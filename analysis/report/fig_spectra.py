@@ -1,4 +1,5 @@
-"""Spectra of the displacement at the trace nearest to the centre, every case over the reference."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
 import math
 
 import matplotlib.pyplot as plt
@@ -12,14 +13,14 @@ import wake
 from figure import Figure
 from words import listed, number, split_unit
 
-SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # at most, of u and of du/dt
-SEEN = 0.02  # of the largest amplitude
-UNLIKE = 3.0  # panels whose largest amplitudes differ by more have a scale each
+SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
+SEEN = 0.02  # smallest visible amplitude relative to the largest
+UNLIKE = 3.0  # largest ratio of the largest amplitudes of panels with a common scale
 MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
 
 
 def own_frequency_Hz(sweep, case):
-    """The frequency of the case's modulation where x is one; else NaN."""
+    """The modulation frequency of the case if x is a modulation frequency, else NaN."""
     name, unit = split_unit(sweep.x or "")
     factor = {"Hz": 1.0, "kHz": 1e3}.get(unit)
     value = case.settings.get(sweep.x)
@@ -29,23 +30,24 @@ def own_frequency_Hz(sweep, case):
 
 
 def spectrum(case):
-    """Without the mean: one-sided, it counts half and would look like a step."""
+    """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
     frequency, amplitude = case.spectrum
     return frequency[frequency > 0], amplitude[frequency > 0]
 
 
 def unit_of(cases):
-    """nm for a spectrum that fits it, um above."""
+    """Unit and factor of the amplitudes: nm below 1 um, else um."""
     largest = max(np.nanmax(spectrum(c)[1], initial=0.0) for c in cases)
     return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
 
 
 def velocity_spectrum(case):
-    """Of du/dt at the trace nearest to the centre: Hz and mm/s, one-sided; from rest at t = 0."""
+    """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s; the skin is at rest at
+    t = 0."""
     nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
     interval_s = float(case.series["time"][1] - case.series["time"][0])
     velocity = np.diff(nearest, prepend=0.0) / interval_s
-    padded = 16 * len(velocity)  # a smooth curve
+    padded = 16 * len(velocity)  # for a smooth curve
     amplitude = 2e3 * np.abs(np.fft.rfft(velocity, n=padded)) / len(velocity)
     frequency = np.fft.rfftfreq(padded, interval_s)
     return frequency[1:], amplitude[1:]
@@ -60,8 +62,8 @@ def draw_case(axes, sweep, case, frequency, values, colour, **look):
 
 
 def plain_of(sweep, case):
-    """What a case is compared with: its reference, or the STM of a sweep over the modulation; a
-    reference or an STM is so itself. None without any."""
+    """The case with which a case is compared: its reference, or STM in a sweep over the modulation. A
+    reference and STM are compared with themselves. None if there is no such case."""
     if reference := sweep.reference_of(case):
         return reference
     if case.is_reference or kind_of(case) == "STM":
@@ -80,15 +82,15 @@ def largest(case):
 
 
 def rows_of(sweep):
-    """Panels with a spectrum in them: (title, cases, reference or None)."""
+    """The panels that contain a spectrum: (title, cases, reference or None)."""
     rows = [(title, [c for c in drawn if c.spectrum], reference)
             for title, drawn, reference in layout.rows(sweep)]
     return [row for row in rows if row[1]]
 
 
 def highest(curves, own_Hz, end_Hz):
-    """The end of the axis: half or a quarter of the range where neither a curve nor a tick at the
-    cases' own frequencies is seen above."""
+    """The end of the frequency axis: a half or a quarter of the range if all curves and the modulation
+    frequencies of the cases fit, else the range."""
     above = max((f for f in own_Hz if f <= end_Hz), default=0.0)
     for frequency, values in curves:
         seen = frequency[values > SEEN * np.nanmax(values)]
@@ -97,8 +99,8 @@ def highest(curves, own_Hz, end_Hz):
 
 
 def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
-    """One panel a row; `curve_of(case)` gives frequencies and what is shown, `peaks` marks the
-    largest. True when the panels share their scale."""
+    """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
+    value. Returns whether the panels share their scale."""
     cases = [c for _, drawn, _ in rows for c in drawn]
     colours = fig_time.colours_by_x(sweep, cases)
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
@@ -126,7 +128,7 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     for axes in made[:, 0]:
-        axes.set_ylim(bottom=0.0)  # once all are there: it ends the choice of the upper end
+        axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
     made[-1, 0].set_xlabel("frequency (Hz)")
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
@@ -135,14 +137,14 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
 
 
 def bands(cases):
-    """The bands of `measure.bands_Hz` that all these cases share, in Hz; one alone is shaded."""
+    """The band of `measure.bands_Hz` in Hz if all cases have the same single band, else none."""
     edges = {tuple(c.setting("measure", "bands_Hz", default=())) for c in cases}
     return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
 
 
 def relative_figure(sweep, folder, rows):
-    """Over the largest amplitude of plain STM; None where a case has nothing to compare with, or
-    where the foci do not pass the point."""
+    """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
+    of the references do not pass the point."""
     drawn = [c for _, cases, _ in rows for c in cases]
     plain = {c.id: plain_of(sweep, c) for c in drawn}
     if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
@@ -156,24 +158,24 @@ def relative_figure(sweep, folder, rows):
 
     draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
               folder / "spectra_relative.png")
-    text = (f"The spectra above, each over the largest amplitude of {name} in the same conditions: "
-            "what a modulation leaves of the strength, and where it puts it.")
+    text = (f"The spectra above, relative to the largest amplitude of {name} under the same conditions. They show "
+            "how much of the strength a modulation preserves, and at which frequencies.")
     return Figure("spectra_relative", f"Spectra relative to {name}", text,
-                  f"Amplitude spectra over the largest amplitude of {name}, one line a case")
+                  f"Amplitude spectra relative to the largest amplitude of {name}, one line per case")
 
 
 def velocity_figure(sweep, folder, rows):
-    """Of du/dt, where that has a dominant frequency and u has none; else None."""
+    """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
     if [of for _, of in fig_frequency.peaks(sweep)] != ["du/dt"]:
         return None
     if not all(c.traces for _, cases, _ in rows for c in cases):
         return None
     alike = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
                       folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
-    text = ("The same of the velocity du/dt; a dot on the highest point of each, its dominant "
-            f"frequency.{own_scale(alike)}")
+    text = ("Spectra of the velocity du/dt; a dot marks the dominant frequency, at which the amplitude is "
+            f"largest.{own_scale(alike)}")
     return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
-                  "Amplitude spectra of the velocity at one point, one line a case")
+                  "Amplitude spectra of the velocity at one point, one line per case")
 
 
 def own_scale(alike):
@@ -198,7 +200,7 @@ def figures(sweep, folder):
     text = caption(sweep, cases) + own_scale(alike)
     text += f" {some} of {every} cases are drawn." if some < every else ""
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
-                   "at one point, one line a case"),
+                   "at one point, one line per case"),
             velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
     return [f for f in made if f]
 
@@ -212,23 +214,20 @@ def caption(sweep, cases):
     places = sorted({tuple(number(1e3 * v) for v in c.trace_at_m) for c in cases})
     duration = {round(c.series["time"][-1], 9) for c in cases}
     text = (f"One-sided amplitude of u at {listed(f'({x}, {y}) mm' for x, y in places)} over the "
-            "whole run.")
+            "complete run.")
     if len(duration) == 1:
         run = duration.pop()
-        text += (f" A run of {number(1e3 * run)} ms separates nothing closer than "
-                 f"{number(1 / run, 2)} Hz.")
+        text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(1 / run, 2)} Hz apart."
     passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing:
-        text += (f" The focus passes this point once, at {passing.pop()} ms: the curves show that "
-                 "passage")
-        modulated = any(kind_of(c) != "STM" for c in cases)
-        text += (", and their heights the phase that the modulation has just then." if modulated
-                 else ".")
+        text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
+        if any(kind_of(c) != "STM" for c in cases):
+            text += " Their heights depend on the phase of the modulation at that time."
     if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
-        text += f" Ticks on the axis: each case's own {layout.name(sweep, sweep.x)}."
+        text += f" Ticks on the axis: the {layout.name(sweep, sweep.x)} of each case."
     if bands(cases):
         low, high = bands(cases)[0]
-        text += f" Grey: {number(low)} to {number(high)} Hz, the band of the table's share."
+        text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."
     if any(reference for _, _, reference in layout.rows(sweep)):
         text += f" Black: {layout.reference_name(layout.all_references(sweep))}."
     return text

@@ -1,4 +1,5 @@
-"""Spectrograms of u at the trace points: when which frequency is there."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spectrograms of u at the trace points: its frequencies over time."""
 import math
 
 import matplotlib.pyplot as plt
@@ -11,21 +12,22 @@ from words import number
 
 SHOWN_Hz = 1000.0
 CASES, POINTS = 4, 3
-FLOOR_dB = -40.0
-WINDOWS = 3.0  # so many in a run: a compromise between time and frequency
-LEAST = 32  # samples in a run: fewer are no spectrogram
+LOWEST_dB = -40.0
+WINDOWS = 3.0  # length of the run over that of a window: balances resolution in time and frequency
+LEAST = 32  # smallest number of samples for a spectrogram
 
 
 def spectrogram(u, interval_s, window):
-    """Times in s, frequencies in Hz, amplitude of u (frequency, time): Hann windows without their
-    means. They may begin before the load did, since nothing moved then, but end within the run."""
+    """Times in s, frequencies in Hz, and amplitude of u (frequency, time), computed with Hann windows after
+    subtraction of their means. Windows may start before the load, since the skin is at rest then, but end
+    within the run."""
     shape = np.hanning(window + 2)[1:-1]
     before = window // 2
     u = np.concatenate([np.zeros(before), u])
     starts = np.arange(0, len(u) - window + 1, max(1, (len(u) - window) // 200))
     parts = np.stack([u[s: s + window] for s in starts])
     parts = (parts - parts.mean(axis=1, keepdims=True)) * shape
-    padded = max(4 * window, 512)  # a smooth picture
+    padded = max(4 * window, 512)  # for a smooth picture
     amplitude = 2.0 * np.abs(np.fft.rfft(parts, n=padded, axis=1)).T / shape.sum()
     times = (starts - before + 0.5 * (window - 1) + 1.0) * interval_s
     return times, np.fft.rfftfreq(padded, interval_s), amplitude
@@ -41,7 +43,7 @@ def chosen(sweep):
 
 
 def points(case):
-    """Trace points: the nearest to the centre, then those farther away."""
+    """The trace points nearest to the centre, nearest first."""
     return sorted(case.traces, key=lambda trace: math.hypot(*trace[0]))[:POINTS]
 
 
@@ -61,7 +63,7 @@ def figures(sweep, folder):
     if not min(peaks.values()) > 0:
         return []
     columns = max(map(len, every))
-    if columns == 1:  # two beside each other
+    if columns == 1:  # two cases side by side
         cells = [(c, *row[0]) for c, row in zip(cases, every)]
         columns = min(2, len(cells))
     else:
@@ -72,7 +74,7 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
         level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
-        image = axes.pcolormesh(1e3 * times, frequency, level, vmin=FLOOR_dB, vmax=0.0,
+        image = axes.pcolormesh(1e3 * times, frequency, level, vmin=LOWEST_dB, vmax=0.0,
                                 cmap=style.sequential_map(), shading="gouraud", rasterized=True)
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
         axes.grid(False)
@@ -93,13 +95,12 @@ def figures(sweep, folder):
     style.save(figure, folder / "spectrograms.png")
     time = cases[0].series["time"]
     length_s = max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0])
-    text = ("Amplitude of u over time and frequency; 0 dB is the largest of each case over its "
-            "points. Each moment is seen through a Hann window of "
-            f"{number(1e3 * length_s, 3)} ms, which separates nothing closer than about "
-            f"{number(2.0 / length_s, 2)} Hz; its mean is left out.")
+    text = ("Amplitude of u over time and frequency; 0 dB is the largest amplitude of each case over its "
+            f"points. The Hann window of {number(1e3 * length_s, 3)} ms resolves frequencies about "
+            f"{number(2.0 / length_s, 2)} Hz apart; the mean of each window is subtracted.")
     where = {at for case in cases for at, _ in points(case)}
     if len(where) == 1:
         x, y = where.pop()
         text += f" At ({number(1e3 * x)}, {number(1e3 * y)}) mm."
     return [Figure("spectrograms", "Spectrograms at the trace points", text,
-                   "Amplitude of the displacement over time and frequency, a panel a case")]
+                   "Amplitude of the displacement over time and frequency, one panel per case")]

@@ -1,4 +1,5 @@
-"""Snapshots of the surface: curves side by side, the reference above, x downward."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Snapshots of the surface: one column per curve, the reference above, x increasing downwards."""
 import math
 from dataclasses import dataclass
 
@@ -12,12 +13,12 @@ import wake
 from figure import Figure
 from words import counted, listed, number
 
-COLUMNS = 4  # at most so many curves stand side by side
-ALL_ROWS = 5  # up to so many values of x are all shown
-LEAST = 0.2
-SEEN = 0.1  # of the scale's end
-UNLIKE = 2.0  # curves whose wakes differ by more have colours by the root of u
-AWAY = 4.0  # focal radii from the focus on: the wake
+COLUMNS = 4  # largest number of curves side by side
+ALL_ROWS = 5  # up to this number of values of x, all are drawn
+LEAST = 0.2  # smallest end of the colour scale relative to the peak
+SEEN = 0.1  # smallest visible displacement relative to the end of the colour scale
+UNLIKE = 2.0  # if the wakes of curves differ by a larger factor, colours follow the root of u
+AWAY = 4.0  # distance from the focus, in focal radii, beyond which the field is the wake
 
 
 @dataclass
@@ -38,15 +39,15 @@ def snapshot(case):
 
 
 def some_rows(cases, columns):
-    """The cases of one curve: all while they are few, else some, spread evenly."""
+    """The cases of one curve: all if there are few, else some, spread evenly."""
     most = {1: 5, 2: 4}.get(columns, 3)
     return list(cases) if len(cases) <= (ALL_ROWS if columns < 3 else 4) else layout.evenly(cases,
                                                                                          most)
 
 
 def cells(sweep):
-    """Cases of the panels, row by row, None for an empty one, and the number of columns. One curve
-    fills two columns; several have a column each."""
+    """The cases of the panels row by row (None: empty panel) and the number of columns. A single curve fills
+    two columns; several curves have one column each."""
     found = layout.evenly(layout.groups(sweep), COLUMNS)
     if len(found) == 1:
         first = layout.motions(layout.references(sweep, found[0]))[:1]
@@ -64,8 +65,8 @@ def cells(sweep):
 
 
 def scale(shots):
-    """Where the colours end: the largest |u| away from the focus, so that the wake is seen, and
-    LEAST of the peak or more, so that what is at the focus is."""
+    """End of the colour scale: the largest |u| away from the focus, so that the wake is visible, but at least
+    LEAST times the peak, so that the focus remains distinguishable."""
     outside = []
     for s in shots:
         focus, _, _ = wake.focus_at(s.case, s.t_s)
@@ -81,7 +82,7 @@ def scale(shots):
 
 
 def window(shots, end):
-    """The rectangle, within all, in which anything is seen, and the path with it."""
+    """The rectangle, common to all snapshots, that contains all visible displacement and the path."""
     low, high = np.full(2, math.inf), np.full(2, -math.inf)
     for s in shots:
         seen = np.abs(s.u_um) > SEEN * end
@@ -122,15 +123,14 @@ def draw(axes, shot, norm, limits):
     return image, lines
 
 
-def note(axes, words, colour):
-    """A few words in the lower right corner of a map."""
-    return axes.text(0.97, 0.04, words, transform=axes.transAxes, fontsize=8, color=colour,
-                     ha="right")
+def note(axes, text, colour):
+    """Writes a short text in the lower right corner of a map."""
+    return axes.text(0.97, 0.04, text, transform=axes.transAxes, fontsize=8, color=colour, ha="right")
 
 
 def colour_scale(curves):
-    """One scale for all: its end, and the norm. By the root of u where the wakes of curves (lists
-    of shots), such as sizes of the focus, differ much."""
+    """End and norm of the common colour scale. The norm is the root of u if the wakes of the curves, given as
+    lists of snapshots, differ strongly, for example because of the size of the focus."""
     ends = [scale(shots) for shots in curves if shots]
     end = max(ends)
     if end <= UNLIKE * min(ends):
@@ -140,8 +140,8 @@ def colour_scale(curves):
 
 
 def arrange(sweep, shots, columns, limits):
-    """Axes of equal scale with their titles, a hidden one where there is no shot, and those of the
-    colour bar; inches throughout."""
+    """Axes of equal scale with titles, hidden where there is no snapshot, and the axes of the colour bar.
+    Lengths are in inches."""
     rows = math.ceil(len(shots) / columns)
     left, right, between, bottom = 0.62, 0.12, 0.24, 1.28
     width = (style.WIDTH_in - left - right - (columns - 1) * between) / columns
@@ -206,7 +206,7 @@ def figures(sweep, folder):
     title = f"The surface at {times(shots)}"
     text = caption(shots, any_lines, clipped)
     if isinstance(norm, plt.matplotlib.colors.FuncNorm):
-        text += " The colours follow the root of u, so that weak and strong ones are both seen."
+        text += " The colours are proportional to the root of |u|, so that weak and strong wakes are both visible."
     every = len(layout.ordinary(sweep))
     some = sum(not s.case.is_reference for s in shots)
     text += f" {some} of {every} cases are drawn." if some < every else ""
@@ -214,19 +214,18 @@ def figures(sweep, folder):
 
 
 def caption(shots, any_lines, clipped):
-    text = ("Displacement of the surface seen from above, one colour scale for all; circle: the "
-            "focal disc; dotted: the path travelled.")
+    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Circle: focal "
+            "disc. Dotted line: path of the focus so far.")
     if clipped:
-        text += (f" The scale ends at the largest displacement beyond {number(AWAY)} focal radii "
-                 "from the focus, so that the wake can be seen, or at a fifth of the peak; what "
-                 "exceeds it is clipped.")
+        text += (f" The scale ends at the largest displacement farther than {number(AWAY)} focal radii from the "
+                 "focus, so that the wake is visible, but at least at a fifth of the peak; larger values are "
+                 "clipped.")
     if any_lines:
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
-        text += (" Dashed: the theoretical Mach lines, sin θ = Rayleigh speed / focus speed at "
-                 f"that instant, θ = {listed(a + '°' for a in sorted(angles))}, as long as the "
-                 "path has made them.")
+        text += (" Dashed: theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that instant, "
+                 f"θ = {listed(a + '°' for a in sorted(angles))}; their length follows from the path.")
     if any(not math.isnan(s.case.value("mach_angle_deg")) for s in shots):
-        text += " Fitted: the angle of the wake itself, where it is a straight one."
+        text += " Fitted: angle of the computed wake, if its edge is straight."
     without = {}
     for s in shots:
         if reason := s.case.notes.get("mach_angle_theory_deg"):

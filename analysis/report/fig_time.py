@@ -1,4 +1,5 @@
-"""A measure over time for every case: a small panel each, or all in one when they are many."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""A measure over time for every case: one small panel per case, or a common panel for many cases."""
 import math
 
 import matplotlib.pyplot as plt
@@ -9,9 +10,9 @@ import style
 from figure import Figure
 from words import number, value_text
 
-PANELS = 12  # up to so many cases have a panel each
+PANELS = 12  # largest number of cases with a panel each
 COLUMNS = 2
-DECADES = 1e4  # of a logarithmic axis: where a sum changes its sign it falls without end
+DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
 
 
 def in_mm2(case, name):
@@ -22,17 +23,17 @@ def in_mm2(case, name):
 MEASURES = [
     {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
      "value": lambda case: case.series["eta"], "needs": "eta",
-     "caption": "η(t), the share of Σu² inside the focal disc."},
+     "caption": "η(t), the share of Σu² within the focal disc."},
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
      "needs": "ipr_abs",
-     "caption": "The area over which the displacement is spread: it grows as long as waves run out "
-                "from the path."},
+     "caption": "The area over which the displacement is spread. It increases while waves propagate away from "
+                "the path."},
     {"name": "ipr_time", "title": "Literal inverse participation ratio over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
-     "caption": "The literal ipr(t): in nearly incompressible tissue it measures compressibility, "
-                "not spread; it dips whenever Σu changes its sign."},
+     "caption": "The literal ipr(t). In nearly incompressible tissue it measures compressibility, not spread, and "
+                "it drops whenever Σu changes its sign."},
 ]
 
 
@@ -47,7 +48,8 @@ def settled(case):
 
 
 def limits(cases, measure):
-    """From the settled part alone: before the waves have gone anywhere the measures say nothing."""
+    """Limits of the y axis from the settled part only: while the waves are still close to the focus, the
+    measures are meaningless."""
     values = np.concatenate([measure["value"](c)[settled(c)] for c in cases])
     values = values[np.isfinite(values)]
     if not measure.get("log"):
@@ -60,8 +62,8 @@ def limits(cases, measure):
 
 
 def colours_by_x(sweep, cases):
-    """A colour for each case: by the rank of x while few, by its number beyond; words are distinct.
-    A reference that has an x of its own has its colour, any other is black."""
+    """The colours of the cases. Few numeric values of x are coloured by rank, many by value; strings get
+    distinct colours. A reference that has an x gets the colour of x, other references are black."""
     if not sweep.x:
         return {c.id: style.PALETTE[0] for c in cases}
     colours = dict.fromkeys((c.id for c in layout.all_references(sweep)), "black")
@@ -107,7 +109,7 @@ def frame(axes, cases, measure, y_limits):
 
 
 def small_panels(sweep, measure, cases, colours):
-    """One panel a case on shared axes; its reference in grey."""
+    """One panel per case on shared axes, with its reference in grey."""
     columns = min(COLUMNS, len(cases))
     rows = math.ceil(len(cases) / columns)
     height = 1.25 if rows > 1 else 2.4
@@ -136,8 +138,8 @@ def small_panels(sweep, measure, cases, colours):
 
 
 def add_key(figure, sweep, cases):
-    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not yet settled")]
-    at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="the instant")]
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")]
+    at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
     reference = layout.reference_name(layout.all_references(sweep))
     grey = [plt.Line2D([], [], color="#b0b0b0", linewidth=1.6, label=reference)]
     has_reference = any(sweep.reference_of(c) for c in cases)
@@ -146,7 +148,7 @@ def add_key(figure, sweep, cases):
 
 
 def overlay(sweep, measure, cases, colours):
-    """A panel for each series, its cases as thin lines coloured by x."""
+    """One panel per series with its cases as thin lines coloured by x."""
     rows = layout.rows(sweep)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=True, squeeze=False,
                                 figsize=(style.WIDTH_in, 1.1 + 2.3 * len(rows)),
@@ -167,7 +169,7 @@ def overlay(sweep, measure, cases, colours):
 
 
 def add_x_key(figure, all_axes, sweep, colours):
-    """What the colours of many lines mean: a legend of few values, a bar of many."""
+    """Adds the key of the colours: a legend for few values, a colour bar for many."""
     values = layout.x_values(sweep)
     if layout.is_numeric(sweep) and len(values) > style.DIRECT_LABELS:
         shown = plt.cm.ScalarMappable(norm=x_norm(sweep), cmap=style.sequential_map())
@@ -190,7 +192,7 @@ def add_x_key(figure, all_axes, sweep, colours):
 
 
 def in_columns(sweep):
-    """Cases in the order of their panels: two curves have a column each."""
+    """The cases in the order of their panels: two curves have one column each."""
     found = [group.cases for group in layout.groups(sweep)]
     if len(found) == COLUMNS and len({len(cases) for cases in found}) == 1:
         found = list(zip(*found))
@@ -208,23 +210,23 @@ def time_figure(sweep, folder, measure):
     many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
-    marks = words(sweep, cases, many) if measure is MEASURES[0] else ""  # once on the page
+    marks = key_caption(sweep, cases, many) if measure is MEASURES[0] else ""  # once per page
     some = len(layout.ordinary(sweep))
     marks += f" {some} of {every} cases are drawn." if some < every else ""
     return Figure(measure["name"], measure["title"], measure["caption"] + marks,
-                  f"{measure['title']}, one line a case")
+                  f"{measure['title']}, one line per case")
 
 
 def span(values):
     return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
 
 
-def words(sweep, cases, many):
+def key_caption(sweep, cases, many):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
-    text = (f" Shaded: before the run counts as settled ({span(after)} ms); dotted: the instant "
-            f"({span(at)} ms). The vertical axis is set by the settled "
-            "part; earlier values may leave it.")
+    text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms). Dotted line: the "
+            f"instant of measure.at_ms ({span(at)} ms). The limits of the vertical axis follow from the settled "
+            "part; earlier values may exceed them.")
     if any(sweep.reference_of(c) for c in cases):
         name = layout.reference_name(layout.all_references(sweep))
         if not many:

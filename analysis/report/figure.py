@@ -1,10 +1,11 @@
-"""What every figure hands to the page."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""A figure of the page."""
 from dataclasses import dataclass
 
 
 @dataclass
 class Figure:
-    name: str  # of its file, without .png
+    name: str  # name of its file without .png
     title: str
     caption: str
-    alternative: str  # in words, for who cannot see it
+    alternative: str  # alternative text for readers who cannot see the picture

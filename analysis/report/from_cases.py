@@ -1,20 +1,26 @@
-"""The plan of a folder that has lost its plan.json, from what every case file says of itself.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reconstructs the plan of a folder without plan.json from its case files.
 
-What no file tells is not known: a case that was never computed is in no file. A damaged file keeps
-its place, without settings.
+Usage: from_cases.py DIR    writes DIR/tables/plan.json, which `shearwake report` then reads
+
+Cases that were never computed have no file and are missing from the plan. A damaged file remains in the plan
+without settings.
 """
 import json
+import sys
 import tomllib
+from pathlib import Path
 
-import h5py
+from checksum import open_case
 
-TOLD = ("case_id", "settings", "is_reference", "reference_id", "job", "title")
+ATTRIBUTES = ("case_id", "settings", "is_reference", "reference_id", "job", "title")
 
 
 def facts(path):
-    """What one case file says of its place in the sweep. Raises OSError, KeyError, ValueError."""
-    with h5py.File(path, "r") as file:
-        values = {name: file.attrs[name] for name in TOLD}
+    """The attributes of a case file that describe its place in the sweep. Raises OSError, KeyError,
+    ValueError."""
+    with open_case(path) as file:
+        values = {name: file.attrs[name] for name in ATTRIBUTES}
         values["overrides"] = file.attrs.get("overrides", "")
     values = {name: v.decode("utf-8", "replace") if isinstance(v, bytes) else str(v)
               for name, v in values.items()}
@@ -23,17 +29,17 @@ def facts(path):
 
 
 def attempt(path):
-    """The facts, or what stands for a damaged file."""
+    """The attributes, or empty values for a damaged file."""
     nothing = {"case_id": path.stem, "settings": {}, "is_reference": "no", "reference_id": "",
                "job": "", "title": "", "overrides": ""}
     try:
-        return {**facts(path), "case_id": path.stem}  # the reader sees a file of another case
+        return {**facts(path), "case_id": path.stem}  # load.py detects a file of another case
     except (OSError, KeyError, ValueError, RuntimeError):
         return nothing
 
 
 def tables(text):
-    """A TOML text as tables; none where it is cut short or no TOML."""
+    """The tables of a TOML text; none if the text is truncated or not valid TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError:
@@ -41,7 +47,7 @@ def tables(text):
 
 
 def job_options(found):
-    """[job] and [table] of the job, with what was overridden on the command line."""
+    """[job] and [table] of the job with the overrides of the command line."""
     job, options = tables(found["job"]), {}
     for section in ("job", "table"):
         merged = dict(job.get(section, {}))
@@ -52,7 +58,7 @@ def job_options(found):
 
 
 def place(found, keys, job):
-    """Sorts as the job does: numbers upward, words as they stand in its text, references last."""
+    """The sorting key of a case: numbers ascending, strings in the order of the job text, references last."""
     order = [found["is_reference"] == "yes"]
     for key in keys:
         value = found["settings"].get(key, "")
@@ -65,18 +71,18 @@ def place(found, keys, job):
 
 
 def series_of(cases, keys, x):
-    """Every swept key but x and those that x alone tells."""
-    def told(key):
+    """All swept keys except x and keys whose value follows from that of x."""
+    def follows(key):
         pairs = {(str(c["settings"].get(x)), str(c["settings"].get(key))) for c in cases}
         return len(pairs) == len({value for value, _ in pairs})
-    return [key for key in keys if key != x and not told(key)]
+    return [key for key in keys if key != x and not follows(key)]
 
 
 def plan_of_cases(folder):
-    """The plan as plan.json holds it, and the job's text. Raises OSError without any case file."""
+    """The plan in the format of plan.json with the text of the job. Raises OSError if there is no case file."""
     cases = [attempt(path) for path in sorted((folder / "cases").glob("*.h5"))]
     if not cases:
-        raise FileNotFoundError(f"neither plan.json nor a case file is in {folder}")
+        raise FileNotFoundError(f"{folder} contains neither plan.json nor a case file")
     first = next((c for c in cases if c["job"]), cases[0])
     options = job_options(first)
     ordinary = [c for c in cases if c["is_reference"] != "yes"]
@@ -88,8 +94,18 @@ def plan_of_cases(folder):
     entries = [{"id": c["case_id"], "settings": c["settings"],
                 "is_reference": c["is_reference"] == "yes", "reference_id": c["reference_id"]}
                for c in cases]
-    plan = {"name": name, "title": first["title"] or options["job"].get("title", name),
+    return {"schema": 1, "name": name, "job": first["job"], "title": first["title"] or options["job"].get("title", name),
             "swept_keys": keys, "cases": entries,
             "table": {"x": x, "series": options["table"].get("series",
                                                              series_of(ordinary, keys, x))}}
-    return plan, first["job"]
+
+
+def main(folder):
+    plan = plan_of_cases(Path(folder))
+    tables = Path(folder) / "tables"
+    tables.mkdir(exist_ok=True)
+    (tables / "plan.json").write_text(json.dumps(plan, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,4 +1,5 @@
-"""How the cases of a sweep are laid out: x, one group a curve, and the references."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Arranges the cases of a sweep for the figures: x, one group per curve, and the references."""
 import textwrap
 from dataclasses import dataclass, replace
 
@@ -10,10 +11,10 @@ from words import value_text
 
 @dataclass
 class Group:
-    """One curve: the whole cases that share their series settings, in the order of x."""
+    """One curve: the complete cases that share their series settings, in the order of x."""
     label: str
     cases: list
-    values: tuple = ()  # of the keys that tell curves apart
+    values: tuple = ()  # of the keys that distinguish curves
 
 
 def is_number(value):
@@ -30,9 +31,9 @@ def is_numeric(sweep):
 
 
 def group_keys(sweep):
-    """The keys that tell curves apart; other swept keys join when x alone leaves doubles."""
-    if sweep.told is not None:
-        return sweep.told
+    """The keys that distinguish curves; all other swept keys if cases would otherwise share an x."""
+    if sweep.label_keys is not None:
+        return sweep.label_keys
     vary = [k for k in axes(sweep) if k != sweep.x]
     keys = [k for k in vary if k in sweep.series_keys]
     seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
@@ -55,20 +56,20 @@ def groups(sweep):
 
 
 def x_values(sweep):
-    """Every value of x among the whole cases: sorted numbers, or words in the order of the plan."""
+    """All values of x of the complete cases: sorted numbers, or strings in the order of the plan."""
     cases = [c for c in ordinary(sweep) if sweep.x in c.settings]
     values = list(dict.fromkeys(c.settings[sweep.x] for c in cases))
     return sorted(values) if is_numeric(sweep) else values
 
 
 def x_position(sweep, case):
-    """Where a case stands on the x axis: its number, or the place of its word."""
+    """The position of a case on the x axis: its number, or the index of its string."""
     value = case.settings.get(sweep.x)
     return float(value) if is_numeric(sweep) else float(x_values(sweep).index(value))
 
 
 def is_logarithmic(values):
-    """Numbers that are spread more evenly by ratio than by difference, over a decade or more."""
+    """Whether the numbers span a decade or more and have more uniform ratios than differences."""
     values = np.asarray(values, dtype=float)
     if len(values) < 3 or values.min() <= 0 or values.max() < 10 * values.min():
         return False
@@ -77,55 +78,56 @@ def is_logarithmic(values):
 
 
 def case_label(sweep, case):
-    """A case by its swept values: '200 Hz, 3 mm'."""
+    """The swept values of a case: '200 Hz, 3 mm'."""
     if case.is_reference or not sweep.swept_keys:
         first = reference_name([case]) if case.is_reference else "this case"
-        told = axes(sweep) if case.is_reference else case.settings
-        own = [value_text(k, case.settings[k]) for k in told
+        keys = axes(sweep) if case.is_reference else case.settings
+        own = [value_text(k, case.settings[k]) for k in keys
                if k in case.settings and not is_reading(k)]
         return ", ".join([first, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
 
 
-CHARACTERS = 12  # of a title in an inch
+CHARACTERS = 12  # of a title per inch
 
 
 def wrapped(title, width_in):
-    """In as many lines as a panel of this width needs."""
+    """The title, wrapped to the width of a panel."""
     return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
 
 
 def is_reading(key):
-    """Whether it says how a field is read, not what makes it."""
+    """Whether the key affects only the measurement of a field, not the field itself."""
     return key.startswith("measure.")
 
 
 def swept_cases(sweep):
-    """Whole or not: a cell of a heat map stands for a case that has no result, too."""
+    """All cases except references, with or without a result: heat maps have a cell for each."""
     return [c for c in sweep.cases if not c.is_reference]
 
 
 def values_of(sweep, key):
-    """Every value of a key: sorted numbers, or words in the order of the plan."""
+    """All values of a key: sorted numbers, or strings in the order of the plan."""
     values = list(dict.fromkeys(c.settings[key] for c in swept_cases(sweep) if key in c.settings))
     return sorted(values) if all(map(is_number, values)) else values
 
 
 def name(sweep, key):
-    """A key in words. AM and SM frequencies swept together are one: a case has one kind."""
-    return words.key_name(told_as(sweep, key))
+    """The name of a key. AM and SM frequencies that are swept together have a common name, since a case has
+    only one of them."""
+    return words.key_name(displayed_key(sweep, key))
 
 
 def axis_label(sweep, key):
-    """With its unit, where it has numbers."""
+    """The name of a key, with its unit if the values are numbers."""
     if all(map(is_number, values_of(sweep, key))):
-        return words.axis_label(told_as(sweep, key))
+        return words.axis_label(displayed_key(sweep, key))
     label = name(sweep, key)
     return label[:1].upper() + label[1:]
 
 
-def told_as(sweep, key):
+def displayed_key(sweep, key):
     am, sm = "load.modulation.am_frequency_Hz", "load.modulation.sm_frequency_Hz"
     if key not in (am, sm) or not {am, sm} <= set(sweep.swept_keys):
         return key
@@ -134,7 +136,7 @@ def told_as(sweep, key):
 
 
 def axes(sweep):
-    """The keys that vary on their own, x first. One that follows another (zip) is no axis."""
+    """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
     kept, cases = [], swept_cases(sweep)
     for key in dict.fromkeys([sweep.x, *sweep.series_keys, *sweep.swept_keys]):
         if not key or len(values_of(sweep, key)) < 2:
@@ -147,7 +149,7 @@ def axes(sweep):
 
 
 def evenly(items, most):
-    """At most so many, the first and the last among them."""
+    """At most `most` items, including the first and the last."""
     if len(items) <= most:
         return list(items)
     picks = np.unique(np.round(np.linspace(0, len(items) - 1, most)).astype(int))
@@ -155,7 +157,7 @@ def evenly(items, most):
 
 
 def few(sweep, most=40):
-    """The same sweep, of more than `most` cases a few that are spread evenly over it."""
+    """The sweep; if it has more than `most` cases, reduced to a few that are spread evenly over it."""
     if len(ordinary(sweep)) <= most:
         return sweep
     chosen = evenly(groups(sweep), 3)
@@ -163,23 +165,23 @@ def few(sweep, most=40):
     kept = {c.id for g in chosen for c in g.cases if c.settings.get(sweep.x) in values}
     kept |= {sweep.by_id(i).reference_id for i in kept}
     return replace(sweep, cases=[c for c in sweep.cases if c.id in kept],
-                   told=group_keys(sweep))  # what no longer varies is told all the same
+                   label_keys=group_keys(sweep))  # keys that no longer vary remain in the labels
 
 
 def fewer_lines(sweep, most=8, kept=6):
-    """The same sweep with some values of x, spread evenly, where they are too many for a line or a
-    panel each."""
+    """The sweep; if it has too many values of x for a line or a panel each, reduced to some of them, spread
+    evenly."""
     values = x_values(sweep)
     if not sweep.x or not is_numeric(sweep) or len(values) <= most:
         return sweep
     some = set(evenly(values, kept))
     ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
     ids |= {sweep.by_id(i).reference_id for i in ids}
-    return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], told=group_keys(sweep))
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], label_keys=group_keys(sweep))
 
 
 def references(sweep, group):
-    """The distinct whole references of a group, in the order of its cases."""
+    """The distinct complete references of a group, in the order of its cases."""
     found = {}
     for case in group.cases:
         reference = sweep.reference_of(case)
@@ -189,7 +191,7 @@ def references(sweep, group):
 
 
 def motions(cases):
-    """One of all that differ in how they are read alone: they move alike."""
+    """One case of each set of cases that differ only in their measurement and so have the same field."""
     found = {}
     for case in cases:
         own = tuple(sorted((k, str(v)) for k, v in case.settings.items() if not is_reading(k)))
@@ -198,7 +200,7 @@ def motions(cases):
 
 
 def all_references(sweep):
-    """Every whole case that others are compared with, once."""
+    """The distinct complete references of all groups."""
     found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}
     return list(found.values())
 
@@ -212,8 +214,8 @@ def reference_name(cases):
 
 
 def rows(sweep):
-    """Panels of overlaid lines: each group's cases with its one reference, or its several
-    references in a panel of their own. (title, cases, the one reference or None)"""
+    """Panels of overlaid lines as (title, cases, reference or None): the cases of each group with its
+    reference. If a group has several references, they have a separate panel."""
     made = []
     for group in groups(sweep):
         found = motions(references(sweep, group))

@@ -1,8 +1,9 @@
-"""Reads an output folder: plan, journal, job text and every case file that is whole. The case files
-alone will do.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads an output folder: the plan, the table that `shearwake reduce` wrote, and the series, spectra and
+surfaces of all complete case files.
 
-A case without a whole file keeps its place with a status and a reason, as `shearwake reduce`
-gives them; it has no numbers, and the figures pass over it.
+All measures, their ratios, units and the reasons for empty cells are read from the table and not computed
+again. A case without a complete file has a status and a reason, but no numbers; the figures omit it.
 """
 import json
 import math
@@ -13,11 +14,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from from_cases import plan_of_cases
-
+from checksum import open_case, read_json
 
 class NoPlan(Exception):
-    """The folder is no output folder of shearwake."""
+    """The folder is not an output folder of shearwake."""
 
 
 @dataclass
@@ -31,7 +31,8 @@ class Case:
     reason: str = "not computed"
     attributes: dict = field(default_factory=dict)
     physics: dict = field(default_factory=dict)  # the resolved case, SI
-    scalars: dict = field(default_factory=dict)
+    wall_s: float = math.nan
+    scalars: dict = field(default_factory=dict)  # column -> value; NaN: empty
     notes: dict = field(default_factory=dict)  # column -> why it is empty
     series: dict = field(default_factory=dict)  # name -> values over time, at the surface
     spectrum: tuple = ()  # frequency_Hz, amplitude_m at the trace nearest to the centre
@@ -65,10 +66,18 @@ class Sweep:
     series_keys: list
     cases: list
     job_text: str
-    told: list = None  # keys that tell curves apart; None: those that vary among these cases
+    columns: list  # of the table: name, unit, description, where it is shown, numerator of a ratio
+    label_keys: list = None  # keys that distinguish curves; None: those that vary among these cases
 
     def __post_init__(self):
         self.index = {c.id: c for c in self.cases}
+
+    def ratio_of(self, column):
+        """The column with a measure over that of the reference."""
+        return next(c["name"] for c in self.columns if c["over_reference_of"] == column)
+
+    def is_ratio(self, column):
+        return any(c["name"] == column and c["over_reference_of"] for c in self.columns)
 
     def by_id(self, case_id):
         return self.index.get(case_id)
@@ -101,32 +110,26 @@ def read_trace(file, case):
 
 
 def read_case(case):
-    """Fills `case` from its file. Raises OSError, KeyError or ValueError when that is damaged."""
-    with h5py.File(case.path, "r") as file:
+    """Reads the series of the case from its file. Raises OSError, KeyError or ValueError if the file is damaged."""
+    with open_case(case.path) as file:
         case.attributes = {name: plain(value) for name, value in file.attrs.items()}
         if case.attributes["case_id"] != case.id:
-            raise ValueError("it holds another case")
+            raise ValueError("it contains another case")
         case.physics = tomllib.loads(case.attributes["case"])
         for name, item in file.items():
             if not isinstance(item, h5py.Dataset):
                 continue
-            if item.shape == ():
-                case.scalars[name] = float(item[()])
-                if "note" in item.attrs:
-                    case.notes[name] = text(item.attrs["note"])
-            elif name != "depth":
+            if item.shape != () and name != "depth":
                 values = item[()]
                 case.series[name] = values[0] if values.ndim == 2 else values
         frames = len(case.series["time"])
         if any(len(values) != frames for values in case.series.values()):
-            raise ValueError("its series differ in length")
+            raise ValueError("its series have different lengths")
         read_trace(file, case)
-        case.status = str(case.attributes["status"])
-        case.reason = "" if case.whole else "its file is not complete"
 
 
 def surface(case, time=-1):
-    """Snapshot number `time` at the surface: t_s, x_m, y_m, u_z_m(x, y); None without one."""
+    """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
     try:
         with h5py.File(case.path, "r") as file:
             group = file.get("surface")
@@ -139,7 +142,7 @@ def surface(case, time=-1):
 
 
 def surface_times(case):
-    """When the kept surfaces are; empty without any."""
+    """The times of the recorded surfaces; empty if there are none."""
     try:
         with h5py.File(case.path, "r") as file:
             return file["surface/time"][()]
@@ -148,8 +151,8 @@ def surface_times(case):
 
 
 def mean_square(case):
-    """Time-averaged u_z^2 over whole periods and what was drawn: x_m, y_m, m2(x, y) and a list of
-    lines (point, xy) in m; None where no mean was kept."""
+    """Mean of u_z^2 over complete periods and the drawn shape: x_m, y_m, m2(x, y) and a list of lines
+    (point, xy) in m; None if no mean was recorded."""
     try:
         with h5py.File(case.path, "r") as file:
             group = file["mean"]
@@ -161,48 +164,40 @@ def mean_square(case):
         return None
 
 
-def read_events(folder):
-    """What all journals tell, in the order of time. Lines that were cut short are passed over."""
-    events = []
-    for path in sorted(folder.glob("journal*.jsonl")):
-        time_s = 0.0
-        for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
-            try:
-                event = json.loads(line)
-                kind, case_id = event["event"], event.get("id")
-                time_s = float(event.get("unix_s", time_s))
-            except (ValueError, KeyError, TypeError, AttributeError):
-                continue
-            events.append((time_s, kind, case_id, event))
-    return sorted(events, key=lambda entry: entry[0])
-
-
-def read_failures(folder):
-    """Reason of the last failure by case id."""
-    reasons = {}
-    for _, kind, case_id, event in read_events(folder):
-        if kind == "failed":
-            reasons[case_id] = str(event.get("reason", "no reason given"))
-        elif kind in ("started", "finished"):
-            reasons.pop(case_id, None)
-    return reasons
-
-
 def first_line(error):
     lines = str(error).strip().splitlines()
     return lines[0] if lines else type(error).__name__
 
 
 def read_plan(folder):
-    """plan.json and job.toml, or what the case files tell of them."""
+    """The plan and the text of the job, from plan.json and job.toml or, without them, from from_cases.py."""
     path, job = folder / "plan.json", folder / "job.toml"
     if path.exists():
-        plan, job_text = json.loads(path.read_text(encoding="utf-8")), ""
+        plan = read_json(path.read_text(encoding="utf-8"), lambda old: old["schema"] == 1)
     else:
-        plan, job_text = plan_of_cases(folder)
+        plan = json.loads((folder / "tables" / "plan.json").read_text(encoding="utf-8"))
     if job.exists():
-        job_text = job.read_text(encoding="utf-8", errors="replace")
-    return plan, job_text
+        return plan, job.read_text(encoding="utf-8", errors="replace")
+    return plan, plan.get("job", "")
+
+
+def read_table(folder, name):
+    """The columns of the table of `shearwake reduce`, and its rows by case id."""
+    path = folder / "tables" / (name + ".json")
+    if not path.exists():
+        raise NoPlan(f"{folder} has no table: shearwake reduce {folder}")
+    table = json.loads(path.read_text(encoding="utf-8"))
+    return table["columns"], {row["id"]: row for row in table["cases"]}
+
+
+def fill(case, row):
+    """Copies the row of the table to the case."""
+    def number(value):
+        return math.nan if value is None else value
+    case.status, case.reason = row["status"], row["note"]
+    case.wall_s = number(row["wall_s"])
+    case.scalars = {name: number(value) for name, value in row["values"].items()}
+    case.notes = row["notes"]
 
 
 def load(folder):
@@ -210,20 +205,22 @@ def load(folder):
     try:
         plan, job_text = read_plan(folder)
         table = plan["table"]
+        columns, rows = read_table(folder, plan["name"])
         cases = [Case(c["id"], c["settings"], c["is_reference"], c["reference_id"],
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], table["x"],
-                      table["series"], cases, job_text)
+                      table["series"], cases, job_text, columns)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise NoPlan(f"{folder} holds no plan of shearwake: {first_line(error)}") from error
-    failures = read_failures(folder)
+        raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for case in cases:
-        if case.path.exists():
-            try:
-                read_case(case)
-            except (OSError, KeyError, ValueError, IndexError, TypeError, RuntimeError) as error:
-                case.status, case.reason = "damaged", first_line(error)
-                case.scalars, case.series, case.spectrum = {}, {}, ()
-        elif case.id in failures:
-            case.status, case.reason = "failed", failures[case.id]
+        if case.id in rows:
+            fill(case, rows[case.id])
+        if not case.whole:
+            case.scalars = {}
+            continue
+        try:
+            read_case(case)
+        except (OSError, KeyError, ValueError, IndexError, TypeError, RuntimeError) as error:
+            case.status, case.reason = "damaged", first_line(error)
+            case.scalars, case.series, case.spectrum = {}, {}, ()
     return sweep

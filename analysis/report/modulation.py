@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Draws one modulation: its path with ticks of time, its speed and its envelope over one period.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws a modulation: its path with time ticks, and its speed and envelope over one period.
 
 Usage: modulation.py DATA.json PICTURE    (`shearwake show --modulation JOB` writes the data)
-The picture's ending decides its kind: .png, .svg or .pdf. Exit 0: done; 6: it cannot be read or
+The extension of PICTURE determines its format: .png, .svg or .pdf. Exit 0: done; 6: a file cannot be read or
 written.
 """
 import json
@@ -14,11 +15,11 @@ from style import GREY, INK, PALETTE, halo, plt
 ENVIRONMENT = 6
 TICKS = 8
 SLOW_PERIODS = 40
-SMALL_DPI = 90  # pictures of the manual are small
+SMALL_DPI = 90  # for the small pictures of the documentation
 
 
 def round_step(span, count):
-    """A step of 1, 2 or 5 times a power of ten that divides the span into at most `count`."""
+    """The smallest step of 1, 2 or 5 times a power of ten that divides the span into at most `count` parts."""
     least = span / count
     decade = 10.0 ** np.floor(np.log10(least))
     return next(f * decade for f in (1, 2, 5, 10) if f * decade >= least * (1 - 1e-9))
@@ -36,7 +37,7 @@ def draw_path(axes, data):
     for fx, fy in foci:
         axes.plot([px + 1e3 * fx for px, _ in places], [py + 1e3 * fy for _, py in places], "o",
                   color=INK, markersize=3.5)
-    written = []  # a label where there is room for one
+    written = []  # positions of labels; ticks too close to one of them get no label
     reach = max(np.ptp(x), np.ptp(y), 1.0)
     for tick, place in zip(ticks, places):
         if moves and all(np.hypot(place[0] - a, place[1] - b) > 0.09 * reach for a, b in written):
@@ -52,7 +53,7 @@ def draw_path(axes, data):
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
-    axes.set_title(data["kind"] + (": path, ticks in ms" if moves else ": rests"), loc="left")
+    axes.set_title(data["kind"] + (": path, ticks in ms" if moves else ": focus at rest"), loc="left")
 
 
 def draw_curve(axes, t_s, values, label, colour):
@@ -66,7 +67,7 @@ def draw_curve(axes, t_s, values, label, colour):
 
 def draw_courses(speed_axes, gain_axes, data):
     period, run, frequency = data["period"], data["run"], data["frequency_Hz"]
-    # A slow pointer goes nowhere within a period: its speed is shown over the run.
+    # A slow focus hardly moves within a period, so its speed is drawn over the run.
     is_slow = run["t_s"][-1] > SLOW_PERIODS * period["t_s"][-1]
     shown = run if is_slow else period
     draw_curve(speed_axes, shown["t_s"], shown["speed_m_s"], "speed (m/s)", PALETTE[2])

@@ -1,5 +1,5 @@
 "use strict";
-// Sorts a table by the column whose button was pressed: numbers as numbers, empty cells last.
+// Sorts a table by the column whose button was pressed: numbers by value, empty cells last.
 function sortTable(table, column, descending) {
   const body = table.tBodies[0];
   const key = row => {
@@ -28,7 +28,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
   }));
 }
 
-// The slider over the moments of the surface; each panel shows its last moment up to then.
+// The slider over the times of the surface. Each panel shows its last picture up to the selected time.
 for (const player of document.querySelectorAll(".player")) {
   const data = JSON.parse(player.querySelector("script").textContent);
   const slider = player.querySelector("input"), output = player.querySelector("output");

@@ -1,4 +1,5 @@
-"""One HTML page that holds everything: figures inside, nothing fetched, everything escaped."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes one HTML page that contains all figures, loads nothing from elsewhere, and escapes all text."""
 import base64
 import html
 from collections import Counter
@@ -14,15 +15,15 @@ from words import counted, number, value_text
 HERE = Path(__file__).resolve().parent
 FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
          ("build", "build_type"), ("MPI", "mpi_version"), ("FFTW", "fftw_version"),
-         ("HDF5", "hdf5_version"), ("host", "host"), ("ranks a case", "ranks")]
+         ("HDF5", "hdf5_version"), ("host", "host"), ("ranks per case", "ranks")]
 
 
-def escape(words):
-    return html.escape(str(words))
+def escape(text):
+    return html.escape(str(text))
 
 
 def counts(sweep):
-    """'8 cases: 7 swept, 1 reference; 8 complete.'"""
+    """For example '8 cases (of them 1 reference): 8 complete.'"""
     by_status = Counter(c.status for c in sweep.cases)
     references = sum(c.is_reference for c in sweep.cases)
     parts = [f"{n} {status}" for status, n in by_status.most_common()]
@@ -40,7 +41,7 @@ def picture(figure, folder):
 
 
 def trouble(sweep, problems):
-    """Cases without results and figures that could not be drawn, with their reasons."""
+    """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
     for case in sweep.cases:
         if not case.whole:
@@ -72,25 +73,25 @@ def provenance(sweep):
     ended = sorted(a["ended"] for a in whole if "ended" in a)
     if started and ended:
         rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
-    rows.append(("seconds in all", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
+    rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
     rows.append(("folder", sweep.folder.resolve().name))
     cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
-    return f"<details><summary>How it was computed</summary><dl>{cells}</dl></details>"
+    return f"<details><summary>Provenance</summary><dl>{cells}</dl></details>"
 
 
 def job(sweep):
     if not sweep.job_text:
         return ""
-    return f"<details><summary>The job</summary><pre>{escape(sweep.job_text)}</pre></details>"
+    return f"<details><summary>Job file</summary><pre>{escape(sweep.job_text)}</pre></details>"
 
 
-def beside(name):
-    """A file of this folder that goes into the page as it is."""
+def read(name):
+    """A file of this folder that becomes part of the page."""
     return (HERE / name).read_text(encoding="utf-8")
 
 
 def body(figures, folder, moving):
-    """The figures, the moving surface before the still one."""
+    """The figures, with the player of the surface before its snapshots."""
     parts = [picture(f, folder) for f in figures]
     names = [f.name for f in figures]
     parts.insert(names.index("surface") if "surface" in names else len(parts), moving)
@@ -98,7 +99,7 @@ def body(figures, folder, moving):
 
 
 def contents(figures, moving):
-    """Links to everything on a long page."""
+    """Links to all parts of the page."""
     links = [(f.name, f.title) for f in figures]
     if moving:
         links.append(("player", "The surface over time"))
@@ -109,16 +110,16 @@ def contents(figures, moving):
 
 def page(sweep, figures, folder, problems, moving=""):
     lone = "" if sweep.x or not layout.ordinary(sweep) else (
-        "<p>Nothing is swept, so there are no curves against a swept key.</p>")
+        "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
     return "\n".join([
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(sweep.title)}</title><style>{beside('page.css')}</style></head><body>",
+        f"<title>{escape(sweep.title)}</title><style>{read('page.css')}</style></head><body>",
         f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>',
         f'<p class="counts">{escape(counts(sweep))}</p>'
-        '<p class="hint">Figures and the table scroll sideways.</p>',
+        '<p class="hint">Figures and the table can be scrolled sideways.</p>',
         contents(figures, moving), "</header><main>", lone,
         trouble(sweep, problems), *body(figures, folder, moving),
         '<h2 id="table">All cases</h2>', table.table(sweep), "</main><footer>",
         job(sweep), provenance(sweep), "</footer>",
-        f'<script>{beside("page.js")}</script></body></html>\n'])
+        f'<script>{read("page.js")}</script></body></html>\n'])

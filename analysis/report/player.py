@@ -1,7 +1,8 @@
-"""The surface over time, for the page: a slider over the kept snapshots or frames of a few cases.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The surface over time: a slider over the recorded snapshots or frames of a few cases.
 
-Each moment is a small picture with a palette inside the page; axes, focus and path are SVG around
-it. Without a script the page shows the last moment.
+Each time is a small indexed picture within the page; axes, focus and path are SVG. Without JavaScript the page
+shows the last time.
 """
 import base64
 import html
@@ -24,12 +25,12 @@ from words import number
 CASES = 4
 MOMENTS = 60
 WIDEST_px = 240
-BUDGET_bytes = 5_000_000  # of all pictures; moments are left out until they fit
-LEFT, RIGHT, TOP, BOTTOM, WIDTH = 44, 8, 26, 40, 400  # of a panel, in its own units
+BUDGET_bytes = 5_000_000  # for all pictures; times are omitted until they fit
+LEFT, RIGHT, TOP, BOTTOM, WIDTH = 44, 8, 26, 40, 400  # margins and width of a panel in SVG units
 
 
 def chosen(sweep):
-    """The reference, then cases from the first to the last curve, with two moments or more."""
+    """The reference, then cases from the first to the last curve, with at least two times."""
     found = layout.groups(sweep)
     picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, CASES - 1)]
     references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
@@ -38,14 +39,14 @@ def chosen(sweep):
 
 
 def moments(case, most):
-    """Snapshots of a case, at most so many, spread evenly."""
+    """At most `most` snapshots of a case, spread evenly."""
     numbers = layout.evenly(range(len(load.surface_times(case))), most)
     found = [load.surface(case, n) for n in numbers]
     return [fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u) for t, x, y, u in found]
 
 
 def cut(shot, limits):
-    """The part of a snapshot within the limits, coarse enough for a page: extent and u(x, y)."""
+    """The part of a snapshot within the limits, at a resolution for the page: extent and u(x, y)."""
     x = np.flatnonzero((shot.x_mm >= limits[0]) & (shot.x_mm <= limits[1]))
     y = np.flatnonzero((shot.y_mm >= limits[2]) & (shot.y_mm <= limits[3]))
     u = shot.u_um[x[0]: x[-1] + 1, y[0]: y[-1] + 1]
@@ -62,7 +63,7 @@ def palette():
 
 
 def picture(u_um, end):
-    """A PNG as data address: red and blue as in the figures, clipped at +- end."""
+    """A PNG as data URL with the colours of the figures, clipped at +- end."""
     level = np.nan_to_num(np.clip(0.5 + 0.5 * u_um / end, 0.0, 1.0), nan=0.5)
     image = Image.fromarray(np.round(127 * level).astype(np.uint8).T[::-1], mode="P")
     image.putpalette(palette().tobytes())
@@ -72,7 +73,7 @@ def picture(u_um, end):
 
 
 class Panel:
-    """One case: its axes in SVG units and its moments."""
+    """The panel of one case: its axes in SVG units and its pictures."""
 
     def __init__(self, title, shots, end, limits):
         self.title, self.shots = title, shots
@@ -88,7 +89,7 @@ class Panel:
                 round(TOP + self.scale * (self.extent[3] - y_mm), 2))
 
     def focus(self):
-        """Place of the focus at each moment, None once the load has ended; and the whole path."""
+        """Positions of the focus at all times, None after the end of the load; and the complete path."""
         case = self.shots[0].case
         at = [None if wake.is_over(case, s.t_s) else self.place(*wake.focus_at(case, s.t_s)[0])
               for s in self.shots]
@@ -145,7 +146,7 @@ def colour_bar(end):
 
 
 def thinned(cases):
-    """Shots of each case, as many as the page can hold."""
+    """Snapshots of each case, as many as fit on the page."""
     most = MOMENTS
     while True:
         shots = [moments(c, most) for c in cases]
@@ -158,17 +159,17 @@ def thinned(cases):
 
 
 def caption(cases, shots, end):
-    text = ("Displacement of the surface seen from above, one colour scale for all; circle: the "
-            f"focal disc; dotted: the path. The colours end at ±{number(end, 2)} µm, so that the "
-            "wake can be seen; what exceeds it is clipped.")
+    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Circle: focal "
+            f"disc. Dotted line: path of the focus. The colour scale ends at ±{number(end, 2)} µm, so that the "
+            "wake is visible; larger values are clipped.")
     kept = max(len(load.surface_times(c)) for c in cases)
     if max(map(len, shots)) < kept:
-        text += f" {max(map(len, shots))} of {kept} frames are on this page."
+        text += f" The page contains {max(map(len, shots))} of {kept} frames."
     return text
 
 
 def player(sweep):
-    """HTML of the slider and its panels; '' when no case has two moments."""
+    """HTML of the slider and its panels; '' if no case has two times."""
     cases = chosen(sweep)
     if not cases:
         return ""
@@ -182,7 +183,7 @@ def player(sweep):
         '<h2 id="player">The surface over time</h2><figure class="player">'
         '<div class="controls"><button type="button" class="play">Play</button>'
         f'<input type="range" min="0" max="{last}" value="{last}" step="1" '
-        'aria-label="moment"><output>' + f"{number(times[-1])} ms</output></div>"
+        'aria-label="time"><output>' + f"{number(times[-1])} ms</output></div>"
         f'<div class="panels">{"".join(p.svg() for p in panels)}</div>{colour_bar(end)}'
         f'<figcaption>{html.escape(caption(cases, shots, end))}</figcaption>'
         f'<script type="application/json">{data}</script></figure>')

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
-"""Figures and one self-contained HTML page from a folder that `shearwake run` filled.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the figures of an output folder and writes a self-contained HTML page.
 
 Usage: report.py DIR    writes DIR/report/index.html and each figure as .png and .pdf
-Needs numpy, h5py and matplotlib. Exit 0: done; 1: a figure could not be drawn; 6: no such folder.
+Prints the result in a sentence and the path of the page. Needs numpy, h5py and matplotlib. Exit 0: done;
+1: a figure could not be drawn; 4: case files are damaged, which the page lists; 6: the folder does not exist.
 """
+import os
 import sys
 import traceback
 from pathlib import Path
@@ -25,21 +28,23 @@ import style
 from load import NoPlan, load
 from page import page
 from player import player
+from summary import summary
 from words import counted
 
-ENVIRONMENT = 6  # as the program's own exit code for files that are missing
+ENVIRONMENT = 6  # exit code of the program for missing files
+DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
 def of_all():
-    """Figures in which every case has its point or its cell, in the order of the page."""
+    """Figures in which each case is a point or a cell, in the order of the page."""
     return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
 
 
 def of_few(sweep):
-    """Figures in which a case has a panel or a line of its own: of a large sweep only a few. Lines
-    over time and frequency say nothing where curves are too many for a panel."""
+    """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
+    time and frequency are omitted if there are too many curves for a panel."""
     made = [("intensity", fig_intensity.figures), ("drive", fig_drive.figures), ("hand", fig_hand.figures),
             ("surface", fig_surface.figures)]
     if len(layout.groups(sweep)) > style.CURVES:
@@ -49,9 +54,12 @@ def of_few(sweep):
 
 
 def attempt(name, problems, draw, *arguments):
-    """What `draw` returns; when it fails, nothing and a sentence: the rest is worth having."""
+    """Returns the result of `draw`. If it fails, adds a sentence to the problems and returns None, so that the
+    other figures are drawn."""
     try:
         return draw(*arguments)
+    except OSError:
+        raise  # for example a full disk, on which nothing else can be written
     except Exception as error:
         traceback.print_exc()
         problems.append(f"The figures of the {name} could not be drawn: {error}")
@@ -59,7 +67,7 @@ def attempt(name, problems, draw, *arguments):
 
 
 def draw_all(sweep, folder):
-    """The figures, the moving surface, and a sentence for each part that could not be drawn."""
+    """The figures, the player of the surface, and a sentence for each part that could not be drawn."""
     figures, problems = [], []
     if not layout.ordinary(sweep):
         return figures, "", problems
@@ -67,21 +75,22 @@ def draw_all(sweep, folder):
         figures += attempt(name, problems, draw, sweep, folder) or []
     missing = sum(not case.whole for case in sweep.cases)
     for figure in figures:
-        if missing and not figure.name.startswith("heat_"):  # these mark them themselves
-            figure.caption += f" {counted(missing, 'case')} without a result: listed above."
+        if missing and not figure.name.startswith("heat_"):  # heat maps mark these cases
+            figure.caption += f" {counted(missing, 'case')} without a result: see the list above."
     some = layout.few(sweep)
     drawn, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
     for name, draw in of_few(sweep):
         for figure in attempt(name, problems, draw, some, folder) or []:
             if some is not sweep:
-                figure.caption += (f" From {drawn} of {every} cases, spread evenly over the sweep; "
-                                   "the table has all.")
+                figure.caption += (f" The figure shows {drawn} of {every} cases, spread evenly over the sweep; "
+                                   "the table lists all.")
             figures.append(figure)
-    return figures, attempt("moving surface", problems, player, some) or "", problems
+    return figures, attempt("surface over time", problems, player, some) or "", problems
 
 
 def write_report(directory):
-    """Returns the path of the page, and what could not be drawn."""
+    """Returns the path of the page, the summary, the figures that could not be drawn, and the ids of damaged
+    cases."""
     sweep = load(directory)
     folder = Path(directory) / "report"
     folder.mkdir(exist_ok=True)
@@ -90,7 +99,7 @@ def write_report(directory):
     figures, moving, problems = draw_all(sweep, folder)
     path = folder / "index.html"
     path.write_text(page(sweep, figures, folder, problems, moving), encoding="utf-8")
-    return path, problems
+    return path, summary(sweep), problems, [case.id for case in sweep.cases if case.status == "damaged"]
 
 
 def main(arguments):
@@ -98,15 +107,23 @@ def main(arguments):
         print("usage: report.py DIR", file=sys.stderr)
         return 2
     try:
-        path, problems = write_report(arguments[0])
+        path, result, problems, damaged = write_report(arguments[0])
     except (NoPlan, OSError) as error:
         print(f"report: {error}", file=sys.stderr)
         return ENVIRONMENT
     for problem in problems:
         print(f"report: {problem}", file=sys.stderr)
-    print(f"report: {path}")
-    return 1 if problems else 0
+    if damaged:
+        print(f"report: {counted(len(damaged), 'damaged case file')}: {', '.join(damaged)}", file=sys.stderr)
+    try:
+        print(f"result: {result}\nreport: {path}", flush=True)
+    except OSError as error:
+        print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
+        return ENVIRONMENT
+    return 1 if problems else DAMAGED if damaged else 0
 
 
 if __name__ == "__main__":
+    sys.stdout.reconfigure(errors="replace")  # the encoding of a terminal may lack η
     sys.exit(main(sys.argv[1:]))

@@ -1,21 +1,25 @@
-"""One look for every figure: sizes, colours that colour-blind readers can tell apart, labels."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The common style of the figures: sizes, labels, and colours that colour-blind readers can distinguish."""
+import re
+
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib import patheffects  # noqa: E402
+from matplotlib.text import Text  # noqa: E402
 
-WIDTH_in = 7.6  # 730 CSS pixels: fonts are shown at their size
+WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
 INK = "#222222"
 GREY = "#8a8a8a"
-# Okabe and Ito (2008), without the yellow that white paper swallows.
+# Okabe and Ito (2008), without yellow, which is hardly visible on white.
 PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
 DIVERGING = "RdBu_r"
-DIRECT_LABELS = 8  # up to so many lines are told apart by a legend, more by a colour bar
-CURVES = 8  # up to so many curves share a panel; more become heat maps and small multiples
+DIRECT_LABELS = 8  # largest number of lines with a legend; more lines have a colour bar
+CURVES = 8  # largest number of curves in a panel; more are drawn as heat maps and small multiples
 
 plt.rcParams.update({
     "font.family": "DejaVu Sans", "font.size": 9.5, "axes.labelsize": 9.5, "axes.titlesize": 9.5,
@@ -29,8 +33,25 @@ plt.rcParams.update({
 })
 
 
+# All formulas in the figures: labels of this package and ticks of matplotlib's formatters.
+FORMULA = re.compile(r"(\$(?:d?u_z(?:/dt)?|(?:\\times)?(?:\\mathdefault\{[^$]*\})+)\$)")
+set_text = Text.set_text
+
+
+def set_plain_text(self, text):
+    """Sets the text of a label. Titles and names come from job files, so other dollar signs are escaped and
+    control characters replaced."""
+    pieces = FORMULA.split("" if text is None else str(text))
+    pieces[::2] = [re.sub(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", "\N{REPLACEMENT CHARACTER}", piece)
+                   .replace(r"\$", "$").replace("$", r"\$") for piece in pieces[::2]]
+    set_text(self, "".join(pieces))
+
+
+Text.set_text = set_plain_text
+
+
 def sequential(fraction):
-    """Perceptually uniform, without the pale end that white paper swallows."""
+    """A perceptually uniform colour map without the pale end, which is hardly visible on white."""
     return matplotlib.colormaps["viridis"](0.02 + 0.78 * np.asarray(fraction))
 
 
@@ -39,7 +60,7 @@ def sequential_map():
 
 
 def distinct(count):
-    """`count` colours for curves without an order; from the eighth on they are steps of one map."""
+    """`count` colours for unordered curves; for more than seven, samples of a colour map."""
     if count <= len(PALETTE):
         return PALETTE[:count]
     return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
@@ -50,7 +71,7 @@ def halo(width=2.5, colour="white"):
 
 
 def spread(places, gap):
-    """`places` moved as little as needed to be `gap` apart; in the given order."""
+    """`places`, moved as little as necessary to be at least `gap` apart, in the same order."""
     order = np.argsort(places)
     moved = np.array(places, dtype=float)
     for _ in range(200):
@@ -66,7 +87,7 @@ def spread(places, gap):
 
 
 def label_right(axes, labels):
-    """Writes (y, text, colour) beside the right edge, at the height of y, none on another."""
+    """Writes each (y, text, colour) at the right edge near the height y, without overlaps."""
     if not labels:
         return
     fractions = [axes.transLimits.transform(axes.transScale.transform((1.0, y)))[1]
@@ -79,7 +100,7 @@ def label_right(axes, labels):
 
 
 def save(figure, path):
-    """The PNG of the page and, beside it, the same as PDF: lines are vectors there."""
+    """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     figure.savefig(path, dpi=DPI, facecolor="white")
     figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
     plt.close(figure)

@@ -1,4 +1,5 @@
-"""The compact table of the page: the columns of `shearwake reduce`'s Markdown table."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The sortable table of the page, with the main columns of the table of `shearwake reduce`."""
 import html
 import math
 
@@ -6,35 +7,13 @@ import layout
 import wake
 from words import number, value_text
 
-MEASURES = [  # and every share_..._1
-    "eta_at_1", "eta_period_1", "eta_period_over_reference_1", "ipr_at_1", "ipr_period_1",
-    "ipr_abs_period_mm2", "participation_period_mm2", "peak_um", "focal_rms_um",
-    "focal_rms_over_reference_1", "impulse_mN_ms", "peak_frequency_Hz", "rms_40_400_um",
-    "mach_angle_deg",
-]
-SHAPES = "sharpness_1"  # where a shape is drawn and no line crossed once
-RATIOS = {"eta_period_over_reference_1": "eta_period_1",
-          "focal_rms_over_reference_1": "focal_rms_um"}
 
-
-def value(sweep, case, column):
-    """A measure, or its ratio to the reference."""
-    if column not in RATIOS:
-        return case.value(column)
-    reference = sweep.by_id(case.reference_id) if case.reference_id else None
-    below = reference.value(RATIOS[column]) if reference else math.nan
-    return case.value(RATIOS[column]) / below if below else math.nan
-
-
-def note(case):
-    """Why cells are empty, columns of one reason together; or why the whole row is."""
-    if not case.whole:
-        return case.reason
-    by_reason = {}
-    for column, reason in case.notes.items():
-        if math.isnan(case.value(column)):
-            by_reason.setdefault(reason, []).append(column)
-    return "; ".join(f"{', '.join(columns)}: {reason}" for reason, columns in by_reason.items())
+def measures(sweep):
+    """The columns that the table of measures (src/measures/measure_table.cpp) lists for the page; columns of
+    shapes only if the focus draws a shape, not a straight line."""
+    shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(sweep))
+    return [c["name"] for c in sweep.columns
+            if c["shown"] == "page" or (c["shown"] == "shapes" and shapes)]
 
 
 def numeric_cell(amount):
@@ -60,17 +39,13 @@ def head(columns):
 
 
 def table(sweep):
-    """The table and, below it, the notes that its last column numbers."""
+    """The table and, below it, the notes to which its last column refers."""
     keys = layout.axes(sweep)
-    followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with them: at the end
-    held = dict.fromkeys(name for c in sweep.cases for name in c.scalars)
-    measures = [m for m in MEASURES if RATIOS.get(m, m) in held]
-    measures += [name for name in held if name.startswith(("share_", "velocity_"))]
-    if SHAPES in held and not all(wake.runs_straight_on(c) for c in layout.ordinary(sweep)):
-        measures.append(SHAPES)
+    followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
+    shown = measures(sweep)
     notes, rows = {}, []
     for case in sweep.cases:
-        words = note(case)
+        words = case.reason
         mark = ""
         if words:
             n = notes.setdefault(words, len(notes) + 1)
@@ -78,15 +53,14 @@ def table(sweep):
         cells = [f'<td><code>{html.escape(case.id)}</code></td>',
                  f'<td>{"yes" if case.is_reference else ""}</td>']
         cells += [setting_cell(case, k) for k in keys]
-        cells += [numeric_cell(value(sweep, case, m)) for m in measures]
+        cells += [numeric_cell(case.value(m)) for m in shown]
         cells += [setting_cell(case, k) for k in followers]
-        wall = case.attributes.get("wall_s", math.nan) if case.whole else math.nan
-        cells += [numeric_cell(wall),
+        cells += [numeric_cell(case.wall_s),
                   f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
         kind = ' class="reference"' if case.is_reference else ""
         rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
-    columns = ["id", "reference", *keys, *measures, *followers, "wall_s", "status", "note"]
-    body = ('<p class="counts">A heading sorts by its column, once more the other way round.</p>'
+    columns = ["id", "reference", *keys, *shown, *followers, "wall_s", "status", "note"]
+    body = ('<p class="counts">Select a heading to sort by its column; select it again to reverse the order.</p>'
             f'<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())

@@ -1,4 +1,5 @@
-"""What theory draws into a snapshot: path, focal disc and the two fronts of the wake."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the path, the focal disc and the theoretical Mach lines into a snapshot."""
 import math
 
 import numpy as np
@@ -9,14 +10,14 @@ LINE = "#111111"
 
 
 def offsets_mm(case):
-    """Of simultaneous foci from the place that moves; one focus stands on it."""
+    """Offsets of simultaneous foci from the moving point; zero for a single focus."""
     x = case.setting("load", "modulation", "foci_x_m", default=[0.0])
     y = case.setting("load", "modulation", "foci_y_m", default=[0.0])
     return 1e3 * np.column_stack([x, y])
 
 
 def runs_straight_on(case):
-    """One focus that goes once along a line: what it leaves is a stripe, and no shape."""
+    """Whether a single focus moves once along a straight line, so that it draws no shape."""
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
     path = np.column_stack([case.series["focus_x"], case.series["focus_y"]])
@@ -30,7 +31,7 @@ def runs_straight_on(case):
 
 
 def passing_ms(case):
-    """When the moving focus comes nearest to the trace, if it covers it once; else None."""
+    """The time at which the moving focus is nearest to the trace if it passes it exactly once, else None."""
     radius = case.setting("measure", "focal_radius_m")
     distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
                         case.series["focus_y"] - case.trace_at_m[1])
@@ -47,7 +48,7 @@ def is_passed(case):
 
 
 def last_pressed(case):
-    """Number of the last frame with a force; a path that has ended presses no more."""
+    """Index of the last frame with a force, since a path that has ended exerts none."""
     force = case.series.get("force")
     pressed = np.flatnonzero(force) if force is not None else ()
     return int(pressed[-1]) if len(pressed) else len(case.series["time"]) - 1
@@ -59,8 +60,8 @@ def is_over(case, t_s):
 
 
 def focus_at(case, t_s):
-    """Focus in mm and unit direction of motion (None at rest) at a time of the run, and the path
-    up to it; once the load has ended, as it was last."""
+    """Position of the focus in mm, its unit direction of motion (None at rest) and its path up to time t_s.
+    After the end of the load, the last values."""
     time = case.series["time"]
     path = 1e3 * np.column_stack([case.series["focus_x"], case.series["focus_y"]])
     now = min(int(np.argmin(np.abs(time - t_s))), last_pressed(case))
@@ -71,7 +72,7 @@ def focus_at(case, t_s):
 
 
 def fronts(focus, direction, angle_deg, length):
-    """The two lines behind the focus at +- angle from the reversed direction of motion."""
+    """The two Mach lines behind the focus at +- angle from the reversed direction of motion."""
     for sign in (1.0, -1.0):
         a = math.pi + sign * math.radians(angle_deg)
         turned = np.array([math.cos(a) * direction[0] - math.sin(a) * direction[1],
@@ -80,13 +81,13 @@ def fronts(focus, direction, angle_deg, length):
 
 
 def front_length(case, focus, path, angle_deg):
-    """A front is as long as the path made it: its far end left where the motion began."""
+    """Length of a Mach line, whose far end was emitted at the start of the path."""
     return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
 
 
 def draw_theory(axes, case, t_s, width=1.0):
-    """Path travelled, focal disc and Mach lines; True when there were lines to draw. The disc and
-    the lines go when the load has ended."""
+    """Draws path, focal disc and Mach lines; after the end of the load only the path. Returns whether Mach
+    lines were drawn."""
     focus, direction, path = focus_at(case, t_s)
     radius = 1e3 * case.setting("measure", "focal_radius_m")
     around = np.linspace(0.0, 2.0 * np.pi, 100)

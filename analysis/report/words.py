@@ -1,4 +1,5 @@
-"""Keys, units and numbers in words, as a reader of a figure wants them."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Formats keys, units and numbers for figures and their captions."""
 import math
 import re
 import tomllib
@@ -29,7 +30,7 @@ POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 
 def split_unit(key):
-    """The last word of a dotted key without its unit, and the unit ('' if it has none)."""
+    """The last part of a dotted key without its unit, and the unit ('' if it has none)."""
     word = key.split(".")[-1]
     found = [s for s in UNITS if word.endswith(s) and len(word) > len(s)]
     if not found:
@@ -39,7 +40,7 @@ def split_unit(key):
 
 
 def key_name(key):
-    """'medium.layer.0.c_s_m_s' -> 'shear-wave speed'; layers and bodies keep their number."""
+    """'medium.layer[1].c_s_m_s' -> 'shear-wave speed, layer 1'."""
     word, _ = split_unit(key)
     name = NAMES.get(word, word.replace("_", " "))
     place = re.search(r"\b(layer|body)\W*(\d+)", key)
@@ -53,7 +54,8 @@ def axis_label(key):
 
 
 def number(value, digits=4):
-    """Digits that matter, a true minus sign, a power of ten only where it helps; '' for NaN."""
+    """The number with `digits` significant digits, a true minus sign, and a power of ten for very small or
+    large numbers; '' for NaN."""
     if value is None or not math.isfinite(value):
         return ""
     if value == 0 or 1e-4 <= abs(value) < 1e6:
@@ -73,14 +75,14 @@ def number(value, digits=4):
 
 
 def value_text(key, value):
-    """'200 Hz', '3 mm', 'AM-STM'."""
+    """The value with its unit: '200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
         if split_unit(key)[0] == "foci":
             count = value.count("[") - 1
             return "1 focus" if count == 1 else f"{count} foci"
         return table_text(value) if value.startswith("{") else value
     word, unit = split_unit(key)
-    if word in ("c_s", "c_p"):  # "4 m/s" would be read as the focus'
+    if word in ("c_s", "c_p"):  # "4 m/s" alone could be the speed of the focus
         return f"{word.replace('_', '')} {number(float(value), 6)}\u00a0{unit}"
     gap = "" if unit in ("", "°") else "\u00a0"
     return f"{number(float(value), 6)}{gap}{unit}"

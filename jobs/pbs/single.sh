@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # UNTESTED: one allocation for the whole sweep under PBS Pro or OpenPBS, written after its manual.
 # Change what is in capitals, then: qsub jobs/pbs/single.sh
 #PBS -N shearwake
@@ -10,7 +11,7 @@ cd "$PBS_O_WORKDIR" || exit 6
 job=JOB.toml
 out=out/NAME
 
-# The limit above, less what the start has taken; PBS tells it to nobody.
+# The limit above, less what the start has taken; PBS does not report it.
 mpirun build/shearwake run "$job" --out "$out" --walltime 3:58:00 &
 step=$!
 trap 'kill -s USR1 "$step"' USR1 TERM # qsig -s SIGUSR1, qdel

@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # A job array, each element one shard of the sweep, @RANKS@ ranks each. scripts/submit fills in @...@.
 #SBATCH --job-name=@NAME@
 #SBATCH --array=1-@SHARDS@

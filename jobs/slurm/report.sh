@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # Table and figures, when all of the sweep has ended well (afterok). scripts/submit fills in @...@.
 #SBATCH --job-name=@NAME@-report
 #SBATCH --ntasks=1

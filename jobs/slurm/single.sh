@@ -1,4 +1,5 @@
 #!/bin/bash
+# SPDX-License-Identifier: BSD-3-Clause
 # One allocation for the whole sweep: teams of ranks share the cases. scripts/submit fills in @...@.
 #SBATCH --job-name=@NAME@
 #SBATCH --ntasks=@RANKS@

@@ -1,6 +1,7 @@
-# What the batch scripts beside this share; sourced by them. Runs shearwake as a step of the job,
-# passes on the signal that Slurm sends before the time is up, and starts the job again when it says
-# that it was stopped early (75).
+# SPDX-License-Identifier: BSD-3-Clause
+# Functions for the batch scripts in this folder, which source this file. Runs shearwake as a step of the job,
+# passes on the signal that Slurm sends before the time limit, and requeues the job when the program exits
+# with the code 75 (stopped early).
 
 launch=${SHEARWAKE_LAUNCH:-srun --kill-on-bad-exit=1}
 

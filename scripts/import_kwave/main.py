@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Makes a job and its grid study from a k-Wave simulation, so that `shearwake run NAME.toml` computes
-what pstdElastic3D would. docs/kwave.md has an example."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts a k-Wave simulation to a job and its grid study, so that `shearwake run NAME.toml` computes the
+same as pstdElastic3D. docs/how-to/kwave.md has an example."""
 import argparse
 import sys
 from pathlib import Path
@@ -16,14 +17,18 @@ SCHEMA = "shearwake grid study 1"
 
 def options():
     parser = argparse.ArgumentParser(
-        prog="import-kwave", description="Makes NAME.toml and NAME.h5 from medium, source, kgrid, sensor (and "
-        "options, a struct of PMLSize, PMLAlpha, PMLInside, MultiAxialPMLRatio, Smooth, ScaleSourceTerms) in a "
-        ".mat file of version 7.3 or in HDF5, for engine pstd. Then: shearwake run NAME.toml")
-    parser.add_argument("file", type=Path, help="what k-Wave's user has saved (docs/kwave.md)")
-    parser.add_argument("--out", type=Path, metavar="NAME", help="default: the file's name, here")
-    parser.add_argument("--plane", type=int, metavar="K", help="index along z, from 1, of the plane of u_z that "
-                        "frames, eta and ipr are of (default: where most nodes drive u_z, else the middle)")
-    parser.add_argument("--precision", choices=["double", "single"], default="double", help="default: double")
+        prog="import-kwave", description="Converts a k-Wave simulation to a job NAME.toml and its grid study "
+        "NAME.h5 for the engine pstd. The input is a .mat file of version 7.3 or an HDF5 file with the structures "
+        "medium, source, kgrid, sensor and, optionally, options (PMLSize, PMLAlpha, PMLInside, "
+        "MultiAxialPMLRatio, Smooth, ScaleSourceTerms). Then run: shearwake run NAME.toml")
+    parser.add_argument("file", type=Path, help="file saved from MATLAB (see docs/how-to/kwave.md)")
+    parser.add_argument("--out", type=Path, metavar="NAME", help="output files without extension (default: the "
+                        "name of the input file, in the working directory)")
+    parser.add_argument("--plane", type=int, metavar="K", help="index along z, counted from 1, of the plane in "
+                        "which u_z is recorded and measured (default: the plane with most nodes that drive u_z, "
+                        "otherwise the plane with most source nodes)")
+    parser.add_argument("--precision", choices=["double", "single"], default="double",
+                        help="precision of the engine (default: double)")
     return parser.parse_args()
 
 
@@ -66,7 +71,8 @@ def write_study(path, study):
 
 
 def good_even(n):
-    """The largest even product of 2, 3, 5 and 7 that is at most n: what the job's domain can have."""
+    """The largest even product of 2, 3, 5 and 7 that is at most n: a number of points that a domain may
+    have."""
     for length in range(n - n % 2, 1, -2):
         rest = length
         for prime in (2, 3, 5, 7):
@@ -74,12 +80,12 @@ def good_even(n):
                 rest //= prime
         if rest == 1:
             return length
-    raise BadInput(f"{n} points are too few")
+    raise BadInput(f"kgrid has only {n} points along x or y: at least 2 are required")
 
 
 def place_of_sources(study):
-    """Where the plane, the centre (x, y in m, from the middle of the domain) and the width of what drives
-    u_z are; of all sources where none drives u_z."""
+    """Plane, centre (x, y in m relative to the middle of the domain) and width of the sources of u_z, or of
+    all sources if none drives u_z."""
     chosen = [s for s in study.sources if s["field"] == "uz"] or study.sources
     nodes = np.concatenate([s["nodes"] for s in chosen])
     power = np.concatenate([np.abs(s["weights"]) * np.sqrt(np.mean(s["series"] ** 2, axis=1))[s["rows"]]
@@ -92,8 +98,8 @@ def place_of_sources(study):
     return plane, centre, max(float(width), 2.0 * float(study.spacing_m[0]))
 
 
-def of_the_plane(study, plane):
-    """Density, c_p, c_s in the middle of the plane; c_s of the softest solid where that is a fluid."""
+def material_of_plane(study, plane):
+    """Density, c_p and c_s in the middle of the plane; if it is a fluid, c_s of the softest solid."""
     def value(name):
         values = study.medium[name]
         return float(values if not values.shape else values[study.points[0] // 2, study.points[1] // 2, plane])
@@ -110,18 +116,19 @@ def job_text(name, study, plane, precision, source_file):
     driven, centre, width_m = place_of_sources(study)
     if plane is None:
         plane = driven
-    density, c_p, c_s = of_the_plane(study, plane)
+    density, c_p, c_s = material_of_plane(study, plane)
     if c_s == 0.0:
-        raise BadInput("medium.sound_speed_shear is 0 everywhere: this program is for what shears")
+        raise BadInput("medium.sound_speed_shear is 0 everywhere: at least a part of the medium must be solid")
     every = max(1, study.steps // 200)
     count = [good_even(int(n)) for n in study.points[:2]]
     margin = max(int(n) for n in study.layer_points[:2]) * d_mm[0] if np.any(study.layer_strength[:2]) else 0.0
     if 2.0 * margin >= min(count) * d_mm[0]:
         margin = 0.0
     return f"""\
-# From {source_file}, by scripts/import-kwave. {name}.h5 holds grid, absorbing layer, medium, sources
-# and sensor; `solver.pstd.study` names it. [medium] and [load] below drive nothing: they tell the
-# measures what shear waves run at and where the focus is. If it moves, give its path there.
+# Converted from {source_file} by scripts/import-kwave. The grid, absorbing layer, medium, sources and sensor
+# are in {name}.h5, the `solver.pstd.study` of this job. [medium] and [load] below do not affect the solution:
+# the measures use them for the shear wave speed and the position of the focus. If the focus moves, specify
+# its path in [load.modulation].
 schema = 1
 
 [job]
@@ -150,7 +157,7 @@ position_mm = [{1e3 * centre[0]:.9g}, {1e3 * centre[1]:.9g}]
 [domain]
 extent_mm = [{count[0] * d_mm[0]:.12g}, {count[1] * d_mm[1]:.12g}]
 spacing_mm = {d_mm[0]:.15g}
-sponge_mm = {margin:.12g} # the absorbing layer is not measured
+sponge_mm = {margin:.12g} # excludes the absorbing layer from the measures
 
 [time]
 duration_ms = {1e3 * (study.steps // every) * every * study.time_step_s:.12g}
@@ -173,8 +180,8 @@ def main():
     try:
         study = Study(structures(chosen.file))
         if abs(study.spacing_m[0] - study.spacing_m[1]) > 1e-9 * study.spacing_m[0]:
-            raise BadInput("kgrid.dx and dy differ: frames have one spacing. Exchange the axes so that z is "
-                           "the one that differs")
+            raise BadInput("kgrid.dx and kgrid.dy differ, but must be equal; permute the axes so that only the "
+                           "spacing along z differs")
         plane = None
         if chosen.plane is not None:
             plane = chosen.plane - 1 + int(study.first[2])

@@ -1,11 +1,12 @@
-"""The structures of a k-Wave simulation as an HDF5 file holds them: MATLAB's own (v7.3), or any other
-with groups of the same names. Both keep arrays with their indices in reverse, as (z, y, x)."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads the structures of a k-Wave simulation from an HDF5 file: one that MATLAB wrote (v7.3), or any other
+with groups of the same names. Both store arrays with reversed indices, as (z, y, x)."""
 import h5py
 import numpy as np
 
 
 class BadInput(Exception):
-    """What the user has to mend."""
+    """An error that the user can correct."""
 
 
 class Structure:
@@ -25,13 +26,13 @@ class Structure:
         return sorted(field for field in self.group if field in self)
 
     def array(self, field):
-        """With the indices of MATLAB; a scalar has none."""
+        """The array with the order of indices of MATLAB; the shape of a scalar is ()."""
         item = self.group[field]
         if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiub":
-            raise BadInput(f"{self.name}.{field} holds no numbers")
+            raise BadInput(f"{self.name}.{field} does not contain numbers")
         values = np.asarray(item[()], dtype=float).T
         if not np.all(np.isfinite(values)):
-            raise BadInput(f"{self.name}.{field} holds a number that is not finite")
+            raise BadInput(f"{self.name}.{field} contains a number that is not finite")
         return values.reshape(()) if values.size == 1 else values
 
     def number(self, field, default=None):
@@ -41,14 +42,14 @@ class Structure:
             return default
         values = self.array(field)
         if values.shape != ():
-            raise BadInput(f"{self.name}.{field} must be one number; it has the shape {values.shape}")
+            raise BadInput(f"{self.name}.{field} has the shape {values.shape}; it must be one number")
         return float(values)
 
     def text(self, field, default):
         return self._text_of(self.group[field], field) if field in self else default
 
     def texts(self, field, default):
-        """A cell array of words, or one word."""
+        """The texts of a cell array, or a single text."""
         if field not in self:
             return default
         item = self.group[field]
@@ -62,17 +63,17 @@ class Structure:
             return value.decode("utf-8")
         if isinstance(value, str):
             return value
-        if isinstance(value, np.ndarray) and value.dtype.kind in "ui":  # MATLAB's characters
+        if isinstance(value, np.ndarray) and value.dtype.kind in "ui":  # characters of MATLAB
             return "".join(chr(code) for code in value.T.ravel())
-        raise BadInput(f"{self.name}.{field} holds no text")
+        raise BadInput(f"{self.name}.{field} does not contain text")
 
 
 def structures(path):
-    """{name: Structure} of kgrid, medium, source, sensor and, if there are any, options."""
+    """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist."""
     try:
         file = h5py.File(path, "r")
     except OSError as error:
-        raise BadInput(f"{path} is no HDF5 file ({error}); in MATLAB: save(file, '-v7.3', ...)") from error
+        raise BadInput(f"{path} is not an HDF5 file ({error}); in MATLAB, use save(file, '-v7.3', ...)") from error
     found = {}
     for name in ("kgrid", "medium", "source", "sensor", "options"):
         item = file.get(name)
@@ -80,7 +81,7 @@ def structures(path):
             found[name] = Structure(item, name)
         elif item is not None and item.attrs.get("MATLAB_class", b"") not in (b"struct", b"double"):
             raise BadInput(f"{name} was saved as an object, which only MATLAB can read: "
-                           f"save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/kwave.md)")
+                           f"save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)")
     for name in ("kgrid", "medium", "source"):
         if name not in found:
             raise BadInput(f"{path} has no structure {name}")

@@ -1,4 +1,5 @@
-"""A k-Wave simulation as a grid study: what pstdElastic3D would do, node by node."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts a k-Wave simulation to a grid study with the sources of pstdElastic3D at each node."""
 import math
 
 import numpy as np
@@ -6,7 +7,7 @@ import numpy as np
 from structures import BadInput, Structure
 
 FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
-# What simulations of other k-Wave functions have, and this one would silently pass over.
+# The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
 KNOWN = {
     "medium": {"sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression",
                "alpha_coeff_shear", "sound_speed_ref"},
@@ -31,7 +32,7 @@ class Study:
         for name, structure in parts.items():
             unknown = sorted(set(structure.fields()) - KNOWN.get(name, set(structure.fields())))
             if unknown:
-                raise BadInput(f"{name}.{unknown[0]} is unknown to pstdElastic3D, which knows "
+                raise BadInput(f"{name}.{unknown[0]} is not a field that pstdElastic3D uses; the fields are "
                                f"{', '.join(sorted(KNOWN[name]))}")
         self.notes = []
         self.options = parts.get("options") or Structure({}, "options")
@@ -47,25 +48,25 @@ class Study:
     def read_grid(self, kgrid):
         self.points = np.array([kgrid.number(f"N{axis}") for axis in "xyz"])
         if np.any(self.points < 2) or np.any(self.points != np.floor(self.points)):
-            raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2: in two dimensions "
-                           "there is nothing to import")
+            raise BadInput("kgrid.Nx, Ny and Nz must be whole numbers of at least 2: only three-dimensional "
+                           "simulations can be imported")
         self.points = self.points.astype(int)
         self.spacing_m = np.array([kgrid.number(f"d{axis}") for axis in "xyz"])
         if "t_array" in kgrid and not ("dt" in kgrid and "Nt" in kgrid):
             times = np.ravel(kgrid.array("t_array"))
             if times.size < 2:
-                raise BadInput("kgrid.t_array must hold the times of all steps")
+                raise BadInput("kgrid.t_array must contain the times of all steps")
             self.time_step_s, self.steps = float(times[1] - times[0]), times.size
         else:
             self.time_step_s, self.steps = kgrid.number("dt"), int(kgrid.number("Nt"))
         if self.time_step_s <= 0 or np.any(self.spacing_m <= 0) or self.steps < 1:
-            raise BadInput("kgrid.dx, dy, dz, dt and Nt must be above 0")
+            raise BadInput("kgrid.dx, dy, dz, dt and Nt must be greater than 0")
         option = self.options
         self.layer_points = three(option.array("PMLSize") if "PMLSize" in option else 10, "options.PMLSize", True)
         self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
         self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
         self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
-        self.first = np.zeros(3, dtype=int)  # of the user's grid within ours
+        self.first = np.zeros(3, dtype=int)  # index of the first point of kgrid in the enlarged grid
 
     def enlarge_if_layer_is_outside(self):
         if self.options.number("PMLInside", 1.0) != 0.0:
@@ -83,7 +84,8 @@ class Study:
         def values(field):
             found = medium.array(field)
             if found.shape not in ((), tuple(self.points)):
-                raise BadInput(f"medium.{field} has the shape {found.shape}: one number, or {tuple(self.points)}")
+                raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
+                               f"shape {tuple(self.points)} of the grid")
             return found
 
         for field in ("sound_speed_compression", "sound_speed_shear", "density"):
@@ -94,7 +96,8 @@ class Study:
         absorbs = [f"alpha_coeff_{wave}" in medium for wave in ("compression", "shear")]
         if any(absorbs):
             if not all(absorbs):
-                raise BadInput("medium.alpha_coeff_compression and alpha_coeff_shear belong together")
+                raise BadInput("medium.alpha_coeff_compression and medium.alpha_coeff_shear must be specified "
+                               "together")
             # dB/(MHz^2 cm) as Np (rad/s)^-2 m^-1
             neper = 100.0 * (1e-6 / (2.0 * math.pi)) ** 2 / (20.0 * math.log10(math.e))
             eta = 2.0 * rho * c_s ** 3 * values("alpha_coeff_shear") * neper
@@ -112,17 +115,17 @@ class Study:
         c_p = self.medium["c_p_m_s"]
         return c_p[tuple(nodes.T)] if c_p.shape else np.full(len(nodes), float(c_p))
 
-    # ---- what drives it
+    # ---- the sources
 
     def nodes_of(self, mask, name):
-        """Nodes of a mask, x fastest as k-Wave counts them, and their labels."""
+        """Nodes of a mask, in k-Wave's order with x fastest, and their labels."""
         given = tuple(self.points - 2 * self.first)
         if mask.shape != given:
-            raise BadInput(f"{name} has the shape {mask.shape}, the grid {given}")
+            raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, {given}")
         flat = mask.ravel(order="F")
         at = np.flatnonzero(flat)
         if at.size == 0:
-            raise BadInput(f"{name} marks no node")
+            raise BadInput(f"{name} does not mark any node")
         return np.stack(np.unravel_index(at, given, order="F"), axis=1) + self.first, flat[at]
 
     def read_sources(self, source):
@@ -131,17 +134,17 @@ class Study:
             if not driven:
                 continue
             if f"{kind}_mask" not in source:
-                raise BadInput(f"source.{kind}_mask is missing beside source.{driven[0]}")
+                raise BadInput(f"source.{kind}_mask is missing; source.{driven[0]} requires it")
             nodes, labels = self.nodes_of(source.array(f"{kind}_mask"), f"source.{kind}_mask")
             mode = source.text(f"{kind}_mode", "additive")
             if mode not in ("additive", "dirichlet"):
-                raise BadInput(f"source.{kind}_mode is \"{mode}\": additive or dirichlet")
+                raise BadInput(f"source.{kind}_mode is \"{mode}\"; it must be \"additive\" or \"dirichlet\"")
             for field in driven:
                 self.add_source(field, mode, nodes, labels, source.array(field))
         if "p0" in source:
             self.add_initial_pressure(source.array("p0"))
         if not self.sources:
-            raise BadInput("source drives nothing: no ux ... uz, sxx ... syz, p0")
+            raise BadInput("source has none of the fields ux ... uz, sxx ... syz and p0")
 
     def add_source(self, field, mode, nodes, labels, series):
         series = np.atleast_2d(series)
@@ -151,18 +154,21 @@ class Study:
         labelled = not np.all(labels == 1)
         if labelled:
             if np.any(labels != np.floor(labels)) or labels.max() != count:
-                raise BadInput(f"source.{field} has {count} rows for labels up to {labels.max():g}")
+                raise BadInput(f"source.{field} has {count} rows, but the largest label of its mask is "
+                               f"{labels.max():g}: they must be equal")
             rows = labels.astype(int) - 1
         elif count == 1:
             rows = np.zeros(len(nodes), dtype=int)
         elif count == len(nodes):
             rows = np.arange(count)
         else:
-            raise BadInput(f"source.{field} has {count} rows for {len(nodes)} nodes of its mask: one, or as many")
+            raise BadInput(f"source.{field} has {count} rows, but its mask has {len(nodes)} nodes: there must be "
+                           "one row, or one per node")
         weights = np.ones(len(nodes))
         if mode == "additive" and self.scaled:
-            # 2 c_p dt/d, d along its own axis for a velocity, dx for a stress; c_p of the node, or of the
-            # node that stands at the row's number when rows are fewer than nodes, as k-Wave has it.
+            # k-Wave scales by 2 c_p dt/d, where d is the spacing along the axis of a velocity, and dx for a
+            # stress. c_p is that of the node; with fewer rows than nodes k-Wave uses that of the node whose
+            # index equals the index of the row.
             axis = FIELDS.index(field) if field in FIELDS[:3] else 0
             scales = 2.0 * self.c_p_at(nodes) * self.time_step_s / self.spacing_m[axis]
             weights = scales if count == len(nodes) and not labelled else scales[rows]
@@ -171,30 +177,30 @@ class Study:
 
     def add_initial_pressure(self, p0):
         if self.options.number("Smooth", 1.0) != 0.0:
-            raise BadInput("source.p0 would be smoothed by k-Wave: smooth it there, p0 = smooth(p0, true), and "
-                           "say options.Smooth = false")
+            raise BadInput("k-Wave would smooth source.p0: smooth it in MATLAB with p0 = smooth(p0, true), and "
+                           "set options.Smooth = false")
         nodes, _ = self.nodes_of(np.where(p0 != 0.0, 1.0, 0.0), "source.p0")
         weights = -0.5 * p0[tuple((nodes - self.first).T)]
         for field in ("sxx", "syy", "szz"):
             self.sources.append({"field": field, "mode": "additive", "nodes": nodes, "weights": weights,
                                  "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2))})
 
-    # ---- where it is listened to
+    # ---- the sensor
 
     def read_sensor(self, sensor):
         record = sensor.texts("record", ["p"])
         fields = []
         for word in record:
-            if word in FIELDS:  # more than k-Wave itself keeps
+            if word in FIELDS:  # an extension of k-Wave's record
                 fields.append(word)
             elif word in ("p", "p_final", "p_max", "p_rms"):
                 fields += ["sxx", "syy", "szz"]  # p is minus their mean
             elif word.startswith("u"):
                 fields += ["ux", "uy", "uz"]
                 if word != "u":
-                    self.notes.append(f"sensor.record {word}: u is kept, at its staggered places")
+                    self.notes.append(f"sensor.record {word}: u is recorded at its staggered positions")
             else:
-                raise BadInput(f"sensor.record {word} is not known: p, u and {', '.join(FIELDS)} are")
+                raise BadInput(f"sensor.record {word} is unknown; known are p, u and {', '.join(FIELDS)}")
         self.sensor_fields = [field for field in FIELDS if field in fields]
         self.sensor_start = int(sensor.number("record_start_index", 1.0))
         if "mask" not in sensor:
@@ -213,8 +219,9 @@ class Study:
             centre = (self.points - 2 * self.first) // 2
             at = np.rint(mask.reshape(3, -1).T / self.spacing_m) + centre
             self.sensor_nodes = at.astype(int) + self.first
-            self.notes.append("sensor.mask: Cartesian points are taken at their nearest nodes")
+            self.notes.append("sensor.mask: Cartesian points are moved to the nearest nodes")
         else:
-            raise BadInput(f"sensor.mask has the shape {mask.shape}: the grid's, 6 corners, or 3 coordinates")
+            raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
+                           "(corners of cuboids) or 3 rows (coordinates)")
         if np.any(self.sensor_nodes < 0) or np.any(self.sensor_nodes >= self.points):
-            raise BadInput("sensor.mask leaves the grid")
+            raise BadInput("sensor.mask has points outside of the grid")

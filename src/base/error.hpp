@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <stdexcept>
@@ -5,7 +6,7 @@
 
 namespace shearwake {
 
-/// What the program says to the shell when it ends; the numbers are part of the user's contract.
+/// Exit codes of the program. The numbers are part of the documented interface.
 enum class ExitCode : int {
     done = 0,
     internal = 1,
@@ -14,20 +15,22 @@ enum class ExitCode : int {
     some_cases_failed = 4,
     differs_from_baseline = 5,
     environment = 6,
-    stopped_early = 75, // saved: start the same command again (EX_TEMPFAIL of sysexits.h)
+    stopped_early =
+        75, // results are saved; rerun the command to resume (EX_TEMPFAIL of sysexits.h)
 };
 
-/// Anything that is neither the user's nor a case's fault. Ends the whole run.
+/// An error caused neither by the user nor by a single case. It ends the whole run.
 class Error : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// Whether the same attempt may go better a moment later (a network file system that recovers), or
-/// not before somebody has mended something (a full disk).
+/// Whether a retry may succeed shortly (passing: a network file system that recovers) or only after
+/// an intervention (lasting: a full disk).
 enum class Trouble : int { lasting, passing };
 
-/// The user can mend it; thrown identically on all ranks. Carries the exit code it deserves.
+/// An error that the user can correct. All ranks throw it with identical contents. It carries the
+/// exit code of the program.
 class UsageError : public Error {
 public:
     explicit UsageError(const std::string& what, ExitCode code = ExitCode::usage,
@@ -41,15 +44,15 @@ private:
     Trouble trouble_;
 };
 
-/// One case cannot be computed or written; thrown by all ranks of its team together.
-/// The sweep records the reason and goes on.
+/// One case cannot be computed or written. All ranks of its team throw it together. The sweep
+/// records the reason and continues with the next case.
 class CaseFailure : public Error {
 public:
     using Error::Error;
 };
 
-/// A file or a disk does not do what it should: no case's own fault. Within one rank's work it may
-/// be thrown by that rank alone, see together().
+/// A file or a disk fails; the case itself is not at fault. Inside together() a single rank may
+/// throw it.
 class FileFailure : public CaseFailure {
 public:
     FileFailure(const std::string& what, Trouble trouble) : CaseFailure(what), trouble_(trouble) {}
@@ -59,7 +62,7 @@ private:
     Trouble trouble_;
 };
 
-/// A field that has grown beyond all bounds: what has been saved of the case is worth nothing.
+/// The field has grown beyond all bounds. The checkpoints of the case are unusable.
 class FieldDiverges : public CaseFailure {
 public:
     using CaseFailure::CaseFailure;

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 namespace shearwake {
 
-/// One lambda per member of a variant: std::visit(overloaded{...}, v).
+/// Combines one lambda per alternative of a variant: std::visit(overloaded{...}, v).
 template <class... F>
 struct overloaded : F... {
     using F::operator()...;

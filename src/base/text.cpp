@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.hpp"
 
 #include "base/hash.hpp"
@@ -8,7 +9,7 @@
 namespace shearwake {
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-    // Optimal string alignment: three rolling rows of the usual table.
+    // Optimal string alignment with three rolling rows of the dynamic-programming table.
     std::vector<std::size_t> before(b.size() + 1), previous(b.size() + 1), row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j)
         previous[j] = j;
@@ -28,7 +29,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates) {
     std::optional<std::string> best;
-    // A third of the letters may be wrong; beyond that a suggestion is a guess.
+    // Accept a candidate if at most a third of the letters (and at least two) differ.
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
         const std::size_t distance = edit_distance(word, candidate);
@@ -54,8 +55,8 @@ bool is_file_name(std::string_view name) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                c == '-' || c == '_' || c == '.';
     };
-    return !name.empty() && name.front() != '.' && name.size() <= longest_file_name &&
-           std::all_of(name.begin(), name.end(), is_safe);
+    return !name.empty() && name.front() != '.' && name.front() != '-' &&
+           name.size() <= longest_file_name && std::all_of(name.begin(), name.end(), is_safe);
 }
 
 std::string exact(double value) {

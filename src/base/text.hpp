@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
@@ -8,21 +9,22 @@
 
 namespace shearwake {
 
-/// Fewest insertions, deletions, replacements and swaps of neighbours that turn `a` into `b`.
+/// Minimum number of insertions, deletions, replacements and transpositions of adjacent characters
+/// that turn `a` into `b`.
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate a mistyped `word` most likely meant, if any is near enough to be worth saying.
+/// The candidate closest to a mistyped `word`, if one is close enough to be suggested.
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates);
 
 /// `a, b and c` with each item in double quotes.
 std::string quoted_list(std::span<const std::string> items, std::string_view conjunction = "or");
 
-/// What may become the name of a file or folder and stays where it is put: 1 to
-/// longest_file_name letters, digits, "-", "_" and ".", not starting with ".".
+/// Whether `name` is safe as the name of a file or folder: 1 to longest_file_name letters, digits,
+/// "-", "_" and ".", not starting with "." or "-".
 bool is_file_name(std::string_view name);
 inline constexpr std::size_t longest_file_name = 100;
 
-/// Shortest text that reads back as the same double.
+/// Shortest decimal text that reads back as the same double.
 std::string exact(double value);
 
 } // namespace shearwake

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/units.hpp"
 
 #include <array>
@@ -36,6 +37,15 @@ std::optional<Unit> unit_of(std::string_view key) {
 std::string_view without_unit(std::string_view key) {
     const auto unit = unit_of(key);
     return unit ? key.substr(0, key.size() - unit->suffix.size()) : key;
+}
+
+std::string key_in_SI(std::string_view key) {
+    const auto given = unit_of(key);
+    if (!given) return std::string(key);
+    for (const Unit& unit : units)
+        if (unit.quantity == given->quantity && unit.to_SI == 1.0)
+            return std::string(without_unit(key)) + std::string(unit.suffix);
+    return std::string(key);
 }
 
 } // namespace shearwake

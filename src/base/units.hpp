@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <optional>
@@ -6,17 +7,20 @@
 
 namespace shearwake {
 
-/// A unit as it stands at the end of a key, and what one of it is in SI.
+/// A unit suffix of a key, and its conversion to SI.
 struct Unit {
-    std::string_view suffix; // with its underscore: "_mm"
-    double to_SI;
-    std::string_view quantity; // units of one quantity can be mistaken for each other
+    std::string_view suffix;   // with its underscore: "_mm"
+    double to_SI;              // factor
+    std::string_view quantity; // the suggestion for a wrong unit lists units of the same quantity
 };
 
-/// The unit at the end of `key`, if it ends in one; the longest that fits.
+/// The unit suffix at the end of `key`, if any; the longest one that matches.
 std::optional<Unit> unit_of(std::string_view key);
 
-/// `key` without its unit: "thickness_mm" -> "thickness".
+/// `key` without its unit suffix: "thickness_mm" becomes "thickness".
 std::string_view without_unit(std::string_view key);
+
+/// `key` in the SI unit of its quantity: "thickness_mm" -> "thickness_m".
+std::string key_in_SI(std::string_view key);
 
 } // namespace shearwake

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <cassert>
@@ -6,7 +7,8 @@
 
 namespace shearwake {
 
-/// A borrowed matrix: `rows` rows of `columns` contiguous values, `stride` values apart.
+/// Non-owning view of a matrix with `rows` rows of `columns` contiguous values. Consecutive rows
+/// begin `stride` values apart; stride >= columns.
 template <class T>
 class View2 {
 public:
@@ -19,7 +21,7 @@ public:
         : View2(data, rows, columns, columns) {}
     template <class U>
     requires std::is_same_v<const U, T>
-    View2(View2<U> other) // NOLINT: a view of values is a view of const values
+    View2(View2<U> other) // NOLINT: implicit conversion to a view of const values
         : View2(other.data(), other.rows(), other.columns(), other.stride()) {}
 
     T& operator()(std::ptrdiff_t i, std::ptrdiff_t j) const {

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/afferent_options.hpp"
 
 #include "config/job.hpp"
-#include "config/read_afferents.hpp"
-#include "config/read_case.hpp"
+#include "config/sections/read_afferents.hpp"
+#include "config/sections/read_case.hpp"
 
 #include <array>
 
-namespace shearwake {
+namespace shearwake::config {
 
 AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
                                       std::span<const Override> overrides,
@@ -27,4 +28,4 @@ AfferentOptions read_afferent_options(std::string_view text, const std::string& 
     return options;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

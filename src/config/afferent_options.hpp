@@ -1,19 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "case/afferents.hpp"
+#include "config/files/text_loader.hpp"
 #include "config/override.hpp"
-#include "config/text_loader.hpp"
-#include "model/afferents.hpp"
 
 #include <span>
 #include <string>
 #include <string_view>
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// [afferents] of a job file, or of a file that holds nothing else, and overrides of its keys;
-/// without either, its defaults. Throws BadJob with every mistake.
+/// Reads [afferents] of a job file, or of a file that contains only this table, and overrides of
+/// its keys; without both, the defaults. Throws BadJob with all errors.
 AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
                                       std::span<const Override> overrides,
                                       const TextLoader& load_text);
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/axis_values.hpp"
 
 #include "base/text.hpp"
@@ -8,7 +9,7 @@
 #include <optional>
 #include <unordered_map>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
 const std::array<std::string, 3> generators = {"linspace", "logspace", "range"};
@@ -32,7 +33,8 @@ std::optional<std::array<double, 3>> three_numbers(const Node& node) {
     return numbers;
 }
 
-/// To twelve digits: the third of ten values from 0.1 to 1 is 0.3 and not 0.30000000000000004.
+/// Rounds to twelve digits: the third of ten values from 0.1 to 1 is 0.3 and not
+/// 0.30000000000000004.
 double rounded(double value) {
     return std::stod(fmt::format("{:.12g}", value));
 }
@@ -41,7 +43,7 @@ bool is_count(double n) {
     return n >= 2.0 && n <= static_cast<double>(most_cases) && n == std::floor(n);
 }
 
-/// The numbers of a generator, or why it has none.
+/// The numbers of a generator, or the reason why it was rejected.
 struct Generated {
     std::vector<double> values;
     std::string problem;
@@ -49,8 +51,8 @@ struct Generated {
 
 Generated spaced(double a, double b, double n, bool logarithmic) {
     if (!is_count(n))
-        return {{}, fmt::format("wants a count of 2 to {} as its third number", most_cases)};
-    if (logarithmic && !(a > 0.0 && b > 0.0)) return {{}, "wants both ends above 0"};
+        return {{}, fmt::format("requires a count from 2 to {} as its third number", most_cases)};
+    if (logarithmic && !(a > 0.0 && b > 0.0)) return {{}, "requires both ends to be above 0"};
     Generated out;
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
         const double share = static_cast<double>(i) / (n - 1.0);
@@ -64,11 +66,12 @@ Generated spaced(double a, double b, double n, bool logarithmic) {
 
 Generated stepped(double start, double stop, double step) {
     if (step == 0.0 || (stop - start) / step < 0.0)
-        return {{}, "wants a step that leads from its first number to its second"};
+        return {{}, "requires a step that leads from its first number to its second"};
     const double steps = std::floor((stop - start) / step * (1.0 + 1e-12) + 1e-9);
     if (steps >= static_cast<double>(most_cases))
-        return {{},
-                fmt::format("has {:.0f} values; at most {} are possible", steps + 1.0, most_cases)};
+        return {
+            {},
+            fmt::format("has {:.0f} values; at most {} are supported", steps + 1.0, most_cases)};
     Generated out;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(steps); ++i)
         out.values.push_back(rounded(start + static_cast<double>(i) * step));
@@ -81,7 +84,7 @@ std::vector<NodePtr> generate(const std::string& key, const Node& node, Diagnost
     const bool is_range = entry.key == "range";
     if (!numbers) {
         findings.error(entry.value->at,
-                       fmt::format("{}: {} wants three numbers, {}", key, entry.key,
+                       fmt::format("{}: {} requires three numbers, {}", key, entry.key,
                                    is_range ? "[start, stop, step]" : "[first, last, count]"));
         return {};
     }
@@ -117,8 +120,9 @@ std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
         return {};
     }
     if (list->empty())
-        findings.error(node->at, fmt::format("{} has no values: an axis must have one", key));
+        findings.error(node->at,
+                       fmt::format("{} has no values; an axis must have at least one", key));
     return *list;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/tree.hpp"
+#include "config/document/tree.hpp"
 
 #include <string>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// More cases than this, or more values on one axis, are taken for a slip.
+/// Limit of the number of cases and of the values on an axis; more are considered a typing error.
 constexpr std::size_t most_cases = 100000;
 
 /// { linspace = [...] }, { logspace = [...] } or { range = [...] }.
 bool is_generator(const Node& node);
 
-/// The values of an axis: a list, or a generator. Findings, and nothing, where it is neither, is
-/// empty, or holds a value twice. `key` is for messages.
+/// The values of an axis: a list or a generator. If it is neither, is empty, or contains a value
+/// twice, reports errors and returns no values. `key` is for messages.
 std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
                                  Diagnostics& findings);
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,24 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/expand.hpp"
 
-#include "config/presets.hpp"
-#include "config/read_case.hpp"
-#include "config/remarks.hpp"
+#include "config/document/presets.hpp"
+#include "config/document/remarks.hpp"
+#include "config/sections/read_case.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <unordered_map>
 #include <unordered_set>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
 constexpr std::string_view modulation_prefix = "load.modulation.";
 constexpr std::string_view kind_key = "load.modulation.kind";
 
-/// When so many cases are bad, the rest has nothing new to say.
+/// After this number of invalid cases, further cases are not read.
 constexpr std::size_t most_bad_cases = 1000;
 
-/// Which value each axis has: an odometer whose last wheel turns fastest.
+/// The index of the value on each axis; the last one changes fastest.
 class Odometer {
 public:
     explicit Odometer(const Sweep& sweep) : sweep_(sweep), at_(sweep.axes.size(), 0) {}
@@ -85,14 +86,14 @@ public:
 
     std::vector<PlannedCase> finish(bool complete) {
         remarks_.report(findings_);
-        if (twins_ > 1) twin_message_ += fmt::format(" (and {} more pairs like these)", twins_ - 1);
+        if (twins_ > 1) twin_message_ += fmt::format(" (and {} more such pairs)", twins_ - 1);
         if (twins_ > 0) findings_.error(sweep_.at, twin_message_);
         for (std::size_t i = 0; complete && i < excluded_.size(); ++i)
             if (excluded_[i] == 0)
                 findings_.warning(sweep_.exclusions[i].at,
-                                  "sweep.exclude: this matches no case and changes nothing");
+                                  "sweep.exclude: this entry matches no case and has no effect");
         if (complete && cases_.empty() && bad_cases_ == 0)
-            findings_.error(sweep_.at, "sweep.exclude leaves no case");
+            findings_.error(sweep_.at, "sweep.exclude removes all cases");
         for (PlannedCase& reference : references_)
             if (!ordinary_.contains(reference.id)) cases_.push_back(std::move(reference));
         return std::move(cases_);
@@ -120,7 +121,7 @@ private:
         return nullptr;
     }
 
-    /// The job with this combination of values in its place, or null and a finding.
+    /// The job with this combination of values applied, or null and a diagnostic.
     NodePtr chosen(const NodePtr& base, const Odometer& wheel) {
         NodePtr root = base;
         for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis) {
@@ -129,7 +130,7 @@ private:
                 root = with(root, key.path, key.values[wheel[axis]], key.at, problem);
                 if (root) continue;
                 findings_.error(key.at,
-                                fmt::format("sweep: {} is not there: {}", key.key, problem));
+                                fmt::format("sweep: {} does not exist: {}", key.key, problem));
                 return nullptr;
             }
         }
@@ -144,17 +145,17 @@ private:
         return out;
     }
 
-    /// Whether the reference is the same whatever this swept key says.
+    /// Whether the reference is independent of this swept key.
     bool is_idle_in_reference(const std::string& key, const std::string& kind) const {
         if (!key.starts_with(modulation_prefix)) return false;
         const std::string_view name = std::string_view(key).substr(modulation_prefix.size());
-        // What stands in the reference replaces all that is below it too.
+        // A key in the reference also replaces all keys below it.
         const std::string_view whole = name.substr(0, name.find_first_of(".["));
         return key == kind_key || std::get<TableNode>(reference_->value).find(whole) ||
                !has_meaning(name, kind);
     }
 
-    /// The id of the case that `root` is compared with; empty after a mistake.
+    /// The id of the case that `root` is compared with; empty after an error.
     std::string add_reference(NodePtr root, std::vector<Setting> settings) {
         for (const Entry& entry : std::get<TableNode>(reference_->value).entries) {
             std::string problem;
@@ -188,8 +189,8 @@ private:
         if (is_new) return;
         if (twins_++ == 0)
             twin_message_ =
-                fmt::format("sweep: these are one and the same case: {{ {} }} and "
-                            "{{ {} }}; exclude one of them",
+                fmt::format("sweep: two combinations of values describe the same case: {{ {} }} "
+                            "and {{ {} }}; exclude one of them",
                             words(cases_[twin->second].settings), words(planned.settings));
     }
 
@@ -197,7 +198,7 @@ private:
     NodePtr reference_;
     const FileLoaders& files_;
     Diagnostics& findings_;
-    std::vector<std::size_t> excluded_; // cases that each exclusion has matched
+    std::vector<std::size_t> excluded_; // number of cases that each exclusion has matched
     Remarks remarks_;
     std::vector<PlannedCase> cases_, references_;
     std::unordered_map<std::string, std::size_t> ordinary_;      // by id
@@ -211,7 +212,7 @@ private:
 
 std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
                                 const FileLoaders& files, Diagnostics& findings) {
-    // So that a sweep can reach into the layers of a preset.
+    // Presets are expanded first, so that a sweep can change the layers of a preset.
     const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
     Expander expander(sweep, reference, files, findings);
     Odometer wheel(sweep);
@@ -221,4 +222,4 @@ std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const No
     return expander.finish(sweep.sound && !expander.gives_up());
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,15 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/text_loader.hpp"
+#include "case/plan.hpp"
+#include "config/files/text_loader.hpp"
 #include "config/sweep_axes.hpp"
-#include "model/plan.hpp"
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// Every case of the sweep, the first axis slowest, then the references. `base` is the whole job
-/// as a tree; `reference` the keys of load.modulation that make a reference, or null. Also checks
-/// the physics of every case. After a mistake in [sweep] only the first case is read.
+/// Returns all cases of the sweep, with the first axis slowest, followed by the references. `base`
+/// is the complete job as a tree; `reference` contains the keys of load.modulation that define a
+/// reference, or is null. Also checks the physics of all cases. After an error in [sweep], only the
+/// first case is read.
 std::vector<PlannedCase> expand(const NodePtr& base, const Sweep& sweep, const NodePtr& reference,
                                 const FileLoaders& files, Diagnostics& findings);
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/job.hpp"
 
 #include "base/text.hpp"
 #include "config/expand.hpp"
-#include "config/read_case.hpp"
+#include "config/sections/read_case.hpp"
 #include "config/table_options.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
 constexpr std::size_t most_bytes = 4'000'000;
 constexpr std::size_t most_printed = 50;
 
 std::string all_lines(const std::vector<Finding>& findings) {
-    // Errors are not crowded out by warnings.
+    // Errors take precedence over warnings.
     std::size_t printed = 0, errors = 0;
     for (const Finding& finding : findings)
         errors += finding.severity == Severity::error;
@@ -37,21 +38,21 @@ std::string all_lines(const std::vector<Finding>& findings) {
 void check_schema(Reader& root, const Place& at) {
     const NodePtr schema = root.node("schema");
     if (!schema) {
-        root.findings().error(at, "schema is missing: the first line of a job is schema = 1");
+        root.findings().error(at, "schema is missing; begin the job with the line schema = 1");
         return;
     }
     const auto* number = std::get_if<std::int64_t>(&schema->value);
     if (!number || *number != 1)
-        root.error("schema", fmt::format("must be 1, the only one this program reads, and is {}",
-                                         excerpt(render(*schema))));
+        root.error("schema",
+                   fmt::format("must be 1, the only version that this program supports, but is {}",
+                               excerpt(render(*schema))));
 }
 
-/// The name becomes the name of a folder and must stay within the output directory.
+/// The name is used as a folder name and must not lead outside the output directory.
 void check_name(const Reader& reader, const std::string& name) {
     if (is_file_name(name)) return;
-    reader.error("name", fmt::format("becomes the name of a folder: 1 to {} letters, digits, "
-                                     "\"-\", \"_\" and \".\", not starting with \".\"; it is "
-                                     "\"{}\"",
+    reader.error("name", fmt::format("must be a valid folder name: 1 to {} letters, digits, \"-\", "
+                                     "\"_\" and \".\", not starting with \".\"; it is \"{}\"",
                                      longest_file_name, excerpt(name)));
 }
 
@@ -83,8 +84,7 @@ NodePtr parse(std::string_view text, const std::string& file_name,
               std::span<const Override> overrides, Diagnostics& findings) {
     if (text.size() > most_bytes) {
         findings.error({std::make_shared<const std::string>(file_name)},
-                       fmt::format("this has {} bytes and is taken for no job file: those have "
-                                   "at most {}",
+                       fmt::format("the file has {} bytes, but a job file may have at most {}",
                                    text.size(), most_bytes));
         return nullptr;
     }
@@ -117,4 +117,4 @@ Job read_job(std::string_view text, const std::string& file_name,
     return job;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,26 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/error.hpp"
-#include "config/finding.hpp"
+#include "case/plan.hpp"
+#include "config/document/finding.hpp"
+#include "config/files/text_loader.hpp"
 #include "config/override.hpp"
-#include "config/text_loader.hpp"
-#include "model/plan.hpp"
 
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// A job file, read and expanded.
+/// A job file after reading and expansion.
 struct Job {
     std::string text; // verbatim
     Plan plan;
     std::vector<Finding> findings; // warnings
 };
 
-/// A job with mistakes. `what` is all findings, one a line.
+/// Thrown for a job with errors. `what` contains all diagnostics, one per line.
 class BadJob : public UsageError {
 public:
     explicit BadJob(std::vector<Finding> findings);
@@ -30,12 +31,12 @@ private:
     std::vector<Finding> findings_;
 };
 
-/// Reads, expands and checks. Throws BadJob with every mistake (and the warnings) at once. Touches
-/// no files: `file_name` is for messages, maps, paths and studies come from the loaders;
-/// without them a job that names one is bad. Collective if they are; the same text and files give
-/// the same job.
+/// Reads, expands and checks a job. Throws BadJob with all errors and warnings. Does not access
+/// files: `file_name` is for messages, and the loaders provide maps, paths and studies; without a
+/// loader, a job that names such a file is rejected. Collective if the loaders are; the same text
+/// and files give the same job.
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
              const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr);
 
-} // namespace shearwake
+} // namespace shearwake::config

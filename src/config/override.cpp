@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/override.hpp"
 
 #include "config/sweep_axes.hpp"
@@ -5,7 +6,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
 bool is_bare_word(std::string_view text) {
@@ -24,12 +25,13 @@ NodePtr parse_value(const std::string& value, const Place& at, Diagnostics& find
     if (table && table->entries.size() == 1 && trial.errors() == 0)
         return moved_to(table->entries.front().value, at);
     if (is_bare_word(value)) return make_node(value, at);
-    findings.error(at, fmt::format("\"{}\" is no TOML value, such as 0.5, [1, 2] or \"word\"",
-                                   excerpt(value)));
+    findings.error(at,
+                   fmt::format("\"{}\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\"",
+                               excerpt(value)));
     return nullptr;
 }
 
-/// A swept key is one key of [sweep], whether its dots were quoted or not.
+/// A swept key is a single key of [sweep], whether or not its dots were quoted.
 Path joined_below_sweep(const Path& path, std::string_view text) {
     if (path.size() <= 2 || path.front().key != "sweep") return path;
     return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
@@ -50,8 +52,8 @@ void warn_if_swept(const NodePtr& root, const Override& override, const Place& a
         swept = swept || (keys && holds(*keys));
     }
     if (swept)
-        findings.warning(at, fmt::format("{} is swept, and the sweep wins: this changes nothing; "
-                                         "-S sweep.\"{}\"=[...] changes the sweep",
+        findings.warning(at, fmt::format("{} is swept, so this override has no effect; to change "
+                                         "the sweep, use -S sweep.\"{}\"=[...]",
                                          override.key, override.key));
 }
 
@@ -61,7 +63,7 @@ NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics
     const Place at{std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
     const auto path = split_path(override.key);
     if (!path) {
-        findings.error(at, "this is no key: give it in full, as in -S load.peak_Pa=200");
+        findings.error(at, "this is not a valid key; give it in full, as in -S load.peak_Pa=200");
         return root;
     }
     const NodePtr value = parse_value(override.value, at, findings);
@@ -73,4 +75,4 @@ NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics
     return changed ? changed : root;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

@@ -1,19 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/tree.hpp"
+#include "config/document/tree.hpp"
 
 #include <string>
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// -S key=value. The value is TOML; a bare word that is none is taken as a string.
+/// -S key=value. The value is TOML; a bare word that is not valid TOML is read as a string.
 struct Override {
     std::string key;
     std::string value;
 };
 
-/// `root`, whose [sweep] is flattened, with the override in its place; `root` itself and a finding
-/// after a mistake.
+/// Applies the override to `root`, whose [sweep] must be flattened. After an error, returns `root`
+/// unchanged and reports a diagnostic.
 NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics& findings);
 
-} // namespace shearwake
+} // namespace shearwake::config

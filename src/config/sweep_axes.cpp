@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/sweep_axes.hpp"
 
 #include "base/text.hpp"
 #include "config/axis_values.hpp"
-#include "config/read_case.hpp"
+#include "config/sections/read_case.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -11,12 +12,12 @@
 #include <tuple>
 #include <unordered_set>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
 using Flat = std::vector<Entry>;
 
-/// Follows tables down to what `is_leaf` says is a value; joins the keys with dots.
+/// Descends into tables to the values according to `is_leaf`; joins the keys with dots.
 void flatten(const TableNode& table, const std::string& prefix,
              const std::function<bool(const std::string&, const Node&)>& is_leaf, Flat& out) {
     for (const Entry& entry : table.entries) {
@@ -40,7 +41,7 @@ Flat flat_axes(const TableNode& table) {
     return flat;
 }
 
-/// Reads [sweep]; remembers which keys it has met.
+/// Reads [sweep] and records the keys that it contains.
 class SweepReader {
 public:
     explicit SweepReader(Diagnostics& findings) : findings_(findings) {}
@@ -52,8 +53,8 @@ public:
     void read_zip(const NodePtr& zip) {
         const auto* list = std::get_if<ListNode>(&zip->value);
         if (!list) {
-            findings_.error(zip->at, "sweep.zip must be a list of tables, each of keys that go "
-                                     "together");
+            findings_.error(
+                zip->at, "sweep.zip must be a list of tables, each with keys that change together");
             return;
         }
         for (const NodePtr& item : *list)
@@ -63,8 +64,8 @@ public:
     void read_exclusions(const NodePtr& exclude) {
         const auto* list = std::get_if<ListNode>(&exclude->value);
         if (!list) {
-            findings_.error(exclude->at, "sweep.exclude must be a list of tables, each of values "
-                                         "that no case has together");
+            findings_.error(exclude->at, "sweep.exclude must be a list of tables, each with a "
+                                         "combination of values to exclude");
             return;
         }
         for (const NodePtr& item : *list)
@@ -83,8 +84,8 @@ private:
         if (!of_case) {
             const std::vector<std::string> names(tables.begin(), tables.end());
             findings_.error(entry.key_at,
-                            fmt::format("sweep: \"{}\" is no key of a case: a swept key is given "
-                                        "in full and starts with {}",
+                            fmt::format("sweep: \"{}\" is not a key of a case; a swept key is "
+                                        "given in full and starts with {}",
                                         excerpt(entry.key), quoted_list(names)));
             return std::nullopt;
         }
@@ -93,7 +94,7 @@ private:
             return std::nullopt;
         }
         auto values = axis_values(entry.key, entry.value, findings_);
-        if (values.empty()) return std::nullopt; // told already
+        if (values.empty()) return std::nullopt; // already reported
         return SweptKey{entry.key, *path, entry.key_at, std::move(values)};
     }
 
@@ -111,8 +112,8 @@ private:
         for (const SweptKey& key : axis.keys) {
             if (key.values.size() == axis.size()) continue;
             findings_.error(key.at,
-                            fmt::format("sweep.zip: {} has {} values and {} has {}; keys that go "
-                                        "together have as many",
+                            fmt::format("sweep.zip: {} has {} values and {} has {}; keys that "
+                                        "change together must have the same number of values",
                                         axis.keys.front().key, axis.size(), key.key,
                                         key.values.size()));
             return;
@@ -153,7 +154,7 @@ private:
     std::set<std::string> keys_;
 };
 
-/// A combination of values that an axis has twice would give every case twice.
+/// If an axis contained a combination of values twice, all cases would be duplicated.
 void check_repeats(const Axis& axis, Diagnostics& findings) {
     std::unordered_set<std::string> seen;
     for (std::size_t i = 0; i < axis.size(); ++i) {
@@ -164,12 +165,12 @@ void check_repeats(const Axis& axis, Diagnostics& findings) {
         together.pop_back();
         std::replace(together.begin(), together.end(), '\n', ',');
         findings.error(axis.keys.front().values[i]->at,
-                       fmt::format("sweep: {} takes the value {} twice", axis.keys.front().key,
+                       fmt::format("sweep: {} contains the value {} twice", axis.keys.front().key,
                                    excerpt(together)));
     }
 }
 
-/// Beyond these a sweep is taken for a slip, and would only cost time before it is refused.
+/// Limits of a sweep; larger ones are considered a typing error and rejected before they cost time.
 constexpr std::size_t most_keys = 50;
 constexpr std::size_t most_exclusions = 1000;
 
@@ -181,15 +182,16 @@ void check_size(Sweep& sweep, Diagnostics& findings) {
         keys += axis.keys.size();
     }
     if (cases > static_cast<double>(most_cases))
-        findings.error(sweep.at, fmt::format("sweep makes {:.0f} cases; at most {} are possible",
-                                             cases, most_cases));
+        findings.error(sweep.at,
+                       fmt::format("sweep results in {:.0f} cases; at most {} are supported", cases,
+                                   most_cases));
     if (sweep.exclusions.size() > most_exclusions)
         findings.error(sweep.at,
-                       fmt::format("sweep.exclude has {} entries; at most {} are possible",
+                       fmt::format("sweep.exclude has {} entries; at most {} are supported",
                                    sweep.exclusions.size(), most_exclusions));
     if (keys > most_keys) {
         findings.error(sweep.at,
-                       fmt::format("sweep has {} keys; at most {} are possible", keys, most_keys));
+                       fmt::format("sweep has {} keys; at most {} are supported", keys, most_keys));
         sweep.axes.clear();
     }
 }
@@ -244,4 +246,4 @@ Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings) {
     return read;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

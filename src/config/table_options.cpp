@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "config/table_options.hpp"
 
 #include "base/text.hpp"
@@ -6,20 +7,20 @@
 #include <fmt/format.h>
 #include <unordered_set>
 
-namespace shearwake {
+namespace shearwake::config {
 namespace {
 
-/// Of a sweep that has mistakes nobody knows what it would have held: no further complaint then.
+/// The keys of a sweep with errors are unknown, so nothing further is reported.
 bool is_swept(const Reader& reader, std::string_view key, const std::string& word,
               const std::vector<std::string>& swept, const Sweep& sweep) {
     if (!sweep.sound || std::find(swept.begin(), swept.end(), word) != swept.end()) return true;
     const auto meant = word.size() < 100 ? nearest(word, swept) : std::nullopt;
-    reader.error(key, fmt::format("names \"{}\", which is not swept{}", excerpt(word),
+    reader.error(key, fmt::format("contains \"{}\", which is not swept{}", excerpt(word),
                                   meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
     return false;
 }
 
-/// The other keys of x's own axis tell nothing that x does not, unless x takes a value twice.
+/// The other keys on the axis of x are determined by x, unless x contains a value twice.
 bool x_tells_all(const SweptKey& x) {
     std::unordered_set<std::string> values;
     for (const NodePtr& value : x.values)
@@ -50,9 +51,9 @@ TableSection read_table(Reader reader, const Sweep& sweep) {
     if (const auto series = reader.find_words("series")) {
         for (const std::string& key : *series) {
             if (is_swept(reader, "series", key, swept, sweep) && key == table.options.x)
-                reader.error("series", fmt::format("names \"{}\", which is x already", key));
+                reader.error("series", fmt::format("contains \"{}\", which is already x", key));
             if (std::count(series->begin(), series->end(), key) > 1)
-                reader.error("series", fmt::format("names \"{}\" twice", excerpt(key)));
+                reader.error("series", fmt::format("contains \"{}\" twice", excerpt(key)));
         }
         table.options.series = *series;
     } else {
@@ -61,9 +62,9 @@ TableSection read_table(Reader reader, const Sweep& sweep) {
     const NodePtr reference = reader.node("reference");
     if (!reader.optional_table("reference").empty()) table.reference = reference;
     if (table.reference && std::get<TableNode>(reference->value).entries.empty())
-        reader.error("reference", "must change something, for example { kind = \"STM\" }");
+        reader.error("reference", "must change at least one key, for example { kind = \"STM\" }");
     reader.finish();
     return table;
 }
 
-} // namespace shearwake
+} // namespace shearwake::config

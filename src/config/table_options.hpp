@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/reader.hpp"
+#include "case/plan.hpp"
+#include "config/document/reader.hpp"
 #include "config/sweep_axes.hpp"
-#include "model/plan.hpp"
 
-namespace shearwake {
+namespace shearwake::config {
 
-/// [table]: the layout, and what turns a case into the one it is compared with.
+/// [table]: the layout, and the changes that turn a case into its reference.
 struct TableSection {
     TableOptions options;
     NodePtr reference; // keys of load.modulation; null: no reference
@@ -14,4 +15,4 @@ struct TableSection {
 
 TableSection read_table(Reader reader, const Sweep& sweep);
 
-} // namespace shearwake
+} // namespace shearwake::config

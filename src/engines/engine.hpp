@@ -1,115 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/view.hpp"
+#include "case/case.hpp"
+#include "case/remark.hpp"
 #include "engines/checkpoint.hpp"
-#include "model/case.hpp"
+#include "engines/work.hpp"
 #include "parallel/comm.hpp"
 
 #include <memory>
 #include <string>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::engines {
 
-/// Rows of the surface grid that this rank holds: global rows x_start ... x_start + x_count - 1.
+/// The rows of the surface grid that this rank holds: global rows x_start to x_start + x_count - 1.
 struct Slab {
     std::ptrdiff_t x_start = 0;
     std::ptrdiff_t x_count = 0;
 };
 
-/// One output time at one depth.
+/// The displacement at one output time and depth.
 struct Frame {
     std::ptrdiff_t number = 0; // 0 .. TimeAxis::frames - 1, at TimeAxis::frame_s(number)
     std::size_t depth = 0;     // index into MeasureOptions::depths_m
     View2<const double> u_z_m; // x_count rows of ny values
 };
 
-/// One output time at one depth of a case that asks for the stress there.
+/// The stress at one output time and depth, for cases that request it.
 struct StressFrame {
-    std::ptrdiff_t number = 0;          // as of a Frame
+    std::ptrdiff_t number = 0;          // number of the corresponding Frame
     std::size_t depth = 0;              // index into stress_depths_m(case)
     View2<const double> compression_Pa; // -sigma_zz, x_count rows of ny values
 };
 
-/// One level of one component of a volume snapshot.
+/// One depth level of one component of a volume snapshot.
 struct VolumePlane {
     std::size_t snapshot = 0;   // index into RecordOptions::volumes_s
     std::size_t field = 0;      // index into RecordOptions::volume_fields
     std::size_t component = 0;  // index into components_of(the field)
-    std::size_t level = 0;      // index into the levels
+    std::size_t level = 0;      // index into the levels of volume_levels()
     View2<const double> values; // x_count rows of ny values, in the field's SI unit
 };
 
-/// What some nodes have heard of a field in every step.
+/// Time series recorded by the sensors of a grid study, one sample per step.
 struct SensorSeries {
     std::string field;
-    bool velocity = false;      // m/s, else Pa
-    std::ptrdiff_t samples = 0; // of each node
+    bool velocity = false;      // m/s; otherwise Pa
+    std::ptrdiff_t samples = 0; // per node
     std::vector<double> values; // [node][sample]
 };
 
-/// What a case took, and what the engine chose for it and why. The same on all ranks.
+/// Effort of a case, and the engine's choices with their reasons. Identical on all ranks.
 struct SolverReport {
-    std::vector<std::string> notes;     // one line each
-    std::ptrdiff_t steps = 0;           // none: the engine does not step
-    std::ptrdiff_t iterations = 0;      // of its linear solver, in all
-    std::ptrdiff_t most_iterations = 0; // in one step
-    // Of the load; and what still moves and strains the medium half a step before the end.
+    std::vector<std::string> notes;     // one line per choice
+    std::ptrdiff_t steps = 0;           // 0 for an engine without time stepping
+    std::ptrdiff_t iterations = 0;      // total number of iterations of the linear solver
+    std::ptrdiff_t most_iterations = 0; // maximum number of iterations in one step
+    // Work of the load, and the kinetic and elastic energy half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
     std::vector<SensorSeries> sensors = {}; // of a grid study; on rank 0 only
 };
 
-/// Receives the field of a case as the engine produces it. Called on every rank of the team, in
-/// the same order, also where the slab is empty; an observer must not throw on one rank only.
+/// Receives the field of a case while the engine computes it. Called on every rank of the team in
+/// the same order, including ranks with an empty slab. An observer must not throw on one rank only.
 class Observer {
 public:
     virtual ~Observer() = default;
     virtual void begin(const Slab& slab) = 0;
     virtual void frame(const Frame& frame) = 0;
-    /// The stress at the depths of receptors, for cases that ask for it: after its frame.
+    /// The stress at the depths of receptors, after the frame of the same time. Only for cases that
+    /// request it.
     virtual void stress(const StressFrame& /*frame*/) {}
-    /// The depths of the volume's levels, where a case keeps volumes: once, after `begin` and
-    /// before `restore`. Collective.
+    /// The depths of the levels of volumes. Called once, after `begin` and before `restore`, for
+    /// cases that record volumes. Collective.
     virtual void volume_levels(const std::vector<double>& /*z_m*/) {}
-    /// In any order, within the snapshot's frame or before the next one. Collective.
+    /// One plane of a snapshot, in any order, before the next frame. Collective.
     virtual void volume(const VolumePlane& /*plane*/) {}
-    /// Once, after the last frame, by engines that have something to tell. Collective.
+    /// Called once after the last frame by engines that provide a report. Collective.
     virtual void solved(const SolverReport& /*report*/) {}
-    /// What the frames so far have left, for a run that goes on later with the next one; restored
-    /// after `begin`. Collective; called by engines within their own save and restore.
+    /// Save and restore what the observer has accumulated, as a part of the engine's checkpoints.
+    /// `restore` follows `begin`. Collective.
     virtual void save(StateWriter& /*state*/) {}
     virtual void restore(StateReader& /*state*/) {}
 };
 
-/// What a case needs.
+/// Memory of one rank before any case: the program, MPI and HDF5.
+constexpr double program_B = 38e6;
+
+/// Resources that a case needs.
 struct Estimate {
     double memory_per_rank_B = 0.0;
-    double seconds = 0.0;        // on one rank, everything shared already there
-    double shared_seconds = 0.0; // once per medium and grid, on one rank
-    int useful_ranks = 1;        // more have no slab
-    // Of engines whose steps transpose the grid: how often, and bytes of all ranks each time. 0: a
-    // plane a frame and depth.
+    std::vector<Work> work;   // of all ranks, without work that cases share
+    std::vector<Work> shared; // work that is done once per medium and grid
+    int useful_ranks = 1;     // further ranks would have no rows
+    // Number of global transposes, and the bytes that all ranks together send in each.
     double all_to_alls = 0.0, all_to_all_B = 0.0;
+    double written_B = 0.0; // volumes and sensor series in the case file
 };
 
-/// Turns a case into frames of u_z. Keeps nothing between cases but what may be shared on purpose.
+/// Size in bytes of the volumes of a case in its file, for the given number of depth levels.
+double volumes_B(const Case& c, double levels);
+
+/// Treatment of waves at the edges of the domain in x and y.
+enum class Edges {
+    periodic, // they continue at the opposite edge
+    sponge,   // the margin Domain::sponge_m damps them (case/edge_absorption.hpp)
+    layer,    // an absorbing layer of the engine
+};
+
+/// Computes the frames of u_z of a case. Between cases an engine keeps only what they can share.
 class Engine {
 public:
     virtual ~Engine() = default;
-    /// Not collective. `ranks`: of the team that would run it.
+    /// Resources for running the case on a team of `ranks` ranks. Not collective.
     virtual Estimate estimate(const Case& c, int ranks) const = 0;
-    /// What it will choose for the case and why, one line each, as far as the case alone tells.
-    /// Not collective.
+    /// Cases from which the machine's rates for this engine's kinds of work are measured, one per
+    /// kind. Not collective.
+    virtual std::vector<Calibration> calibrations() const = 0;
+    /// The choices that the engine will make for the case with their reasons, one line each, as far
+    /// as they follow from the case alone. Not collective.
     virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }
-    /// Collective over the team; always the same team for one engine.
-    /// Throws CaseFailure on all ranks together. With `checkpoints` it goes on from the newest
-    /// state, and returns early after a save when they say stop; engines whose cases take seconds
-    /// ignore them.
+    /// Errors for parts of the case that the engine does not support. Not collective.
+    virtual std::vector<Remark> limits(const Case& c) const = 0;
+    /// How the engine treats waves at the edges for this case. Not collective.
+    virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }
+    /// Whether the medium and load of the case are used; a grid study has its own. Not collective.
+    virtual bool computes_scene(const Case& /*c*/) const { return true; }
+    /// Whether the time step is determined by trial runs of about 0.1 s. Not collective.
+    virtual bool probes_step(const Case& /*c*/) const { return false; }
+    /// The step [s] determined by trial runs, if probes_step(). Not collective.
+    virtual double probed_step_s(const Case& /*c*/) const { return 0.0; }
+    /// The case with this step specified, so that no trial runs are needed. Not collective.
+    virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
+    /// Computes the case and passes the results to the observer. With `checkpoints` it resumes from
+    /// the newest checkpoint, and returns early after a save if a stop was requested; engines whose
+    /// cases take seconds ignore `checkpoints`. Throws CaseFailure on all ranks together.
+    /// Collective over the team, which must be the same in all calls.
     virtual void run(const Case& c, const Comm& team, Observer& observer,
                      Checkpoints* checkpoints = nullptr) = 0;
 };
 
-/// The engine that the case's solver options name.
-std::unique_ptr<Engine> make_engine(const SolverOptions& solver);
-
-} // namespace shearwake
+} // namespace shearwake::engines

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/error.hpp"
@@ -8,14 +9,15 @@
 #include <memory>
 #include <type_traits>
 
-namespace shearwake {
+namespace shearwake::fft {
 
-/// A family of lines of complex numbers: line l begins at l distance, its points are stride apart.
+/// Layout of lines of complex numbers: line l begins at index l * distance, consecutive points are
+/// `stride` apart.
 struct LineFamily {
     int stride = 1, distance = 1;
 };
 
-/// FFTW in one precision: complex transforms of many lines out of place, unnormalised, that keep
+/// FFTW in one precision: unnormalised out-of-place complex transforms of many lines that preserve
 /// their input.
 template <class Real>
 struct FftwOf;
@@ -25,7 +27,7 @@ struct FftwOf<double> {
     using Complex = std::complex<double>;
     using Plan = FftwPlan;
     static fftw_complex* raw(Complex* values) { return reinterpret_cast<fftw_complex*>(values); }
-    /// Empty where FFTW cannot (FFTW_WISDOM_ONLY without wisdom).
+    /// The plan is empty if FFTW cannot create it (FFTW_WISDOM_ONLY without wisdom).
     static Plan plan(int length, int lines, Complex* from, LineFamily from_lines, Complex* to,
                      LineFamily to_lines, int sign, unsigned flags) {
         return Plan(fftw_plan_many_dft(1, &length, lines, raw(from), nullptr, from_lines.stride,
@@ -53,4 +55,4 @@ struct FftwOf<float> {
     static void execute(const Plan& plan) { fftwf_execute(plan.get()); }
 };
 
-} // namespace shearwake
+} // namespace shearwake::fft

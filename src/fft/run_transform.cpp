@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fft/run_transform.hpp"
 
 #include "fft/slab_work.hpp"
@@ -5,20 +6,21 @@
 #include <algorithm>
 #include <cmath>
 
-namespace shearwake {
+namespace shearwake::fft {
 namespace {
 
-/// Where each rank's part begins in a buffer, and the whole.
-std::vector<std::ptrdiff_t> starts_of(const std::vector<int>& counts) {
+/// Offset of each rank's part in a buffer, followed by the total size.
+std::vector<std::ptrdiff_t> starts_of(const std::vector<std::ptrdiff_t>& counts) {
     std::vector<std::ptrdiff_t> starts = {0};
-    for (const int count : counts)
+    for (const std::ptrdiff_t count : counts)
         starts.push_back(starts.back() + count);
     return starts;
 }
 
-Complex* room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size) {
-    if (std::ssize(buffer) < size) buffer.resize(static_cast<std::size_t>(size));
-    return buffer.data();
+std::span<Complex> room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size) {
+    const auto needed = static_cast<std::size_t>(size);
+    if (buffer.size() < needed) buffer.resize(needed);
+    return {buffer.data(), needed};
 }
 
 } // namespace
@@ -34,13 +36,10 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::ve
       mine_(lines), me_(static_cast<std::size_t>(team.rank())),
       lines_reals_(slabs.lines_reals(lines.ky_count)) {
     const SlabShare& share = slabs.share();
-    const double mine[4] = {
-        static_cast<double>(share.x_start + begin_), static_cast<double>(share.x_start + end_),
-        static_cast<double>(lines.ky_start), static_cast<double>(lines.ky_count)};
-    const std::vector<double> all = team.all_gather(std::span<const double>(mine));
+    const std::vector<long> all = team.all_gather(std::vector<long>{
+        share.x_start + begin_, share.x_start + end_, lines.ky_start, lines.ky_count});
     for (std::size_t at = 0; at < all.size(); at += 4)
-        shares_.push_back({std::lround(all[at]), std::lround(all[at + 1]), std::lround(all[at + 2]),
-                           std::lround(all[at + 3])});
+        shares_.push_back({all[at], all[at + 1], all[at + 2], all[at + 3]});
 }
 
 void RunTransform::transform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
@@ -61,15 +60,16 @@ void RunTransform::untransform_row(std::ptrdiff_t row, std::vector<RowRun>::cons
         std::copy_n(w.row_.data() + run->begin, run->end - run->begin, values + run->offset);
 }
 
-// Between two ranks go [plane][ky of the one][row of the other]; what stays here goes directly.
+// Data exchanged between two ranks is ordered as [plane][ky of the rank with the lines][row of the
+// rank with the rows]. Data that stays on this rank is copied directly.
 RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
     SlabTransform::Work& w = *slabs_.work_;
     Parcels p;
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
         const Share& of = shares_[rank];
         const bool other = rank != me_;
-        p.of_rows.push_back(other ? static_cast<int>(planes * of.ky_count * (end_ - begin_)) : 0);
-        p.of_lines.push_back(other ? static_cast<int>(planes * mine_.ky_count * of.rows()) : 0);
+        p.of_rows.push_back(other ? planes * of.ky_count * (end_ - begin_) : 0);
+        p.of_lines.push_back(other ? planes * mine_.ky_count * of.rows() : 0);
     }
     p.of_rows_at = starts_of(p.of_rows);
     p.of_lines_at = starts_of(p.of_lines);
@@ -99,14 +99,15 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
                                     here + to.x_begin + i - begin_, w.line_pitch);
                 else
                     rows_to_columns(modes, w.pitch, count, to.ky_count,
-                                    parcel.rows + parcel.of_rows_at[rank] + p * to.ky_count * rows +
-                                        i - begin_,
+                                    parcel.rows.data() + parcel.of_rows_at[rank] +
+                                        p * to.ky_count * rows + i - begin_,
                                     rows);
             }
         }
     }
     if (shares_.size() > 1)
-        team_.all_to_all(parcel.rows, parcel.of_rows, parcel.lines, parcel.of_lines);
+        team_.all_to_all(std::span<const Complex>(parcel.rows), parcel.of_rows, parcel.lines,
+                         parcel.of_lines);
     for (std::ptrdiff_t p = 0; p < planes; ++p)
         for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             fill_line(parcel, p * mine_.ky_count + k,
@@ -114,14 +115,14 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
 }
 
 void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Complex* line) const {
-    std::ptrdiff_t filled = 0; // of x: ranks have theirs in ascending order
+    std::ptrdiff_t filled = 0; // index in x; the parts of the ranks are in ascending order
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
         const Share& of = shares_[rank];
         if (of.rows() == 0) continue;
         std::fill(line + filled, line + of.x_begin, 0.0);
         if (rank != me_)
-            std::copy_n(parcel.lines + parcel.of_lines_at[rank] + which * of.rows(), of.rows(),
-                        line + of.x_begin);
+            std::copy_n(parcel.lines.data() + parcel.of_lines_at[rank] + which * of.rows(),
+                        of.rows(), line + of.x_begin);
         filled = of.x_end;
     }
     std::fill(line + filled, line + slabs_.nx(), 0.0);
@@ -140,10 +141,11 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
             for (std::size_t rank = 0; rank < shares_.size(); ++rank)
                 if (const Share& of = shares_[rank]; rank != me_)
                     std::copy_n(of_plane(p) + k * w.line_pitch + of.x_begin, of.rows(),
-                                parcel.lines + parcel.of_lines_at[rank] +
+                                parcel.lines.data() + parcel.of_lines_at[rank] +
                                     (p * mine_.ky_count + k) * of.rows());
     if (shares_.size() > 1)
-        team_.all_to_all(parcel.lines, parcel.of_lines, parcel.rows, parcel.of_rows);
+        team_.all_to_all(std::span<const Complex>(parcel.lines), parcel.of_lines, parcel.rows,
+                         parcel.of_rows);
     for (std::ptrdiff_t p = 0; p < planes; ++p) {
         double* to_plane = values + static_cast<std::size_t>(p) * cells;
         auto run = runs_.begin();
@@ -156,7 +158,7 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
                     columns_to_rows(of_plane(p) + from.x_begin + i - begin_, w.line_pitch, count,
                                     from.ky_count, modes, w.pitch);
                 else
-                    columns_to_rows(parcel.rows + parcel.of_rows_at[rank] +
+                    columns_to_rows(parcel.rows.data() + parcel.of_rows_at[rank] +
                                         p * from.ky_count * rows + i - begin_,
                                     rows, count, from.ky_count, modes, w.pitch);
             }
@@ -166,4 +168,4 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
     }
 }
 
-} // namespace shearwake
+} // namespace shearwake::fft

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fft/slab_transform.hpp"
 
 #include "fft/slab_work.hpp"
@@ -7,11 +8,11 @@
 #include <fftw3-mpi.h>
 #include <string>
 
-namespace shearwake {
+namespace shearwake::fft {
 namespace {
 
-/// An odd number of cache lines of 64 bytes: every plane of a pile is aligned as the first, and the
-/// same point of all planes does not fall into the same few sets of the cache.
+/// Rounds up to an odd number of 64-byte cache lines. Every plane of a stack is then aligned like
+/// the first one, and corresponding points of the planes do not map to the same few cache sets.
 std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
     const std::ptrdiff_t line = 8;
     return line * (((reals + line - 1) / line) | 1);
@@ -19,17 +20,20 @@ std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
 
 } // namespace
 
-// to_spectral, plane by plane (to_physical runs the same steps back):
-//  1. a few rows at a time r2c along y into `lines_`, from there transposed into `columns_`:
+// to_spectral processes a plane in three steps:
+//  1. r2c along y, a few rows at a time, into `lines_`, transposed from there into `columns_`:
 //     all ky of this rank's x, contiguous in x;
-//  2. FFTW3-MPI transposes those among the ranks into `rows_`: this rank's ky, all x (one rank:
-//  none);
-//  3. along x, from `rows_` back into the plane.
-// Every line has the same plan, so the bits do not depend on the number of ranks.
+//  2. global transpose by FFTW3-MPI into `rows_`: this rank's ky, all x (omitted on one rank);
+//  3. transform along x from `rows_` back into the plane.
+// to_physical runs the steps in reverse order, except for the transpose. Each row is copied to the
+// send buffer while it is in the cache, data of this rank is not moved, and the lines along y are
+// gathered from the received data. The transpose of FFTW3-MPI would take two more passes over the
+// plane. All lines use the same plan, so the bits do not depend on the number of ranks.
 bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
     const int x = static_cast<int>(nx), y = static_cast<int>(ny);
     auto* modes_of_plane = reinterpret_cast<fftw_complex*>(plane);
-    // Lines begin at any complex number; FFTW's vector code may want more than that.
+    // A line may begin at any complex number, which has a weaker alignment than FFTW's vector code
+    // may require.
     const bool aligned = fftw_alignment_of(plane + 2) == fftw_alignment_of(plane);
     flags |= FFTW_DESTROY_INPUT | (aligned ? 0U : FFTW_UNALIGNED);
     y_to_spectral.reset(fftw_plan_dft_r2c_1d(y, plane, raw(line(0)), flags));
@@ -46,19 +50,34 @@ bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
 
 void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
     const unsigned flags = effort | FFTW_DESTROY_INPUT;
-    auto* by_x = reinterpret_cast<double*>(columns());
-    auto* by_ky = reinterpret_cast<double*>(rows());
-    slabs_to_spectral = checked_plan(
-        fftw_mpi_plan_many_transpose(nx, modes, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
-                                     by_x, by_ky, team.raw(), flags | FFTW_MPI_TRANSPOSED_IN));
-    slabs_to_physical = checked_plan(
-        fftw_mpi_plan_many_transpose(modes, nx, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
-                                     by_ky, by_x, team.raw(), flags | FFTW_MPI_TRANSPOSED_OUT));
+    slabs_to_spectral = checked_plan(fftw_mpi_plan_many_transpose(
+        nx, modes, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
+        reinterpret_cast<double*>(columns()), reinterpret_cast<double*>(rows()), team.raw(),
+        flags | FFTW_MPI_TRANSPOSED_IN));
+}
+
+void SlabTransform::Work::gather_shares(const SlabShare& share, const Comm& team) {
+    me = static_cast<std::size_t>(team.rank());
+    const std::vector<long> all = team.all_gather(
+        std::vector<long>{share.x_start, share.x_count, share.ky_start, share.ky_count});
+    std::ptrdiff_t sent = 0, received = 0;
+    for (std::size_t at = 0; at < all.size(); at += 4) {
+        const Other of{all[at], all[at + 1], all[at + 2], all[at + 3]};
+        const bool other = ranks.size() != me;
+        to_ranks.push_back(other ? share.ky_count * of.x_count : 0);
+        from_ranks.push_back(other ? share.x_count * of.ky_count : 0);
+        sent += to_ranks.back();
+        received += from_ranks.back();
+        ranks.push_back(of);
+    }
+    sent_.resize(static_cast<std::size_t>(sent));
+    received_.resize(static_cast<std::size_t>(received));
+    turned_.resize(static_cast<std::size_t>(nx));
 }
 
 SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
                              Planning planning)
-    : work_(std::make_unique<Work>()), planning_(planning) {
+    : work_(std::make_unique<Work>()), planning_(planning), team_(team) {
     fftw_mpi_init();
     const std::ptrdiff_t modes = ny / 2 + 1;
     const std::ptrdiff_t n[2] = {nx, modes};
@@ -70,17 +89,21 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
 
     Work& w = *work_;
     w.nx = nx, w.ny = ny, w.modes = modes;
-    w.pitch = modes + 3;                  // so that lines do not share their cache sets
-    w.line_pitch = odd_lines(2 * nx) / 2; // likewise
+    w.pitch = modes + 3;                  // avoids that lines share their cache sets
+    w.line_pitch = odd_lines(2 * nx) / 2; // avoids that lines share their cache sets
     w.lines_.resize(static_cast<std::size_t>(width * w.pitch));
     w.row_.resize(static_cast<std::size_t>(share_.padded_ny));
+    w.filled_.resize(static_cast<std::size_t>(nx));
     const bool alone = team.size() == 1;
     w.stride =
-        alone ? nx + width : share_.x_count; // likewise, where FFTW-MPI does not prescribe it
+        alone ? nx + width : share_.x_count; // FFTW-MPI prescribes the layout on several ranks
     const auto room = static_cast<std::size_t>(
         std::max(share_.reals / 2, alone ? w.stride * modes : std::ptrdiff_t{0}));
     w.columns_.resize(room);
-    if (!alone) w.rows_.resize(room);
+    if (!alone) {
+        w.rows_.resize(room);
+        w.gather_shares(share_, team);
+    }
 
     AlignedVector<double> plane(static_cast<std::size_t>(share_.reals));
     const auto lines = [&](unsigned flags) { return w.plan_lines(plane.data(), flags); };
@@ -89,7 +112,7 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
         plan_measured(team, std::to_string(nx) + "x" + std::to_string(ny), lines);
     else
         plan_estimated(lines);
-    // Transposing moves numbers and changes none, so that these plans need not be kept.
+    // A transpose does not change values, so the choice of its plan does not affect the bits.
     if (!alone) w.plan_slabs(team, measured ? FFTW_MEASURE : FFTW_ESTIMATE);
     fftw_forget_wisdom();
 }
@@ -99,14 +122,57 @@ SlabTransform::~SlabTransform() = default;
 void SlabTransform::to_physical(double* plane) const {
     Work& w = *work_;
     auto* modes = reinterpret_cast<Complex*>(plane);
-    const std::ptrdiff_t line_of_x = w.slabs_to_physical ? w.nx : w.stride;
     for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
-        fftw_execute_dft(w.x_to_physical.get(), raw(modes + k * w.nx),
-                         raw(w.rows() + k * line_of_x));
-    if (w.slabs_to_physical) fftw_execute(w.slabs_to_physical.get());
+        w.row_to_physical(modes + k * w.nx, k);
+    finish_physical(plane);
+}
+
+void SlabTransform::to_physical(const FillRow& fill, double* plane) const {
+    Work& w = *work_;
+    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k) {
+        fill(k, w.filled_.data());
+        w.row_to_physical(w.filled_.data(), k);
+    }
+    finish_physical(plane);
+}
+
+/// Transforms along x and copies row k to the send buffer, or to `columns_` for data of this rank.
+void SlabTransform::Work::row_to_physical(Complex* row, std::ptrdiff_t k) {
+    if (alone()) {
+        fftw_execute_dft(x_to_physical.get(), raw(row), raw(columns() + k * stride));
+        return;
+    }
+    fftw_execute_dft(x_to_physical.get(), raw(row), raw(turned_.data()));
+    Complex* parcel = sent_.data();
+    for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
+        const Other& to = ranks[rank];
+        std::copy_n(turned_.data() + to.x_start, to.x_count,
+                    (rank == me ? columns() : parcel) + k * to.x_count);
+        parcel += to_ranks[rank];
+    }
+}
+
+/// Gathers all ky of `count` rows of this rank, starting at row i, in `lines_`.
+void SlabTransform::Work::gather_lines(std::ptrdiff_t i, std::ptrdiff_t count) {
+    if (alone()) return columns_to_rows(columns() + i, stride, count, modes, line(0), pitch);
+    const Complex* parcel = received_.data();
+    for (std::size_t rank = 0; rank < ranks.size(); ++rank) {
+        const Other& from = ranks[rank];
+        columns_to_rows((rank == me ? columns() : parcel) + i, stride, count, from.ky_count,
+                        line(0) + from.ky_start, pitch);
+        parcel += from_ranks[rank];
+    }
+}
+
+/// The steps of to_physical that follow the transforms along x.
+void SlabTransform::finish_physical(double* plane) const {
+    Work& w = *work_;
+    if (!w.alone())
+        team_.all_to_all(std::span<const Complex>(w.sent_), w.to_ranks, std::span(w.received_),
+                         w.from_ranks);
     for (std::ptrdiff_t i = 0; i < share_.x_count; i += width) {
         const std::ptrdiff_t count = std::min(width, share_.x_count - i);
-        columns_to_rows(w.columns() + i, w.stride, count, w.modes, w.line(0), w.pitch);
+        w.gather_lines(i, count);
         for (std::ptrdiff_t r = 0; r < count; ++r)
             fftw_execute_dft_c2r(w.y_to_physical.get(), raw(w.line(r)),
                                  plane + (i + r) * share_.padded_ny);
@@ -156,4 +222,4 @@ void SlabTransform::line_to_physical(double* line) const {
     fftw_execute_dft(work_->line_to_physical.get(), modes, modes);
 }
 
-} // namespace shearwake
+} // namespace shearwake::fft

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "fft/aligned.hpp"
@@ -5,32 +6,35 @@
 
 #include <complex>
 #include <cstddef>
+#include <functional>
 #include <memory>
 
-namespace shearwake {
+namespace shearwake::fft {
 
-/// Which part of a slab-decomposed plane this rank has. Surplus ranks have none (counts of 0).
+/// The part of a slab-decomposed plane that belongs to this rank. Surplus ranks have counts of 0.
 struct SlabShare {
     std::ptrdiff_t x_start = 0, x_count = 0;   // rows of the physical plane
     std::ptrdiff_t ky_start = 0, ky_count = 0; // rows of the transposed spectrum, of ny/2 + 1
-    std::ptrdiff_t padded_ny = 0;              // values from one physical row to the next
-    std::ptrdiff_t reals = 0;                  // doubles that one plane's buffer needs
+    std::ptrdiff_t padded_ny = 0;              // distance of consecutive physical rows in values
+    std::ptrdiff_t reals = 0;                  // size of the buffer of one plane in doubles
 };
 
-/// How FFTW chooses its plan: from a model of the machine, the same every time; or by measuring.
+/// How FFTW chooses its plans: from a model of the machine (reproducible) or by measuring.
 enum class Planning { estimated, measured };
 
-/// Transforms of a real plane, distributed over a team in slabs, unnormalised, in place:
+/// Unnormalised in-place transforms of a real plane of nx by ny points, distributed over a team in
+/// slabs:
 ///     to_physical:  f(x, y)   = sum over kx, ky of F(ky, kx) e^{+i (kx x + ky y)}
 ///     to_spectral:  F(ky, kx) = sum over x, y   of f(x, y)   e^{-i (kx x + ky y)}
-/// so that one after the other is nx ny times the plane. Spectrum rows are ky (the non-negative
-/// half), contiguous in kx; physical rows are x, contiguous in y, padded to `padded_ny` with values
-/// that do not matter. The bits do not depend on the number of ranks. Keeps a plane or two of its
-/// own. Collective: construction and transforms, surplus ranks too.
+/// One after the other multiplies the plane by nx ny. Rows of the spectrum are ky (ny/2 + 1
+/// non-negative ones), contiguous in kx. Physical rows are x, contiguous in y and padded to
+/// `padded_ny` with arbitrary values. The bits do not depend on the number of ranks. Needs memory
+/// for one or two additional planes. Construction and transforms are collective and include surplus
+/// ranks.
 ///
-/// 256 x 192, ns a point there and back, 1 / 2 ranks: estimated 3.8 / 2.6, measured 3.4 to 4.0
-/// / 2.5 to 2.7 (each time another plan); FFTW's own 2-D plans 6.1 / 3.9, measured 4.1 to 4.8 / 2.5
-/// to 3.0.
+/// Measured time of a plane of 256 x 192 points in both directions, in ns per point on 1 / 2 ranks:
+/// estimated 3.8 / 2.6, measured 3.4 to 4.0 / 2.5 to 2.7 (each run measures another plan). FFTW's
+/// own 2-D plans: estimated 6.1 / 3.9, measured 4.1 to 4.8 / 2.5 to 3.0.
 class SlabTransform {
 public:
     SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
@@ -41,16 +45,20 @@ public:
 
     const SlabShare& share() const { return share_; }
     Planning planning() const { return planning_; }
-    /// `plane` holds share().reals doubles, aligned as AlignedVector is.
+    /// `plane` holds share().reals doubles and is aligned as AlignedVector.
     void to_physical(double* plane) const;
+    /// Computes each row of the spectrum just before it is transformed: fill(row, line) writes the
+    /// nx values of this rank's local row to `line`.
+    using FillRow = std::function<void(std::ptrdiff_t row, std::complex<double>* line)>;
+    void to_physical(const FillRow& fill, double* plane) const;
     void to_spectral(double* plane) const;
 
     std::ptrdiff_t nx() const;
     std::ptrdiff_t ny() const;
 
-    /// Along x alone, line by line, so that a caller can work on a line while it is in the cache
-    /// (run_transform.hpp makes lines). Line ky begins at 2 ky line_pitch() of lines_reals()
-    /// doubles. Not collective.
+    /// Transforms one line of nx complex numbers along x, so that callers can process a line while
+    /// it is in the cache (RunTransform provides the lines). Line ky begins at double 2 ky
+    /// line_pitch() of a buffer of lines_reals() doubles. Not collective.
     void line_to_spectral(double* line) const;
     void line_to_physical(double* line) const;
     std::ptrdiff_t line_pitch() const;
@@ -60,9 +68,11 @@ public:
 private:
     friend class RunTransform;
     struct Work;
+    void finish_physical(double* plane) const;
     std::unique_ptr<Work> work_;
     SlabShare share_;
     Planning planning_;
+    Comm team_;
 };
 
-} // namespace shearwake
+} // namespace shearwake::fft

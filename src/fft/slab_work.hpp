@@ -1,17 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "fft/fftw_plan.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <type_traits>
+#include <vector>
 
-namespace shearwake {
+namespace shearwake::fft {
 
-// What the transforms of planes and of runs of rows share; for this folder alone.
+// Internals shared by SlabTransform and RunTransform; private to this folder.
 
 using Complex = std::complex<double>;
 
-/// Rows that are transposed together: four complex numbers are one line of the cache.
+/// Number of rows that are transposed together: four complex numbers fill one cache line.
 constexpr std::ptrdiff_t width = 4;
 
 inline fftw_complex* raw(Complex* values) {
@@ -30,7 +32,7 @@ inline void rows_to_columns(const Complex* rows, std::ptrdiff_t pitch, std::ptrd
     copy(count);
 }
 
-/// The way back: rows[r * pitch + k] = columns[k * stride + r].
+/// The inverse: rows[r * pitch + k] = columns[k * stride + r].
 inline void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff_t count,
                             std::ptrdiff_t length, Complex* rows, std::ptrdiff_t pitch) {
     const auto copy = [&](auto rows_together) {
@@ -46,19 +48,32 @@ struct SlabTransform::Work {
     std::ptrdiff_t nx, ny, modes, pitch, stride;
     std::ptrdiff_t line_pitch;
     AlignedVector<Complex> lines_, columns_, rows_;
-    AlignedVector<double> row_;              // one physical row
-    AlignedVector<Complex> sent_, received_; // of the rows that go from rank to rank
+    AlignedVector<double> row_; // one physical row
+    /// One row of the spectrum, before and after the transform along x.
+    AlignedVector<Complex> filled_, turned_;
+    AlignedVector<Complex> sent_, received_; // buffers for rows that are exchanged between ranks
+    /// The part of a plane that each rank has.
+    struct Other {
+        std::ptrdiff_t x_start, x_count, ky_start, ky_count;
+    };
+    std::vector<Other> ranks;
+    /// Complex numbers that to_physical exchanges with each rank; 0 for this rank.
+    std::vector<std::ptrdiff_t> to_ranks, from_ranks;
+    std::size_t me = 0;
     FftwPlan y_to_spectral, y_to_physical, x_to_spectral, x_to_physical;
-    FftwPlan line_to_spectral, line_to_physical;   // along x in place
-    FftwPlan slabs_to_spectral, slabs_to_physical; // none on one rank
+    FftwPlan line_to_spectral, line_to_physical; // along x in place
+    FftwPlan slabs_to_spectral;                  // empty on one rank
 
     Complex* columns() { return columns_.data(); }
     Complex* rows() { return rows_.empty() ? columns_.data() : rows_.data(); }
     Complex* line(std::ptrdiff_t r) { return lines_.data() + r * pitch; }
     bool alone() const { return !slabs_to_spectral; }
 
-    bool plan_lines(double* plane, unsigned flags); // whether FFTW could
+    void row_to_physical(Complex* row, std::ptrdiff_t k);
+    void gather_lines(std::ptrdiff_t i, std::ptrdiff_t count);
+    void gather_shares(const SlabShare& share, const Comm& team);
+    bool plan_lines(double* plane, unsigned flags); // returns whether FFTW could create them
     void plan_slabs(const Comm& team, unsigned effort);
 };
 
-} // namespace shearwake
+} // namespace shearwake::fft

@@ -1,39 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fft/staggered_derivative.hpp"
 
+#include "fft/reals.hpp"
 #include "fft/wisdom.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
 
-namespace shearwake {
+namespace shearwake::fft {
 
 template <class Real>
 StaggeredDerivative<Real>::StaggeredDerivative(std::ptrdiff_t points, double spacing_m,
                                                const Comm& team)
-    : points_(points), block_(static_cast<std::size_t>(points * width)), lines_(block_.size()),
-      spectra_(block_.size()), forward_factor_(static_cast<std::size_t>(points)),
-      back_factor_(static_cast<std::size_t>(points)) {
+    : kernels_(&simd::kernels<StaggeredKernels<Real>>()), points_(points),
+      block_(static_cast<std::size_t>(points * width)), lines_(block_.size()),
+      spectra_(block_.size()) {
     const MakePlans make = [this](unsigned flags) { return plan(flags); };
     const bool single = precision_of<Real> == Precision::in_single;
     plan_measured(team, fmt::format("staggered{}-{}-{}", single ? "-single" : "", points, width),
                   make, precision_of<Real>);
-    std::fill(block_.begin(), block_.end(), Complex(0)); // planning has written into them
+    std::fill(block_.begin(), block_.end(), Complex(0)); // planning overwrites it
     std::fill(lines_.begin(), lines_.end(), Complex(0));
+    for (Factor* factor : {&forward_factor_, &back_factor_}) {
+        factor->real.resize(static_cast<std::size_t>(2 * points));
+        factor->imaginary.resize(static_cast<std::size_t>(2 * points));
+    }
     const double n = static_cast<double>(points);
     for (std::ptrdiff_t m = 0; m < points; ++m) {
         const auto signed_m = static_cast<double>(2 * m < points ? m : m - points);
         const double k = 2.0 * std::numbers::pi * signed_m / (n * spacing_m);
         const std::complex<double> ik(0.0, k / n); // with the 1/n of the transforms
-        const auto at = static_cast<std::size_t>(m);
         const bool nyquist = 2 * m == points;
         const auto forward = ik * std::polar(1.0, 0.5 * k * spacing_m);
-        // Exactly real there, or the two lines of a pair would mix by a rounding error.
-        forward_factor_[at] = Complex(nyquist ? std::complex<double>(forward.real()) : forward);
         const auto back = ik * std::polar(1.0, -0.5 * k * spacing_m);
-        back_factor_[at] = Complex(nyquist ? std::complex<double>(back.real()) : back);
+        // Exactly real there, or the two lines of a pair would mix by a rounding error.
+        set(forward_factor_, m, nyquist ? std::complex<double>(forward.real()) : forward);
+        set(back_factor_, m, nyquist ? std::complex<double>(back.real()) : back);
     }
+}
+
+template <class Real>
+void StaggeredDerivative<Real>::set(Factor& factor, std::ptrdiff_t mode,
+                                    std::complex<double> value) {
+    const auto at = static_cast<std::size_t>(2 * mode);
+    factor.real[at] = factor.real[at + 1] = static_cast<Real>(value.real());
+    factor.imaginary[at] = static_cast<Real>(-value.imag());
+    factor.imaginary[at + 1] = static_cast<Real>(value.imag());
 }
 
 template <class Real>
@@ -54,16 +69,9 @@ bool StaggeredDerivative<Real>::plan(unsigned flags) {
 
 template <class Real>
 void StaggeredDerivative<Real>::multiply(HalfCell shift) {
-    const auto& factor = shift == HalfCell::forward ? forward_factor_ : back_factor_;
-    const Real* f = reinterpret_cast<const Real*>(factor.data());
-    for (std::ptrdiff_t l = 0; l < width; ++l) {
-        Real* s = reinterpret_cast<Real*>(spectra_.data() + l * points_);
-        for (std::ptrdiff_t m = 0; m < points_; ++m) {
-            const Real re = s[2 * m], im = s[2 * m + 1];
-            s[2 * m] = re * f[2 * m] - im * f[2 * m + 1];
-            s[2 * m + 1] = re * f[2 * m + 1] + im * f[2 * m];
-        }
-    }
+    const Factor& factor = shift == HalfCell::forward ? forward_factor_ : back_factor_;
+    kernels_->multiply(reals(spectra_.data()), factor.real.data(), factor.imaginary.data(), points_,
+                       width);
 }
 
 template <class Real>
@@ -80,17 +88,32 @@ void StaggeredDerivative<Real>::transform_block() {
 }
 
 template <class Real>
+void StaggeredDerivative<Real>::copy_rows(const Real* from, std::ptrdiff_t from_pitch,
+                                          std::ptrdiff_t rows, std::ptrdiff_t count, Real* to,
+                                          std::ptrdiff_t to_pitch) const {
+    if (count == 2 * width) return kernels_->copy_rows(from, from_pitch, rows, to, to_pitch);
+    for (std::ptrdiff_t r = 0; r < rows; ++r)
+        std::copy_n(from + r * from_pitch, count, to + r * to_pitch);
+}
+
+template <class Real>
+void StaggeredDerivative<Real>::stream_rows(const Real* from, std::ptrdiff_t from_pitch,
+                                            std::ptrdiff_t rows, std::ptrdiff_t count, Real* to,
+                                            std::ptrdiff_t to_pitch) const {
+    if (count == 2 * width) return kernels_->stream_rows(from, from_pitch, rows, to, to_pitch);
+    copy_rows(from, from_pitch, rows, count, to, to_pitch);
+}
+
+template <class Real>
 void StaggeredDerivative<Real>::along_columns(HalfCell shift, const Real* from,
                                               std::ptrdiff_t from_pitch, Real* to,
                                               std::ptrdiff_t to_pitch, std::ptrdiff_t columns) {
-    Real* block = reinterpret_cast<Real*>(block_.data());
+    Real* block = reals(block_.data());
     for (std::ptrdiff_t c = 0; c < columns; c += 2 * width) {
         const std::ptrdiff_t count = std::min(2 * width, columns - c);
-        for (std::ptrdiff_t i = 0; i < points_; ++i)
-            copy_row(from + i * from_pitch + c, count, block + i * 2 * width);
+        copy_rows(from + c, from_pitch, points_, count, block, 2 * width);
         differentiate_block(shift);
-        for (std::ptrdiff_t i = 0; i < points_; ++i)
-            copy_row(block + i * 2 * width, count, to + i * to_pitch + c);
+        copy_rows(block, 2 * width, points_, count, to + c, to_pitch);
     }
 }
 
@@ -99,32 +122,22 @@ void StaggeredDerivative<Real>::along_rows(HalfCell shift, const Real* from, Rea
                                            std::ptrdiff_t pitch, std::ptrdiff_t rows) {
     for (std::ptrdiff_t r = 0; r < rows; r += 2 * width) {
         const std::ptrdiff_t pairs = (std::min(2 * width, rows - r) + 1) / 2;
+        const auto first = [&](std::ptrdiff_t l) { return (r + 2 * l) * pitch; };
         const auto second = [&](std::ptrdiff_t l) { // an odd last row is paired with itself
             return (r + 2 * l + 1 < rows ? r + 2 * l + 1 : r + 2 * l) * pitch;
         };
-        for (std::ptrdiff_t l = 0; l < pairs; ++l) {
-            const Real *a = from + (r + 2 * l) * pitch, *b = from + second(l);
-            Real* line = reinterpret_cast<Real*>(lines_.data() + l * points_);
-            for (std::ptrdiff_t i = 0; i < points_; ++i) {
-                line[2 * i] = a[i];
-                line[2 * i + 1] = b[i];
-            }
-        }
+        const auto line = [&](std::ptrdiff_t l) { return reals(lines_.data() + l * points_); };
+        for (std::ptrdiff_t l = 0; l < pairs; ++l)
+            kernels_->join(from + first(l), from + second(l), points_, line(l));
         Fftw::execute(lines_to_spectra_);
         multiply(shift);
         Fftw::execute(spectra_to_lines_);
-        for (std::ptrdiff_t l = 0; l < pairs; ++l) {
-            const Real* line = reinterpret_cast<const Real*>(lines_.data() + l * points_);
-            Real *a = to + (r + 2 * l) * pitch, *b = to + second(l);
-            for (std::ptrdiff_t i = 0; i < points_; ++i)
-                a[i] = line[2 * i];
-            for (std::ptrdiff_t i = 0; i < points_; ++i)
-                b[i] = line[2 * i + 1];
-        }
+        for (std::ptrdiff_t l = 0; l < pairs; ++l)
+            kernels_->part(line(l), points_, to + first(l), to + second(l));
     }
 }
 
 template class StaggeredDerivative<double>;
 template class StaggeredDerivative<float>;
 
-} // namespace shearwake
+} // namespace shearwake::fft

@@ -1,92 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "fft/aligned.hpp"
 #include "fft/fftw_real.hpp"
+#include "fft/kernels/staggered.hpp"
 #include "parallel/comm.hpp"
 
 #include <algorithm>
 #include <complex>
 #include <cstddef>
-#include <cstdint>
-#include <cstring>
 
-#ifdef __AVX__
-#include <immintrin.h>
-#endif
+namespace shearwake::fft {
 
-namespace shearwake {
-
-/// Where the derivative stands relative to its input: half a cell on (+) or half a cell back (-).
+/// Shift of the derivative relative to its input: by half a cell forward (+) or back (-).
 enum class HalfCell { forward, back };
 
-/// The spectral derivative of periodic real lines, shifted by half a cell,
-///     D f = Re IFFT[ i k exp(+- i k d/2) FFT f ],   k = 2 pi m / (n d),
-/// with the Nyquist mode of even n kept: its factor is real, -pi/d forward and +pi/d back
-/// (k-Wave's ddx_k_shift_pos and _neg). Two real lines are the real and the imaginary part of a
-/// complex one: the factor is that of a real operator, so they do not mix. Lines are transformed
-/// `width` at a time within the first level of the cache.
+/// Spectral derivative of periodic real lines of n points with spacing d, shifted by half a cell,
+///     D f = Re IFFT[ i k exp(+- i k d/2) FFT f ],   k = 2 pi m / (n d).
+/// The Nyquist mode of even n is kept: its factor is real, -pi/d forward and +pi/d back (k-Wave's
+/// ddx_k_shift_pos and _neg). Two real lines form the real and the imaginary part of a complex
+/// line. They do not mix because the operator is real. Lines are transformed `width` at a time
+/// within the first-level cache.
 ///
-/// 128 points, ns a point there and back: 0.85; FFTW's real transforms of contiguous lines 1.3, of
-/// strided ones 12.
+/// Measured time of both directions for 128 points: 0.85 ns per point; FFTW's real transforms take
+/// 1.3 ns for contiguous and 12 ns for strided lines.
 template <class Real>
 class StaggeredDerivative {
 public:
     using Complex = std::complex<Real>;
-    /// Complex lines that are transformed together: 128 bytes of each point.
-    static constexpr std::ptrdiff_t width = 128 / static_cast<std::ptrdiff_t>(sizeof(Complex));
+    /// Complex lines that are transformed together: a row of the block holds a point of each.
+    static constexpr std::ptrdiff_t width =
+        row_bytes / static_cast<std::ptrdiff_t>(sizeof(Complex));
 
-    /// Collective: measures plans or recalls them (fft/wisdom.hpp).
+    /// `points` per line, spacing in metres. Loads measured FFTW plans or measures them
+    /// (fft/wisdom.hpp). Collective.
     StaggeredDerivative(std::ptrdiff_t points, double spacing_m, const Comm& team);
 
     std::ptrdiff_t points() const { return points_; }
 
-    /// The block of `width` complex columns, points() rows: fill it, differentiate, read it.
+    /// A buffer of points() rows of `width` complex columns, which differentiate_block()
+    /// differentiates in place. Not collective.
     Complex* block() { return block_.data(); }
     void differentiate_block(HalfCell shift);
-    /// FFTW alone, there and back: what a derivative's transforms take at the least.
+    /// Runs the two transforms of a derivative alone: a lower bound on its time for benchmarks.
     void transform_block();
 
-    /// Along the rows' slow axis: columns [0, columns) of a matrix of points() rows. `columns` is
-    /// even and so are the pitches [reals].
+    /// Differentiates columns [0, columns) of a matrix of points() rows along the slow axis.
+    /// `columns` and the pitches (numbers of reals) are even. Not collective.
     void along_columns(HalfCell shift, const Real* from, std::ptrdiff_t from_pitch, Real* to,
                        std::ptrdiff_t to_pitch, std::ptrdiff_t columns);
-    /// Along contiguous rows of points() values each, `pitch` apart.
+    /// Differentiates `rows` contiguous rows of points() values, which begin `pitch` values apart.
+    /// Not collective.
     void along_rows(HalfCell shift, const Real* from, Real* to, std::ptrdiff_t pitch,
                     std::ptrdiff_t rows);
 
-    /// Copies a row of the block, 2 width reals, or the first `count` of them; stream_row does not
-    /// read what it overwrites into the cache: for what is not needed soon.
-    static void stream_row(const Real* from, std::ptrdiff_t count, Real* to) {
-#ifdef __AVX__ // what a portable program cannot say
-        if (count == 2 * width && reinterpret_cast<std::uintptr_t>(to) % 32 == 0) {
-            const char* source = reinterpret_cast<const char*>(from);
-            char* target = reinterpret_cast<char*>(to);
-            for (std::size_t i = 0; i < 2 * width * sizeof(Real); i += 32)
-                _mm256_stream_si256(
-                    reinterpret_cast<__m256i*>(target + i),
-                    _mm256_loadu_si256(reinterpret_cast<const __m256i*>(source + i)));
-            return;
-        }
-#endif
-        copy_row(from, count, to);
-    }
-    static void copy_row(const Real* from, std::ptrdiff_t count, Real* to) {
-        if (count == 2 * width)
-            std::memcpy(to, from, 2 * width * sizeof(Real)); // of a known size: no call
-        else
-            std::copy_n(from, count, to);
-    }
+    /// Copies `rows` rows of the block, 2 width reals or the first `count` of each; stream_rows
+    /// does not read what it overwrites into the cache: for what is not needed soon, in lines of
+    /// the cache.
+    void copy_rows(const Real* from, std::ptrdiff_t from_pitch, std::ptrdiff_t rows,
+                   std::ptrdiff_t count, Real* to, std::ptrdiff_t to_pitch) const;
+    void stream_rows(const Real* from, std::ptrdiff_t from_pitch, std::ptrdiff_t rows,
+                     std::ptrdiff_t count, Real* to, std::ptrdiff_t to_pitch) const;
 
 private:
     using Fftw = FftwOf<Real>;
+    /// i k exp(+- i k d/2) / n, as StaggeredKernels::multiply takes it.
+    struct Factor {
+        AlignedVector<Real> real, imaginary;
+    };
     bool plan(unsigned flags);
     void multiply(HalfCell shift);
+    static void set(Factor& factor, std::ptrdiff_t mode, std::complex<double> value);
 
+    const StaggeredKernels<Real>* kernels_;
     std::ptrdiff_t points_;
     AlignedVector<Complex> block_, lines_, spectra_; // [points][width], [width][points] twice
-    AlignedVector<Complex> forward_factor_, back_factor_;
+    Factor forward_factor_, back_factor_;
     typename Fftw::Plan columns_to_spectra_, spectra_to_columns_, lines_to_spectra_,
         spectra_to_lines_;
 };
 
-} // namespace shearwake
+} // namespace shearwake::fft

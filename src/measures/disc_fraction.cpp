@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/disc_fraction.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace shearwake {
+namespace shearwake::measures {
 namespace {
 
 double cross(Vec2 a, Vec2 b) {
@@ -17,7 +18,8 @@ double sector(Vec2 a, Vec2 b) {
 }
 
 /// Signed area shared by the unit disc about the origin and the triangle (origin, a, b): the edge
-/// is cut where it meets the circle; a piece inside bounds a triangle, a piece outside a sector.
+/// is split where it crosses the circle; parts inside contribute triangles, parts outside
+/// contribute sectors.
 double triangle_in_disc(Vec2 a, Vec2 b) {
     const Vec2 d = b - a;
     // |a + t d|^2 = 1
@@ -39,7 +41,7 @@ double triangle_in_disc(Vec2 a, Vec2 b) {
 
 double disc_fraction(double x_m, double y_m, double spacing_m, Vec2 centre, double radius_m) {
     if (!(radius_m > 0.0)) return 0.0;
-    // Everything in units of the radius, as seen from the centre of the disc.
+    // All lengths are in units of the radius, relative to the centre of the disc.
     const double half = 0.5 * spacing_m / radius_m;
     const double x = (x_m - centre.x) / radius_m, y = (y_m - centre.y) / radius_m;
     const double near_x = std::max(0.0, std::abs(x) - half);
@@ -56,4 +58,4 @@ double disc_fraction(double x_m, double y_m, double spacing_m, Vec2 centre, doub
     return std::clamp(area / (4.0 * half * half), 0.0, 1.0);
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/intensity.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::measures {
 
 double impulse_N_s(const Load& load, double until_s) {
     constexpr double steps_a_period = 200.0, fewest_steps = 256.0;
@@ -16,8 +17,8 @@ double impulse_N_s(const Load& load, double until_s) {
 
     const double steps = std::ceil(std::max(fewest_steps, steps_a_period * highest_Hz * end));
     const double dt = end / steps;
-    // amplitude() and not force_N(): the end of the path is known here, once.
-    // Steering changes an array's force slowly: straight between these times.
+    // amplitude() instead of force_N(), since the end of the path is handled here. Steering changes
+    // the force of an array slowly: it is interpolated linearly between these times.
     constexpr int pieces = 64;
     std::vector<double> times;
     for (int i = 0; i <= pieces; ++i)
@@ -34,4 +35,4 @@ double impulse_N_s(const Load& load, double until_s) {
     return load.peak_Pa * sum * dt;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/mach_angle.hpp"
 
 #include "measures/surface_sums.hpp"
@@ -8,21 +9,24 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::measures {
 namespace {
 
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::size_t fewest_points = 8;  // of one side
-constexpr double start_fwhm = 3.0;        // nearer the focus its own shape shows
-constexpr double end_fwhm = 3.0;          // this far from where the transient touches the front,
-constexpr double end_fraction = 0.8;      // and no further than this share of the way to it
-constexpr double beyond_fwhm = 4.0;       // how far outside the expected front it is looked for
-constexpr double most_residual_deg = 4.0; // a viscosity of 1 Pa s bends the front by up to 1.4
-constexpr double needed_fwhm = 2.0;       // room for the front beside the border, and its length
+constexpr std::size_t fewest_points = 8; // minimum number of points on one side
+constexpr double start_fwhm = 3.0;       // closer to the focus, its own shape dominates
+constexpr double end_fwhm = 3.0;     // end of the evaluated part: this distance from the transient,
+constexpr double end_fraction = 0.8; // and at most this fraction of the distance to it
+constexpr double beyond_fwhm = 4.0;  // width of the search outside the expected front
+constexpr double most_residual_deg =
+    4.0; // a viscosity of 1 Pa s bends the front by up to 1.4 degrees
+constexpr double needed_fwhm =
+    2.0; // minimum distance of the front from the border, and its minimum length
 
 /// The frame as a smooth function of position: cubic convolution (Keys 1981), periodic.
 class Surface {
@@ -75,14 +79,14 @@ struct FrontPoint {
     double xi = 0.0, eta = 0.0;
 };
 
-/// What to look at, in the frame of the focus.
+/// The region of the search, in the frame of the focus.
 struct Wake {
-    Vec2 focus, behind, across; // unit vectors; `across` points to the side looked at
-    double slope = 0.0;         // of the front expected from theory: only bounds the search
+    Vec2 focus, behind, across; // unit vectors; `across` points to the side that is searched
+    double slope = 0.0;         // theoretical slope of the front, which only limits the search
     double fwhm = 0.0, from = 0.0, to = 0.0, step = 0.0;
 };
 
-/// The largest |u| along one line across the wake, if it stands inside the line.
+/// The largest |u| along one line across the wake, if it is not at an end of the line.
 std::optional<FrontPoint> front_at(const Surface& u, const Wake& wake, double xi,
                                    std::vector<double>& profile) {
     const double step = 0.5 * wake.step, reach = wake.slope * xi + beyond_fwhm * wake.fwhm;
@@ -94,7 +98,7 @@ std::optional<FrontPoint> front_at(const Surface& u, const Wake& wake, double xi
         profile.push_back(std::abs(u(p)));
     }
     if (static_cast<double>(profile.size()) * step < wake.slope * xi + needed_fwhm * wake.fwhm)
-        return std::nullopt; // the border is too near
+        return std::nullopt; // too close to the border
     const auto peak = std::max_element(profile.begin(), profile.end());
     if (peak == profile.begin() || peak + 1 == profile.end()) return std::nullopt;
     const double curvature = peak[-1] - 2.0 * peak[0] + peak[1];
@@ -122,7 +126,7 @@ double least_squares_slope(std::span<const FrontPoint> points) {
 }
 
 /// Points within three robust standard deviations of the Theil-Sen line (median of the slopes of
-/// all pairs: outliers up to 29 % do not matter), and that deviation.
+/// all pairs, robust against up to 29 % of outliers), and that deviation.
 struct StraightPart {
     std::vector<FrontPoint> points;
     double scatter = 0.0;
@@ -153,6 +157,37 @@ MachFit without(std::string reason) {
     return fit;
 }
 
+/// Angles of the fronts on both sides, and of their halves.
+struct Fronts {
+    std::vector<double> angles_deg, halves_deg;
+    int points = 0;
+    bool crooked = false; // whether a side has no identifiable straight front
+};
+
+Fronts fronts_of(const Surface& surface, Wake wake) {
+    Fronts fronts;
+    std::vector<double> profile;
+    for (const double side : {1.0, -1.0}) {
+        wake.across = {-side * wake.behind.y, side * wake.behind.x};
+        std::vector<FrontPoint> points;
+        for (double xi = wake.from; xi <= wake.to; xi += wake.step)
+            if (const auto point = front_at(surface, wake, xi, profile)) points.push_back(*point);
+        if (points.size() < fewest_points) continue;
+        const StraightPart part = straight_part(points);
+        // A front that scatters by half the width of the focus is noise or another wave.
+        if (part.points.size() < fewest_points || part.scatter > 0.5 * wake.fwhm) {
+            fronts.crooked = true;
+            continue;
+        }
+        fronts.angles_deg.push_back(std::atan(least_squares_slope(part.points)) * degrees);
+        const std::span<const FrontPoint> all(part.points);
+        for (const auto half : {all.first(all.size() / 2), all.last(all.size() / 2)})
+            fronts.halves_deg.push_back(std::atan(least_squares_slope(half)) * degrees);
+        fronts.points += static_cast<int>(part.points.size());
+    }
+    return fronts;
+}
+
 } // namespace
 
 double mach_angle_theory_deg(double wave_speed_m_s, double speed_m_s) {
@@ -178,49 +213,29 @@ MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Ve
               .step = domain.spacing_m};
     if (wake.to - wake.from <
         std::max(needed_fwhm * fwhm_m, static_cast<double>(fewest_points) * domain.spacing_m))
-        return without(fmt::format("the wake is too short: it is straight to {:.3g} mm behind the "
-                                   "focus, and used from {:.3g} mm",
+        return without(fmt::format("the wake is too short: it is straight up to {:.3g} mm behind "
+                                   "the focus, but is evaluated only from {:.3g} mm",
                                    std::max(0.0, wake.to * 1e3), wake.from * 1e3));
 
-    const Surface surface(u, domain);
-    std::vector<double> profile, angles, parts;
-    MachFit fit;
-    bool crooked = false;
-    for (const double side : {1.0, -1.0}) {
-        wake.across = {-side * wake.behind.y, side * wake.behind.x};
-        std::vector<FrontPoint> points;
-        for (double xi = wake.from; xi <= wake.to; xi += wake.step)
-            if (const auto point = front_at(surface, wake, xi, profile)) points.push_back(*point);
-        if (points.size() < fewest_points) continue;
-        const StraightPart part = straight_part(points);
-        // A front that scatters by half the spot's width is noise, or another wave.
-        if (part.points.size() < fewest_points || part.scatter > 0.5 * fwhm_m) {
-            crooked = true;
-            continue;
-        }
-        angles.push_back(std::atan(least_squares_slope(part.points)) * degrees);
-        const std::span<const FrontPoint> all(part.points);
-        for (const auto half : {all.first(all.size() / 2), all.last(all.size() / 2)})
-            parts.push_back(std::atan(least_squares_slope(half)) * degrees);
-        fit.points += static_cast<int>(part.points.size());
-    }
-    if (crooked)
-        return without(
-            "no straight front stands out: the wake is weak, or chopped by a modulation");
-    if (angles.empty()) return without("no front of the wake lies in the measured region");
+    const Fronts fronts = fronts_of(Surface(u, domain), wake);
+    if (fronts.crooked)
+        return without("no straight front can be identified: the wake is weak, or interrupted by a "
+                       "modulation");
+    if (fronts.angles_deg.empty())
+        return without("no front of the wake is inside the measured region");
 
-    double sum = 0.0;
-    for (const double angle : angles)
-        sum += angle;
-    fit.angle_deg = sum / static_cast<double>(angles.size());
+    MachFit fit;
+    fit.points = fronts.points;
+    fit.angle_deg = std::accumulate(fronts.angles_deg.begin(), fronts.angles_deg.end(), 0.0) /
+                    static_cast<double>(fronts.angles_deg.size());
     fit.residual_deg = 0.0;
-    for (const double angle : parts)
+    for (const double angle : fronts.halves_deg)
         fit.residual_deg = std::max(fit.residual_deg, std::abs(angle - fit.angle_deg));
     if (fit.residual_deg > most_residual_deg)
-        return without(fmt::format("the front is no straight wedge: parts of it differ by {:.2g} "
-                                   "degrees",
-                                   fit.residual_deg));
+        return without(
+            fmt::format("the front is not a straight wedge: parts of it differ by {:.2g} degrees",
+                        fit.residual_deg));
     return fit;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

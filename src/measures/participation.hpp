@@ -1,12 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "measures/period_sums.hpp"
 #include "measures/surface_sums.hpp"
 
-namespace shearwake {
+namespace shearwake::measures {
 
-// Over how much of the surface a displacement is spread. Counts of samples; times spacing^2 they
-// are areas that do not depend on the grid. All grow with spread. NaN: nothing has moved.
+// Measures of the area over which a displacement is spread, as numbers of samples; multiplied by
+// spacing^2, they are areas that do not depend on the grid. All increase with spread. NaN: nothing
+// has moved.
 
 /// (sum u)^2 / sum u^2: the literal inverse participation ratio. In nearly incompressible tissue
 /// sum u is almost 0 (volume is conserved): it measures compressibility rather than spread.
@@ -14,7 +16,7 @@ inline double ipr(const SurfaceSums& sums) {
     return sums.u * sums.u / sums.u2;
 }
 
-/// (sum |u|)^2 / sum u^2: the same of the size of the displacement.
+/// (sum |u|)^2 / sum u^2: the participation of the absolute displacement.
 inline double ipr_abs(const SurfaceSums& sums) {
     return sums.abs_u * sums.abs_u / sums.u2;
 }
@@ -39,4 +41,4 @@ inline double participation(const PeriodSums& sums) {
     return sums.u2_squared / sums.u4;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/period_sums.hpp"
 
 #include <cassert>
 
-namespace shearwake {
+namespace shearwake::measures {
 
 PeriodSums period_sums(std::span<const SurfaceSums> frames, std::span<const double> weights) {
     assert(frames.size() == weights.size());
@@ -23,4 +24,4 @@ PeriodSums period_sums(std::span<const SurfaceSums> frames, std::span<const doub
     return sums;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,14 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "measures/surface_sums.hpp"
 
 #include <span>
 
-namespace shearwake {
+namespace shearwake::measures {
 
-/// What the period readings are made of: numerators and denominators of the surface measures,
-/// each summed over time with the weights of the window (window.hpp) BEFORE they are divided.
-/// Angle brackets: the weighted sum over frames.
+/// Sums for the `_period_` columns: numerators and denominators of the surface measures, each
+/// summed over time with the weights of the window (window.hpp) BEFORE division. Angle brackets:
+/// the weighted sum over frames.
 struct PeriodSums {
     double u_squared = 0.0;     // < (sum u)^2 >
     double abs_u_squared = 0.0; // < (sum |u|)^2 >
@@ -20,7 +21,7 @@ struct PeriodSums {
     double weight = 0.0;        // < 1 >, in frames
 };
 
-/// `weights` has one entry per frame; frames of weight 0 are not looked at.
+/// `weights` has one entry per frame; frames of weight 0 are ignored.
 PeriodSums period_sums(std::span<const SurfaceSums> frames, std::span<const double> weights);
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/sharpness.hpp"
 
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace shearwake {
+namespace shearwake::measures {
 namespace {
 
 double distance_m(Vec2 point, Vec2 from, Vec2 to) {
@@ -15,7 +16,7 @@ double distance_m(Vec2 point, Vec2 from, Vec2 to) {
     return norm(there - part * along);
 }
 
-/// Rows or columns of the samples between two places, cut off at the domain's edges.
+/// Rows or columns of the samples between two positions, limited to the domain.
 struct Cells {
     std::ptrdiff_t first, end;
 };
@@ -64,4 +65,4 @@ double sharpness(View2<const double> mean_u2, const Domain& domain, const Region
     return all > 0.0 ? near / all : std::numeric_limits<double>::quiet_NaN();
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/spectrum.hpp"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace shearwake {
+namespace shearwake::measures {
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
@@ -17,8 +18,8 @@ constexpr double coarsest_step_Hz = 10.0;
 
 /// sum_n u_n e^{-i 2 pi f t_n}, t_n = (n + 1) dt.
 std::complex<double> transform(std::span<const double> trace, double dt_s, double frequency_Hz) {
-    // The phasor turns by multiplication: its error grows by 1e-16 a step, and is set right at the
-    // start of each block.
+    // The phasor is advanced by multiplication: its error grows by 1e-16 per step, so it is
+    // recomputed at the start of each block.
     constexpr std::size_t block = 64;
     const std::complex<double> turn = std::polar(1.0, -two_pi * frequency_Hz * dt_s);
     std::complex<double> sum, phasor;
@@ -98,7 +99,7 @@ double band_rms(std::span<const double> trace, double dt_s, double low_Hz, doubl
                         : 2.0 * r * (std::sin(omega * high_Hz) - std::sin(omega * low_Hz)) / omega;
     }
     const double mean_square = 2.0 * dt_s / static_cast<double>(samples) * integral;
-    return std::sqrt(std::max(0.0, mean_square)); // rounding may leave -1e-17 of an empty band
+    return std::sqrt(std::max(0.0, mean_square)); // rounding may give -1e-17 for an empty band
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

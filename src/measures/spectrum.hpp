@@ -1,26 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <span>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::measures {
 
 // Spectra of a trace u_n = u(t_n), t_n = (n + 1) dt, n = 0 .. N-1, zero at t = 0, of duration
 // T = N dt. The transform is the sum U(f) = dt sum_n u_n e^{-i 2 pi f t_n}: it is exact for tones
 // of whole periods, and Parseval's theorem holds for it to rounding.
 
 /// One-sided amplitude 2/T |U(f)|, at f = 0 1/T |U|, in the unit of u: a tone of amplitude a shows
-/// as a. NaN above the Nyquist frequency 1/(2 dt), about which the trace says nothing.
+/// as a. NaN above the Nyquist frequency 1/(2 dt), where the trace contains no information.
 std::vector<double> amplitude_spectrum(std::span<const double> trace, double dt_s,
                                        std::span<const double> frequencies_Hz);
 
-/// 0 to 2000 Hz in steps of 1, 2 or 5 times a power of ten, at most a quarter of 1/T and 10 Hz:
-/// fine enough to be drawn as a line.
+/// 0 to 2000 Hz in steps of 1, 2 or 5 times a power of ten, at most a quarter of 1/T and at most 10
+/// Hz, which is fine enough for a curve.
 std::vector<double> spectrum_frequencies_Hz(double duration_s);
 
-/// Where the largest amplitude at or above lowest_Hz stands, refined by the parabola through it and
-/// its neighbours. NaN when the amplitude is largest at the edge of the range, so that no peak
-/// stands in it, or is zero. Callers pass 1/T, below which all is drift.
+/// The frequency of the largest amplitude at or above lowest_Hz, refined by the parabola through it
+/// and its neighbours. NaN if the amplitude is zero, or largest at the edge of the range, so that
+/// the range contains no peak. Callers pass 1/T, below which the spectrum contains only drift.
 double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const double> amplitudes,
                          double lowest_Hz);
 
@@ -30,4 +31,4 @@ double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const
 /// 1/(2 dt) it is the rms of the samples. The cost grows with N^2: 0.1 ms for N = 280.
 double band_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz);
 
-} // namespace shearwake
+} // namespace shearwake::measures

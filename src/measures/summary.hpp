@@ -1,18 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/vec2.hpp"
+#include "case/case.hpp"
 #include "measures/mach_angle.hpp"
+#include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"
-#include "model/case.hpp"
 
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::measures {
 
-/// One scalar of the table. A value of NaN is an empty cell and `note` says why; a note beside a
-/// number qualifies it.
+/// One scalar of the table. NaN is an empty cell, and `note` gives the reason; a note on a number
+/// qualifies it.
 struct Column {
     std::string name; // with its unit: "peak_um"
     std::string unit; // as in files: "1", "mm2", "um", "mN ms", "Hz", "degree"
@@ -20,6 +22,9 @@ struct Column {
     double value = 0.0;
     std::string note;
 };
+
+/// The column of a measure, named as in the table of measures, with the details of the case.
+Column column_of(std::string_view name, double value, std::span<const Detail> details);
 
 /// The sums of every frame of the case's time axis, at one recorded depth.
 struct DepthSeries {
@@ -33,15 +38,14 @@ struct TraceSeries {
     std::vector<double> u_m;
 };
 
-/// Every scalar of the table for one case, always the same columns for the same numbers of depths.
-/// The surface columns are those of the first depth; further depths add eta_period, focal_rms and
-/// peak with their depth in the name (focal_rms_um_z1.5mm). The spectrum is that of the first trace
-/// at the origin, or of the first trace. `mean_u2`
-/// is the whole surface's time mean of u_z^2 over the period window (x, y row-major), empty where
-/// none was kept. Not collective.
+/// All scalars of the table for one case. The columns depend only on the depths. The surface
+/// columns refer to the first depth; further depths add eta_period, focal_rms and peak with their
+/// depth in the name (focal_rms_um_z1.5mm). The spectrum is that of the first trace at the origin,
+/// or of the first trace. `mean_u2` is the whole surface's time mean of u_z^2 over the period
+/// window (x, y row-major), empty where none was kept. Not collective.
 std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& depths,
                               const std::vector<TraceSeries>& traces,
                               const std::optional<MachFit>& mach,
                               const std::vector<double>& mean_u2 = {});
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,17 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/surface_sums.hpp"
 
 #include "measures/disc_fraction.hpp"
+#include "measures/kernels/row_sums.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 #include <span>
 #include <utility>
 
-namespace shearwake {
+namespace shearwake::measures {
 namespace {
 
-/// A sum with the rounding errors of its additions carried along (Neumaier 1974).
+/// Compensated summation (Neumaier 1974).
 class CompensatedSum {
 public:
     void add(double value) {
@@ -27,54 +30,12 @@ private:
     double lost_ = 0.0;
 };
 
-/// Eight independent partial sums that the compiler adds several at a time (a vector of g++ and
-/// clang; plain arrays stay in memory and take four times as long).
-constexpr std::size_t lanes = 8;
-using Lanes = double __attribute__((vector_size(lanes * sizeof(double))));
-
-double total(const Lanes& a) {
+double total(const Block& a) {
     return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
 }
 
-struct RowSums {
-    Lanes u{}, abs_u{}, u2{}, u4{}, peak{};
-
-    void add(const Lanes& value) {
-        const Lanes size = value > -value ? value : -value;
-        const Lanes square = value * value;
-        u += value;
-        abs_u += size;
-        u2 += square;
-        u4 += square * square;
-        peak = size > peak ? size : peak;
-    }
-};
-
-RowSums row_sums(std::span<const double> row) {
-    RowSums sums;
-    Lanes value;
-    std::size_t j = 0;
-    for (; j + lanes <= row.size(); j += lanes) {
-        std::memcpy(&value, row.data() + j, sizeof value);
-        sums.add(value);
-    }
-    if (j < row.size()) { // zeros add nothing
-        value = Lanes{};
-        std::memcpy(&value, row.data() + j, (row.size() - j) * sizeof(double));
-        sums.add(value);
-    }
-    return sums;
-}
-
-double greatest(const Lanes& a) {
-    double result = a[0];
-    for (std::size_t l = 1; l < lanes; ++l)
-        result = std::max(result, a[l]);
-    return result;
-}
-
-/// First index whose cell reaches beyond `from`, and one after the last that reaches below `to`,
-/// on a grid of n samples centred on the origin; one cell more on each side costs nothing.
+/// First index whose cell reaches beyond `from`, and one after the last that reaches below `to`, on
+/// a grid of n samples centred on the origin; one additional cell on each side does no harm.
 std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_between(double from, double to, double spacing,
                                                         std::ptrdiff_t n) {
     const double middle = static_cast<double>(n / 2), last = static_cast<double>(n);
@@ -86,7 +47,8 @@ std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_between(double from, double to, 
 } // namespace
 
 Region measured_region(const Domain& domain) {
-    // A millionth of a cell of slack: a sponge of a whole number of cells is that many cells.
+    // A tolerance of a millionth of a cell, so that a sponge of a whole number of cells covers
+    // exactly these.
     const auto margin =
         static_cast<std::ptrdiff_t>(std::ceil(domain.sponge_m / domain.spacing_m - 1e-6));
     const auto inside = [&](std::ptrdiff_t n) {
@@ -109,18 +71,20 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     const std::ptrdiff_t begin = std::max(region.x0, x_start);
     const std::ptrdiff_t end = std::min(region.x1, x_start + slab.rows());
 
+    const RowSumKernels& kernels = simd::kernels<RowSumKernels>();
+    RowSums8 of_row;
     SurfaceSums sums;
     CompensatedSum u, abs_u, u2, u4;
     for (std::ptrdiff_t i = begin; i < end; ++i) {
         const auto row = slab.row(i - x_start)
                              .subspan(static_cast<std::size_t>(region.y0),
                                       static_cast<std::size_t>(region.y1 - region.y0));
-        const RowSums of_row = row_sums(row);
+        kernels.row_sums(row.data(), std::ssize(row), of_row);
         u.add(total(of_row.u));
         abs_u.add(total(of_row.abs_u));
         u2.add(total(of_row.u2));
         u4.add(total(of_row.u4));
-        sums.peak = std::max(sums.peak, greatest(of_row.peak));
+        sums.peak = std::max(sums.peak, *std::ranges::max_element(of_row.peak.lane));
     }
     sums.u = u.value();
     sums.abs_u = abs_u.value();
@@ -161,14 +125,11 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
 }
 
 SurfaceSums combine(const SurfaceSums& a, const SurfaceSums& b) {
-    return {.u = a.u + b.u,
-            .abs_u = a.abs_u + b.abs_u,
-            .u2 = a.u2 + b.u2,
-            .u4 = a.u4 + b.u4,
-            .focal_u2 = a.focal_u2 + b.focal_u2,
-            .focal_weight = a.focal_weight + b.focal_weight,
-            .peak = std::max(a.peak, b.peak),
-            .focal_peak = std::max(a.focal_peak, b.focal_peak)};
+    SurfaceSums both;
+    for (const auto& [value, reduction] : sum_parts)
+        both.*value =
+            reduction == Reduction::sum ? a.*value + b.*value : std::max(a.*value, b.*value);
+    return both;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,18 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/vec2.hpp"
 #include "base/view.hpp"
-#include "model/case.hpp"
+#include "case/case.hpp"
 
+#include <array>
 #include <cstddef>
 #include <span>
 
-namespace shearwake {
+namespace shearwake::measures {
 
-/// What every surface measure is made of: sums over the samples of the measured region of one
-/// frame, or of the rows of it that one slab holds. u in m; the focal sums over the focal disc,
-/// each sample weighted by the fraction w of its cell inside the disc. A NaN in the frame makes
-/// the sums NaN.
+/// Sums from which all surface measures are computed: over the samples of the measured region of
+/// one frame, or over the rows of one slab. u in m; the focal sums over the focal disc, each sample
+/// weighted by the fraction w of its cell inside the disc. If the frame contains NaN, the sums are
+/// NaN.
 struct SurfaceSums {
     double u = 0.0;            // sum u [m]
     double abs_u = 0.0;        // sum |u| [m]
@@ -25,30 +27,50 @@ struct SurfaceSums {
     bool operator==(const SurfaceSums&) const = default;
 };
 
+/// How parts of a sum are combined, from the rows of the ranks and from parts of a run.
+enum class Reduction { sum, max };
+struct SumPart {
+    double SurfaceSums::*value;
+    Reduction reduction;
+};
+/// All sums, in the order of checkpoints.
+inline constexpr std::array sum_parts = {
+    SumPart{&SurfaceSums::u, Reduction::sum},
+    SumPart{&SurfaceSums::abs_u, Reduction::sum},
+    SumPart{&SurfaceSums::u2, Reduction::sum},
+    SumPart{&SurfaceSums::u4, Reduction::sum},
+    SumPart{&SurfaceSums::focal_u2, Reduction::sum},
+    SumPart{&SurfaceSums::focal_weight, Reduction::sum},
+    SumPart{&SurfaceSums::peak, Reduction::max},
+    SumPart{&SurfaceSums::focal_peak, Reduction::max},
+};
+static_assert(sizeof(SurfaceSums) == sum_parts.size() * sizeof(double), "a sum has no entry");
+
 /// Samples [x0, x1) x [y0, y1) of the global grid.
 struct Region {
     std::ptrdiff_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
     bool operator==(const Region&) const = default;
 };
 
-/// The region that is measured: the whole plane inside the sponge. A sample belongs to it when it
-/// is at least the sponge's width away from both edges of the domain, [-extent/2, extent/2).
+/// The measured region: the whole plane inside the sponge. It includes all samples whose distance
+/// from both edges of the domain, [-extent/2, extent/2), is at least the width of the sponge.
 Region measured_region(const Domain& domain);
 
 /// Partial sums of the slab whose row i is the global row x_start + i and whose columns are all of
-/// y. The disc does not wrap around the periodic domain and is cut off at the region's edge.
-/// Not collective. Row sums do not depend on the slab, and rows are added with compensation, so
-/// that however the rows are cut the combined sums agree to a few rounding errors of the largest
-/// partial sum: the signed sum too, of which little is left (volume is conserved).
+/// y. The disc does not wrap around the periodic domain and ends at the edge of the region. Not
+/// collective. Row sums do not depend on the slab, and rows are added with compensation.
+/// Independent of the distribution of rows, the combined sums therefore agree to a few rounding
+/// errors of the largest partial sum. This includes the signed sum, in which most contributions
+/// cancel (volume is conserved).
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
                          const Region& region, Vec2 focus_m, double focal_radius_m);
 
-/// The same with the focal region about several foci: w is the sum over their discs, at most 1
+/// Partial sums with the focal region of several foci: w is the sum over their discs, at most 1
 /// (where two overlap within one cell this is a little more than the part inside either).
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
                          const Region& region, std::span<const Vec2> foci_m, double focal_radius_m);
 
-/// Sums add, peaks are the larger one.
+/// Adds sums and takes the larger peaks.
 SurfaceSums combine(const SurfaceSums& a, const SurfaceSums& b);
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/window.hpp"
 
 #include <fmt/format.h>
@@ -5,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace shearwake {
+namespace shearwake::measures {
 
 std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s) {
     std::vector<double> weights(static_cast<std::size_t>(time.frames), 0.0);
-    // In units of the interval: frame n stands at n + 1, and nothing has moved at 0.
+    // In units of the interval: frame n is at n + 1, and nothing has moved at 0.
     const double from = from_s / time.interval_s, to = to_s / time.interval_s;
     for (std::size_t n = 0; n < weights.size(); ++n) {
         const double left = static_cast<double>(n); // segment [n, n + 1] ends at frame n
@@ -32,18 +33,19 @@ std::string no_focus_reason(const MeasureOptions& measure, const TimeAxis& time,
 
 PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
                            std::optional<double> modulation_frequency_Hz, double off_s) {
-    // A billionth of slack: 14 ms made of 280 frames of 50 us is 14 ms, and ten periods are ten.
+    // A relative tolerance of 1e-9, so that 280 frames of 50 us are 14 ms and contain ten whole
+    // periods of 1.4 ms.
     constexpr double slack = 1e-9;
     const double at = measure.at_s, settled = measure.settled_after_s;
     PeriodWindow window{.from_s = settled, .to_s = at};
     if (at > time.duration_s() * (1.0 + slack)) {
-        window.reason = fmt::format("the instant, {:g} ms, lies beyond the run of {:g} ms",
+        window.reason = fmt::format("the instant, {:g} ms, is after the end of the run at {:g} ms",
                                     at * 1e3, time.duration_s() * 1e3);
         return window;
     }
     if (!(at > settled)) {
         window.reason =
-            fmt::format("nothing is settled: the instant, {:g} ms, does not lie after {:g} ms",
+            fmt::format("there is no settled part: the instant, {:g} ms, is not after {:g} ms",
                         at * 1e3, settled * 1e3);
         return window;
     }
@@ -59,7 +61,7 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
         return window;
     }
     if (frequency * time.interval_s * fewest_frames_a_period > 1.0 + slack) {
-        window.reason = fmt::format("frames every {:g} us do not follow a period of {:.3g} us",
+        window.reason = fmt::format("frames every {:g} us cannot resolve a period of {:.3g} us",
                                     time.interval_s * 1e6, 1e6 / frequency);
         return window;
     }
@@ -68,4 +70,4 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
     return window;
 }
 
-} // namespace shearwake
+} // namespace shearwake::measures

@@ -1,22 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/respond.hpp"
 
-#include "neural/resample.hpp"
-#include "neural/skin_stress.hpp"
+#include "neural/kernels/neuron.hpp"
+#include "neural/skin/resample.hpp"
+#include "neural/skin/skin_stress.hpp"
+#include "simd/kernels.hpp"
 
-#include <algorithm>
+#include <iterator>
 
 namespace shearwake::neural {
 namespace {
 
-/// From a line an afferent to eight afferents side by side.
+/// Converts one line per afferent to eight afferents side by side.
 Line interleaved(const Lines& lines) {
     Line out(lines.samples);
-    for (std::size_t i = 0; i < lines.count; ++i) {
-        const auto line = lines.line(i);
-        for (std::size_t k = 0; k < out.size(); ++k)
-            out[k][i] = line[k];
-    }
+    for (std::size_t k = 0; k < out.size(); ++k)
+        for (std::size_t i = 0; i < lines.count; ++i)
+            out[k][static_cast<std::ptrdiff_t>(i)] = lines.values[i * lines.samples + k];
     return out;
+}
+
+DelayedLine delayed(std::span<const double> line, std::size_t samples, double gain) {
+    return {line.data(), static_cast<std::ptrdiff_t>(samples), gain};
+}
+
+void sum_delayed(const std::vector<DelayedLine>& lines, std::span<double> sum) {
+    simd::kernels<NeuronKernels>().sum_delayed(lines.data(), std::ssize(lines), std::ssize(sum),
+                                               sum.data());
 }
 
 } // namespace
@@ -25,30 +35,34 @@ PinSource::PinSource(const PinStimulus& stimulus)
     : at_mm_(stimulus.at_mm), radius_mm_(stimulus.radius_mm), rate_Hz_(stimulus.rate_Hz) {
     const Lines loads = loads_N(stimulus);
     rates_N_s_ = load_rates_N_s(loads, rate_Hz_);
-    // The stress is a sum of loads: they are resampled once instead of it at every receptor.
+    // The stress is a linear combination of the loads. Resampling the loads once is cheaper than
+    // resampling the stress at every receptor.
     static_loads_N_ = at_neuron_rate(loads, rate_Hz_);
     samples_ = static_loads_N_.samples;
 }
 
 Drive PinSource::drive(std::span<const Afferent> afferents, const SkinWays& ways) const {
     Lines dynamic(afferents.size(), rates_N_s_.samples), stress(afferents.size(), samples_);
+    std::vector<DelayedLine> arriving;
     bool any_static = false;
     for (std::size_t i = 0; i < afferents.size(); ++i) {
         const Afferent& afferent = afferents[i];
         const double z_mm = depth_mm(afferent.kind);
         const std::vector<double> ways_mm = ways(afferent.at_mm);
-        for (std::size_t p = 0; p < at_mm_.size(); ++p) {
-            const double way_mm = ways_mm[p];
-            add_delayed(rates_N_s_.line(p), arrival_samples(way_mm, radius_mm_, rate_Hz_),
-                        wave_gain(way_mm, z_mm, radius_mm_), dynamic.line(i));
-        }
-        if (afferent.kind != AfferentClass::SA1) continue; // the others weigh it with 0
+        arriving.clear();
+        for (std::size_t p = 0; p < at_mm_.size(); ++p)
+            if (const double gain = wave_gain(ways_mm[p], z_mm, radius_mm_); gain != 0.0)
+                arriving.push_back(delayed(
+                    rates_N_s_.line(p), arrival_samples(ways_mm[p], radius_mm_, rate_Hz_), gain));
+        sum_delayed(arriving, dynamic.line(i));
+        if (afferent.kind != AfferentClass::SA1) continue; // the other classes have weight 0
         any_static = true;
-        for (std::size_t p = 0; p < at_mm_.size(); ++p) {
-            const double r_mm = norm(afferent.at_mm - at_mm_[p]);
-            add_delayed(static_loads_N_.line(p), 0, stress_per_load(r_mm, z_mm, radius_mm_),
-                        stress.line(i));
-        }
+        arriving.clear();
+        for (std::size_t p = 0; p < at_mm_.size(); ++p)
+            arriving.push_back(
+                delayed(static_loads_N_.line(p), 0,
+                        stress_per_load(norm(afferent.at_mm - at_mm_[p]), z_mm, radius_mm_)));
+        sum_delayed(arriving, stress.line(i));
     }
     return {any_static ? interleaved(stress) : Line{},
             interleaved(at_neuron_rate(dynamic, rate_Hz_))};
@@ -59,7 +73,7 @@ std::array<Spikes, lane_count> fire(std::span<const Afferent> afferents, Drive d
     const EightNeurons neurons = side_by_side(afferents);
     low_pass(neurons, drive.static_MPa);
     low_pass(neurons, drive.dynamic_N_s_mm3);
-    Line I = current(neurons, drive.static_MPa, drive.dynamic_N_s_mm3);
+    Line I = current(neurons, drive.static_MPa, std::move(drive.dynamic_N_s_mm3));
     if (options.noise_key) {
         std::vector<std::uint32_t> numbers;
         for (std::size_t i = 0; i < afferents.size(); ++i)

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "neural/afferent.hpp"
-#include "neural/contact.hpp"
-#include "neural/neuron.hpp"
-#include "neural/skin_ways.hpp"
+#include "neural/fibre/afferent.hpp"
+#include "neural/fibre/neuron.hpp"
+#include "neural/skin/contact.hpp"
+#include "neural/skin/skin_ways.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,25 +13,27 @@
 
 namespace shearwake::neural {
 
+/// Options of the response of a group of afferents.
 struct RespondOptions {
-    std::optional<std::uint64_t> noise_key; // none: no noise
-    std::uint32_t first_number = 0;         // of the first afferent among all: noise follows it
-    SkinWays ways;                          // from the pins; none: straight ones
+    std::optional<std::uint64_t> noise_key; // empty: no noise
+    /// Number of the first afferent in the scene, which determines its noise.
+    std::uint32_t first_number = 0;
+    SkinWays ways; // distances from the pins; empty: straight lines
 };
 
-/// What reaches eight receptors, at the neurons' rate.
+/// The input of eight receptors at the neurons' sampling rate.
 struct Drive {
-    Line static_MPa; // empty without an SA1 among them
+    Line static_MPa; // empty if there is no SA1
     Line dynamic_N_s_mm3;
 };
 
-/// Loads and load rates of pins, and what of them reaches receptors: the wave of each pin's load
-/// rate delayed, weakened and summed at the stimulus' own rate, and the static stress, which is
-/// there at once and along the straight line.
+/// Loads and load rates of pins, and their effect on receptors: the wave of each pin's load rate,
+/// delayed, attenuated and summed at the sampling rate of the stimulus, and the static stress,
+/// which acts instantly along the straight line. Not collective.
 class PinSource {
 public:
     explicit PinSource(const PinStimulus& stimulus);
-    /// Of at most eight afferents.
+    /// The input of at most eight afferents.
     Drive drive(std::span<const Afferent> afferents, const SkinWays& ways) const;
     const std::vector<Vec2>& at_mm() const { return at_mm_; }
     std::size_t samples() const { return samples_; } // at the neurons' rate
@@ -43,15 +46,15 @@ private:
     std::size_t samples_;
 };
 
-/// The samples at which an afferent fires.
+/// The sample numbers at which an afferent fires, ascending.
 using Spikes = std::vector<std::uint32_t>;
 
-/// From the drive of at most eight afferents to their spikes.
+/// Computes the spikes of at most eight afferents from their input. Not collective.
 std::array<Spikes, lane_count> fire(std::span<const Afferent> afferents, Drive drive,
                                     const RespondOptions& options, std::uint32_t first_number);
 
-/// The spikes of all, eight at a time: drive_of(eight, first) is what reaches those that stand from
-/// `first` on.
+/// Computes the spikes of all afferents, eight at a time; drive_of(eight, first) returns the input
+/// of the group that begins with index `first`.
 template <class DriveOf>
 std::vector<Spikes> each_eight(std::span<const Afferent> afferents, const RespondOptions& options,
                                const DriveOf& drive_of) {
@@ -67,8 +70,8 @@ std::vector<Spikes> each_eight(std::span<const Afferent> afferents, const Respon
     return spikes;
 }
 
-/// The spikes of every afferent that pins make. Not collective; the same for an afferent whichever
-/// others there are, but for its number, which the noise follows.
+/// The spikes of every afferent in response to pins. The result for an afferent depends on the
+/// other afferents only through its number, which determines the noise. Not collective.
 std::vector<Spikes> respond(const PinStimulus& stimulus, std::span<const Afferent> afferents,
                             const RespondOptions& options);
 

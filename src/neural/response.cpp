@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/response.hpp"
 
-#include "neural/check_stimulus.hpp"
-#include "neural/silence.hpp"
+#include "neural/skin/check_stimulus.hpp"
+#include "neural/skin/silence.hpp"
 #include "neural/stress_source.hpp"
 
 #include <algorithm>
@@ -30,10 +31,10 @@ RespondOptions options_of(const AfferentOptions& options, std::size_t first, std
     return how;
 }
 
-/// Of the spikes within the stimulus, which begins `before_s` after the first sample.
+/// Times of the spikes within the stimulus, which begins `before_s` after the first sample.
 SpikeTimes times_of(const std::vector<Spikes>& spikes, std::span<const Afferent> afferents,
                     double before_s, double duration_s, Switch conduction_delay) {
-    constexpr double slack_s = 1e-9; // for rounding
+    constexpr double slack_s = 1e-9; // tolerance for rounding errors
     SpikeTimes times_s(spikes.size());
     for (std::size_t i = 0; i < spikes.size(); ++i) {
         const NeuronRow& row = neuron_rows(afferents[i].kind)[afferents[i].row];

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "neural/hand/scene.hpp"
 #include "neural/respond.hpp"
-#include "neural/scene.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -10,47 +11,51 @@
 
 namespace shearwake::neural {
 
-/// When each afferent fired, from the stimulus' beginning on [s]; conduction delay included if it
-/// is asked for.
+/// Spike times of each afferent since the start of the stimulus [s], including the conduction delay
+/// if requested.
 using SpikeTimes = std::vector<std::vector<double>>;
 
-/// What pins make afferents `first` ... `first + count - 1` of the scene do, with the silence that
-/// the options ask for around the stimulus; spikes before its beginning and after its end are left
-/// out. The noise is keyed by `key` and by the afferent's number in the scene, so that any division
-/// of a scene gives the same. Not collective.
+/// The response of afferents `first` to `first + count - 1` of the scene to pins. The stimulus is
+/// surrounded by the silence of the options; spikes before its start and after its end are
+/// discarded. The noise depends on `key` and on the afferent's number in the scene, so that any
+/// division of a scene yields the same result. Throws UsageError for an invalid stimulus. Not
+/// collective.
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
                             std::size_t count, const AfferentOptions& options, std::uint64_t key);
 
-/// The same for afferents whose stress is known, a line each [MPa], compression positive, with the
-/// scale of a pin of `radius_mm` (dynamic_per_stress_rate).
+/// The response to given stresses, one line per afferent [MPa], positive in compression, with the
+/// scale for a pin of `radius_mm` (see dynamic_per_stress_rate()). Throws UsageError for invalid
+/// stresses. Not collective.
 SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, double radius_mm,
                               const Scene& scene, std::size_t first, std::size_t count,
                               const AfferentOptions& options, std::uint64_t key);
 
-/// A class of afferents in numbers.
+/// Summary of the response of one class of afferents.
 struct ClassResponse {
     AfferentClass kind = AfferentClass::PC;
-    std::size_t afferents = 0, active = 0, spikes = 0; // active: with a spike
-    std::size_t most_spikes = 0;                       // of one of them
-    double mean_rate_Hz = 0.0;                         // of the active
-    double spread_mm = 0.0;       // root of the mean square distance of spikes from the path
-    double vector_strength = 0.0; // of each afferent, weighted by its spikes; see below
-    double locking = 0.0;         // the same without chance
-    double first_spike_ms = 0.0;  // of all of them
+    std::size_t afferents = 0, active = 0, spikes = 0; // active: with at least one spike
+    std::size_t most_spikes = 0;                       // maximum of one afferent
+    double mean_rate_Hz = 0.0;                         // mean over the active afferents
+    double spread_mm = 0.0; // root mean square distance of the spikes' receptors from the path
+    double vector_strength = 0.0; // mean over the afferents, weighted by their spikes
+    double locking = 0.0;         // vector strength without the contribution of chance
+    double first_spike_ms = 0.0;  // first spike of the class
     bool operator==(const ClassResponse&) const = default;
 };
 
-/// Fewest spikes of an afferent that say whether it is locked: a burst of two or three shows the
-/// neuron's own interval, and one alone nothing.
+/// Minimum number of spikes of an afferent for an estimate of its locking. A burst of two or three
+/// spikes shows the neuron's own interval.
 inline constexpr std::size_t fewest_for_locking = 5;
 
-/// One entry a class that is among the afferents, in their order. NaN where there is nothing to
-/// say: rates, spread and first spike without a spike; locking without a modulation (`frequency_Hz`
-/// 0) or an afferent of 5 spikes, its vector strength without one of 2. That of n spikes is R =
-/// |sum_k exp(2 pi i f t_k)| / n, and that of n random ones sqrt(pi/(4n)), 0.4 for five; so locking
-/// is what is left without chance, the root of (n R^2 - 1)/(n - 1) (Vinck et al. 2010, NeuroImage
-/// 51, eq. 14: the mean over pairs of spikes), the mean over all pairs that an afferent fires: that
-/// the wave comes later further away does not count against it. 0 where the mean is negative.
+/// One entry per class that occurs among the afferents, in the order of classes. Undefined values
+/// are NaN: rates, spread and first spike without spikes; locking without a modulation
+/// (`frequency_Hz` is 0) or without an afferent with 5 spikes; vector strength without an afferent
+/// with 2 spikes. The vector strength of n spikes is R = |sum_k exp(2 pi i f t_k)| / n; its
+/// expectation for random spikes is sqrt(pi/(4n)), which is 0.4 for five spikes. Locking removes
+/// this bias: it is the square root of (n R^2 - 1)/(n - 1), the mean over pairs of spikes (Vinck et
+/// al. 2010, NeuroImage 51, eq. 14), averaged over the pairs of each afferent; 0 if the mean is
+/// negative. Since only spikes of the same afferent are paired, the later arrival of the wave at
+/// distant receptors does not reduce it. Not collective.
 std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
                                            const SpikeTimes& times_s, double duration_s,
                                            double frequency_Hz,

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/stress_source.hpp"
 
-#include "neural/resample.hpp"
-#include "neural/skin_stress.hpp"
+#include "neural/skin/resample.hpp"
+#include "neural/skin/skin_stress.hpp"
 
 #include <algorithm>
 
@@ -23,12 +24,12 @@ Drive StressSource::drive(std::span<const Afferent> afferents, std::size_t first
         const double scale = dynamic_per_stress_rate(depth_mm(afferents[i].kind), radius_mm_);
         const auto rate = rates_MPa_s_.line(first + i);
         for (std::size_t k = 0; k < samples(); ++k)
-            drive.dynamic_N_s_mm3[k][i] = scale * rate[k];
+            drive.dynamic_N_s_mm3[k][static_cast<std::ptrdiff_t>(i)] = scale * rate[k];
         if (afferents[i].kind != AfferentClass::SA1) continue;
         drive.static_MPa.resize(samples());
         const auto stress = stress_MPa_.line(first + i);
         for (std::size_t k = 0; k < samples(); ++k)
-            drive.static_MPa[k][i] = stress[k];
+            drive.static_MPa[k][static_cast<std::ptrdiff_t>(i)] = stress[k];
     }
     return drive;
 }

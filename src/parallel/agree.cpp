@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/agree.hpp"
 
 #include "base/error.hpp"
 
+#include <cstdio>
 #include <filesystem>
 #include <fmt/format.h>
 #include <new>
@@ -32,6 +34,9 @@ Outcome outcome_of(const std::function<void()>& work) {
     } catch (const std::bad_alloc&) {
         return {Outcome::case_failure, 0, 0, "out of memory"};
     } catch (const std::exception& error) {
+        if (std::ferror(stdout)) // a failure of the output is not a failure of the case
+            return {Outcome::usage_error, static_cast<long>(ExitCode::environment), 0,
+                    fmt::format("standard output: {}", error.what())};
         return {Outcome::case_failure, 0, 0, error.what()};
     }
 }
@@ -40,14 +45,14 @@ Outcome outcome_of(const std::function<void()>& work) {
 
 void together(const Comm& comm, const std::function<void()>& work) {
     Outcome mine = outcome_of(work);
-    // The lowest rank that failed speaks; -1 while nobody did.
-    const int speaker =
+    // The lowest failed rank provides the error; comm.size() if no rank failed.
+    const int failed =
         comm.size() - 1 - comm.max(mine.kind != 0 ? comm.size() - 1 - comm.rank() : -1);
-    if (speaker == comm.size()) return;
-    const long kind = comm.broadcast(mine.kind, speaker);
-    const long code = comm.broadcast(mine.code, speaker);
-    const std::string message = comm.broadcast(mine.message, speaker);
-    const auto trouble = static_cast<Trouble>(comm.broadcast(mine.trouble, speaker));
+    if (failed == comm.size()) return;
+    const long kind = comm.broadcast(mine.kind, failed);
+    const long code = comm.broadcast(mine.code, failed);
+    const std::string message = comm.broadcast(mine.message, failed);
+    const auto trouble = static_cast<Trouble>(comm.broadcast(mine.trouble, failed));
     if (kind == Outcome::usage_error)
         throw UsageError(message, static_cast<ExitCode>(code), trouble);
     if (kind == Outcome::file_failure) throw FileFailure(message, trouble);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "parallel/comm.hpp"
@@ -6,12 +7,13 @@
 
 namespace shearwake {
 
-/// Runs `work` on every rank; when it throws on any of them, all ranks throw the message of the
-/// lowest rank that failed: a UsageError or a FileFailure stays one, everything else (out of memory
-/// too) becomes a CaseFailure. `work` must not communicate. Collective.
+/// Runs `work` on every rank. If it throws on any rank, all ranks throw the error of the lowest
+/// failed rank: a UsageError or a FileFailure keeps its type, everything else (including lack of
+/// memory) becomes a CaseFailure. `work` must not communicate. Collective.
 void together(const Comm& comm, const std::function<void()>& work);
 
-/// The same with `work` on rank 0 only: file-system work. Collective.
+/// Runs `work` on rank 0 only and handles errors as together() does. Intended for work on the file
+/// system. Collective.
 void on_root(const Comm& comm, const std::function<void()>& work);
 
 } // namespace shearwake

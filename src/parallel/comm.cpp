@@ -1,41 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/comm.hpp"
 
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 namespace shearwake {
 namespace {
 
 void checked(int code) {
-    if (code != MPI_SUCCESS) throw Error("MPI reports error " + std::to_string(code));
-}
-
-struct Layout {
-    std::vector<int> counts;
-    std::vector<int> offsets;
-    std::size_t total = 0;
-};
-
-Layout layout_of(std::size_t mine, const Comm& comm) {
-    Layout layout;
-    layout.counts.resize(static_cast<std::size_t>(comm.size()));
-    const int count = static_cast<int>(mine);
-    checked(MPI_Allgather(&count, 1, MPI_INT, layout.counts.data(), 1, MPI_INT, comm.raw()));
-    layout.offsets.resize(layout.counts.size());
-    std::exclusive_scan(layout.counts.begin(), layout.counts.end(), layout.offsets.begin(), 0);
-    layout.total = static_cast<std::size_t>(layout.offsets.back() + layout.counts.back());
-    return layout;
+    if (code == MPI_SUCCESS) return;
+    char text[MPI_MAX_ERROR_STRING] = "";
+    int length = 0;
+    MPI_Error_string(code, text, &length);
+    throw Error("MPI: " + std::string(text, static_cast<std::size_t>(length)));
 }
 
 template <class T>
-std::vector<T> all_gather_as(std::span<const T> mine, MPI_Datatype type, const Comm& comm) {
-    const Layout layout = layout_of(mine.size(), comm);
-    std::vector<T> all(layout.total);
-    checked(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), type, all.data(),
-                           layout.counts.data(), layout.offsets.data(), type, comm.raw()));
-    return all;
+MPI_Datatype type_of() {
+    if constexpr (std::same_as<T, double>) return MPI_DOUBLE;
+    if constexpr (std::same_as<T, float>) return MPI_FLOAT;
+    if constexpr (std::same_as<T, std::complex<double>>) return MPI_CXX_DOUBLE_COMPLEX;
+    if constexpr (std::same_as<T, long>) return MPI_LONG;
+    if constexpr (std::same_as<T, int>) return MPI_INT;
+    if constexpr (std::same_as<T, char>) return MPI_CHAR;
+}
+
+/// Converts to MPI's type of counts.
+int count_of(std::size_t values) {
+    if (values > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+        throw Error("MPI cannot send " + std::to_string(values) +
+                    " values in one call (limit 2147483647)");
+    return static_cast<int>(values);
+}
+
+/// Offsets of the contributions of the ranks in a common buffer.
+struct Layout {
+    std::vector<int> counts, offsets;
+    std::size_t total = 0;
+    template <class Counts>
+    explicit Layout(const Counts& of_ranks) {
+        for (const auto count : of_ranks) {
+            counts.push_back(count_of(static_cast<std::size_t>(count)));
+            offsets.push_back(count_of(total));
+            total += static_cast<std::size_t>(count);
+        }
+    }
+};
+
+/// Throws on all ranks if the contribution of any rank is too large.
+Layout layout_of(std::size_t mine, const Comm& comm) {
+    const long count = static_cast<long>(mine);
+    std::vector<long> counts(static_cast<std::size_t>(comm.size()));
+    checked(MPI_Allgather(&count, 1, MPI_LONG, counts.data(), 1, MPI_LONG, comm.raw()));
+    count_of(static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0L)));
+    return Layout(counts);
+}
+
+void reduce(std::span<double> values, MPI_Op operation, const Comm& comm) {
+    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), count_of(values.size()), MPI_DOUBLE,
+                          operation, comm.raw()));
+}
+
+double reduced(double value, MPI_Op operation, const Comm& comm) {
+    reduce(std::span<double>(&value, 1), operation, comm);
+    return value;
+}
+
+int reduced(int value, MPI_Op operation, const Comm& comm) {
+    checked(MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, operation, comm.raw()));
+    return value;
 }
 
 } // namespace
@@ -66,7 +102,8 @@ Comm Comm::owned(MPI_Comm part) {
         int finalized = 0;
         MPI_Finalized(&finalized);
         MPI_Comm copy = *handle;
-        // Freeing is collective: after an exception only the end of the program frees.
+        // Freeing is collective. After an exception other ranks may not reach this point, so the
+        // communicator is left to the end of the program.
         if (!finalized && std::uncaught_exceptions() == 0) MPI_Comm_free(&copy);
         delete handle;
     };
@@ -78,77 +115,93 @@ void Comm::barrier() const {
 }
 
 double Comm::sum(double value) const {
-    sum(std::span<double>(&value, 1));
-    return value;
+    return reduced(value, MPI_SUM, *this);
 }
 
 double Comm::max(double value) const {
-    max(std::span<double>(&value, 1));
-    return value;
+    return reduced(value, MPI_MAX, *this);
+}
+
+double Comm::min(double value) const {
+    return reduced(value, MPI_MIN, *this);
 }
 
 int Comm::max(int value) const {
-    checked(MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, MPI_MAX, raw()));
-    return value;
+    return reduced(value, MPI_MAX, *this);
+}
+
+int Comm::min(int value) const {
+    return reduced(value, MPI_MIN, *this);
 }
 
 void Comm::sum(std::span<double> values) const {
-    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                          MPI_SUM, raw()));
+    reduce(values, MPI_SUM, *this);
 }
 
 void Comm::max(std::span<double> values) const {
-    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE,
-                          MPI_MAX, raw()));
+    reduce(values, MPI_MAX, *this);
+}
+
+template <Sendable T>
+void Comm::broadcast_in_place(std::span<T> values, int from) const {
+    constexpr std::size_t piece = std::size_t{1} << 24; // MPI counts are of type int
+    for (std::size_t start = 0; start < values.size(); start += piece) {
+        const auto part = values.subspan(start, std::min(piece, values.size() - start));
+        checked(MPI_Bcast(part.data(), count_of(part.size()), type_of<T>(), from, raw()));
+    }
 }
 
 std::string Comm::broadcast(std::string text, int from) const {
     text.resize(static_cast<std::size_t>(broadcast(static_cast<long>(text.size()), from)));
-    checked(MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, from, raw()));
+    broadcast_in_place(std::span<char>(text), from);
     return text;
 }
 
-long Comm::broadcast(long value, int from) const {
-    checked(MPI_Bcast(&value, 1, MPI_LONG, from, raw()));
-    return value;
-}
-
-void Comm::broadcast(std::vector<double>& values, int from) const {
-    constexpr std::size_t piece = std::size_t{1} << 24; // MPI counts with int
-    values.resize(static_cast<std::size_t>(broadcast(static_cast<long>(values.size()), from)));
-    for (std::size_t start = 0; start < values.size(); start += piece)
-        checked(MPI_Bcast(values.data() + start,
-                          static_cast<int>(std::min(piece, values.size() - start)), MPI_DOUBLE,
-                          from, raw()));
-}
-
-std::vector<double> Comm::all_gather(std::span<const double> mine) const {
-    return all_gather_as<double>(mine, MPI_DOUBLE, *this);
-}
-
-std::vector<std::complex<double>>
-Comm::all_gather(std::span<const std::complex<double>> mine) const {
-    return all_gather_as<std::complex<double>>(mine, MPI_CXX_DOUBLE_COMPLEX, *this);
-}
-
-std::vector<double> Comm::gather(std::span<const double> mine) const {
+template <Sendable T>
+std::vector<T> Comm::all_gather(std::span<const T> mine) const {
     const Layout layout = layout_of(mine.size(), *this);
-    std::vector<double> all(is_root() ? layout.total : 0);
-    checked(MPI_Gatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, all.data(),
-                        layout.counts.data(), layout.offsets.data(), MPI_DOUBLE, 0, raw()));
+    std::vector<T> all(layout.total);
+    checked(MPI_Allgatherv(mine.data(), count_of(mine.size()), type_of<T>(), all.data(),
+                           layout.counts.data(), layout.offsets.data(), type_of<T>(), raw()));
     return all;
 }
 
-void Comm::all_to_all(const std::complex<double>* sent, std::span<const int> sent_counts,
-                      std::complex<double>* received, std::span<const int> received_counts) const {
-    const auto offsets_of = [](std::span<const int> counts) {
-        std::vector<int> offsets(counts.size());
-        std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
-        return offsets;
-    };
-    checked(MPI_Alltoallv(sent, sent_counts.data(), offsets_of(sent_counts).data(),
-                          MPI_CXX_DOUBLE_COMPLEX, received, received_counts.data(),
-                          offsets_of(received_counts).data(), MPI_CXX_DOUBLE_COMPLEX, raw()));
+template <Sendable T>
+std::vector<T> Comm::gather(std::span<const T> mine) const {
+    const Layout layout = layout_of(mine.size(), *this);
+    std::vector<T> all(is_root() ? layout.total : 0);
+    checked(MPI_Gatherv(mine.data(), count_of(mine.size()), type_of<T>(), all.data(),
+                        layout.counts.data(), layout.offsets.data(), type_of<T>(), 0, raw()));
+    return all;
 }
+
+template <Sendable T>
+void Comm::all_to_all(std::span<const T> sent, std::span<const std::ptrdiff_t> sent_counts,
+                      std::span<T> received,
+                      std::span<const std::ptrdiff_t> received_counts) const {
+    const Layout out(sent_counts), in(received_counts);
+    if (out.total > sent.size() || in.total > received.size())
+        throw Error("all-to-all: the counts exceed the size of a buffer");
+    checked(MPI_Alltoallv(sent.data(), out.counts.data(), out.offsets.data(), type_of<T>(),
+                          received.data(), in.counts.data(), in.offsets.data(), type_of<T>(),
+                          raw()));
+}
+
+// Explicit instantiations for all types that are sent.
+template void Comm::broadcast_in_place(std::span<double>, int) const;
+template void Comm::broadcast_in_place(std::span<long>, int) const;
+template void Comm::broadcast_in_place(std::span<int>, int) const;
+template std::vector<double> Comm::all_gather(std::span<const double>) const;
+template std::vector<long> Comm::all_gather(std::span<const long>) const;
+template std::vector<std::complex<double>>
+    Comm::all_gather(std::span<const std::complex<double>>) const;
+template std::vector<double> Comm::gather(std::span<const double>) const;
+template void Comm::all_to_all(std::span<const double>, std::span<const std::ptrdiff_t>,
+                               std::span<double>, std::span<const std::ptrdiff_t>) const;
+template void Comm::all_to_all(std::span<const float>, std::span<const std::ptrdiff_t>,
+                               std::span<float>, std::span<const std::ptrdiff_t>) const;
+template void Comm::all_to_all(std::span<const std::complex<double>>,
+                               std::span<const std::ptrdiff_t>, std::span<std::complex<double>>,
+                               std::span<const std::ptrdiff_t>) const;
 
 } // namespace shearwake

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <complex>
+#include <concepts>
 #include <cstddef>
 #include <memory>
 #include <mpi.h>
@@ -10,44 +12,80 @@
 
 namespace shearwake {
 
-/// A group of ranks: the only door to the other ones. Copies refer to the same communicator.
-/// Every member function is collective unless it says otherwise.
+/// Types that can be sent between ranks without conversion.
+template <class T>
+concept Sendable =
+    std::same_as<T, double> || std::same_as<T, float> || std::same_as<T, std::complex<double>> ||
+    std::same_as<T, long> || std::same_as<T, int> || std::same_as<T, char>;
+
+/// A group of ranks; owns an MPI communicator. Copies share the communicator. Every member function
+/// is collective unless stated otherwise. All throw Error when MPI reports an error, and, before
+/// anything is sent, when the number of values exceeds the range of MPI's counts.
 class Comm {
 public:
     /// All ranks of the program. Not collective.
     static Comm world();
-    /// Ranks of equal colour, ordered by their rank here.
+    /// Groups the ranks of equal colour, ordered by their rank in this group.
     Comm split(int color) const;
-    /// Ranks that share this rank's memory.
+    /// Groups the ranks that share memory with this rank.
     Comm split_by_machine() const;
 
-    int rank() const { return rank_; } // not collective
-    int size() const { return size_; } // not collective
-    bool is_root() const { return rank_ == 0; }
-    MPI_Comm raw() const { return *handle_; } // not collective
+    int rank() const { return rank_; }          // not collective
+    int size() const { return size_; }          // not collective
+    bool is_root() const { return rank_ == 0; } // not collective
+    MPI_Comm raw() const { return *handle_; }   // not collective
 
     void barrier() const;
+    /// Reductions return the same result on every rank.
     double sum(double value) const;
     double max(double value) const;
+    double min(double value) const;
     int max(int value) const;
+    int min(int value) const;
     void sum(std::span<double> values) const; // element by element, in place
     void max(std::span<double> values) const;
+
+    /// Returns the value of rank `from` on every rank.
+    template <Sendable T>
+    T broadcast(T value, int from = 0) const {
+        broadcast_in_place(std::span<T>(&value, 1), from);
+        return value;
+    }
+    /// Replaces `values` on every rank by those of rank `from`, including their number.
+    template <Sendable T>
+    void broadcast(std::vector<T>& values, int from = 0) const {
+        values.resize(static_cast<std::size_t>(broadcast(static_cast<long>(values.size()), from)));
+        broadcast_in_place(std::span<T>(values), from);
+    }
     std::string broadcast(std::string text, int from = 0) const;
-    long broadcast(long value, int from = 0) const;
-    /// However many there are on the root.
-    void broadcast(std::vector<double>& values, int from = 0) const;
-    /// Every rank's values, in rank order, on every rank.
-    std::vector<double> all_gather(std::span<const double> mine) const;
-    std::vector<std::complex<double>> all_gather(std::span<const std::complex<double>> mine) const;
-    /// Every rank's values in rank order on the root; empty elsewhere.
-    std::vector<double> gather(std::span<const double> mine) const;
-    /// To each rank its part of `sent`, in rank order, and from each its part of `received`.
-    void all_to_all(const std::complex<double>* sent, std::span<const int> sent_counts,
-                    std::complex<double>* received, std::span<const int> received_counts) const;
+
+    /// Concatenates the values of all ranks in rank order, on every rank.
+    template <Sendable T>
+    std::vector<T> all_gather(std::span<const T> mine) const;
+    template <Sendable T>
+    std::vector<T> all_gather(const std::vector<T>& mine) const {
+        return all_gather(std::span<const T>(mine));
+    }
+    /// Concatenates the values of all ranks in rank order on the root; returns an empty vector on
+    /// the other ranks.
+    template <Sendable T>
+    std::vector<T> gather(std::span<const T> mine) const;
+    template <Sendable T>
+    std::vector<T> gather(const std::vector<T>& mine) const {
+        return gather(std::span<const T>(mine));
+    }
+    /// Sends consecutive parts of `sent` to the ranks in rank order, and stores what arrives from
+    /// them consecutively in `received`. The counts are numbers of values, one entry per rank.
+    /// Throws Error if they exceed the size of the buffers.
+    template <Sendable T>
+    void all_to_all(std::span<const T> sent, std::span<const std::ptrdiff_t> sent_counts,
+                    std::span<T> received, std::span<const std::ptrdiff_t> received_counts) const;
 
 private:
     explicit Comm(std::shared_ptr<const MPI_Comm> handle);
-    static Comm owned(MPI_Comm part);        // freed with its last copy
+    static Comm owned(MPI_Comm part); // freed with its last copy
+    template <Sendable T>
+    void broadcast_in_place(std::span<T> values, int from) const;
     std::shared_ptr<const MPI_Comm> handle_; // shared: freed by the last copy
     int rank_ = 0;
     int size_ = 1;

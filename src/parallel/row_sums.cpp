@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/row_sums.hpp"
 
 #include <numeric>
@@ -10,7 +11,7 @@ double RowSums::mine() const {
 
 double RowSums::of(const Comm& team) const {
     RowSums all = *this;
-    team.sum(std::span<double>(all.rows_)); // exact: all but one of the ranks add 0
+    team.sum(std::span<double>(all.rows_)); // exact: all ranks but one add 0
     return all.mine();
 }
 

@@ -1,9 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/session.hpp"
 
+#include "parallel/agree.hpp"
+#include "simd/instruction_set.hpp"
+
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <algorithm>
 #include <exception>
 #include <string>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 namespace shearwake {
 namespace {
@@ -15,37 +25,80 @@ std::string with_causes(const std::exception& error) {
     } catch (const std::exception& cause) {
         text += "\n  because: " + with_causes(cause);
     } catch (...) {
-        text += "\n  because of something that is no exception";
+        text += "\n  because: an exception of unknown type";
     }
     return text;
+}
+
+/// Replaces closed standard streams by /dev/null or /dev/full, so that no file opened later reuses
+/// their descriptors. Ignores SIGPIPE, so that writing to a closed pipe fails instead of ending the
+/// program.
+void secure_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) {
+            const char* instead = stream == STDOUT_FILENO ? "/dev/full" : "/dev/null";
+            const int opened = ::open(instead, stream == STDIN_FILENO ? O_RDONLY : O_WRONLY);
+            if (opened >= 0 && opened != stream) {
+                ::dup2(opened, stream);
+                ::close(opened);
+            }
+        }
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+/// The exit code, raised to ExitCode::environment if the output could not be written.
+int with_output_written(int code) {
+    errno = 0;
+    const bool failed_before = std::ferror(stdout) != 0;
+    if (std::fflush(stdout) == 0 && !failed_before) return code;
+    fmt::print(stderr, "shearwake: the output cannot be written{}\n",
+               errno != 0 ? fmt::format(": {}", std::strerror(errno)) : "");
+    return std::max(code, static_cast<int>(ExitCode::environment));
 }
 
 [[noreturn]] void abort_all(int rank, const std::string& what) {
     abort_all_ranks(fmt::format("internal error on rank {}: {}", rank, what), ExitCode::internal);
 }
 
+/// Selects the best instruction set that all ranks support, or the one that SHEARWAKE_SIMD requests
+/// on rank 0. All ranks use the same set, so that they compute the same bits. Collective.
+void choose_instruction_set(const Comm& world) {
+    using simd::InstructionSet;
+    const int best = world.min(static_cast<int>(simd::best_instruction_set()));
+    int requested = -1;
+    on_root(world, [&] {
+        if (const auto set = simd::requested_instruction_set()) requested = static_cast<int>(*set);
+    });
+    requested = world.broadcast(requested);
+    together(world, [&] {
+        simd::use_instruction_set(static_cast<InstructionSet>(requested < 0 ? best : requested));
+    });
+}
+
 } // namespace
 
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
+    secure_streams();
     if (MPI_Init(&argc, &argv) != MPI_SUCCESS) {
-        fmt::print(stderr, "shearwake: MPI does not start\n");
+        fmt::print(stderr, "shearwake: MPI cannot be initialised\n");
         return static_cast<int>(ExitCode::environment);
     }
     const Comm world = Comm::world();
     int code = static_cast<int>(ExitCode::internal);
     try {
+        choose_instruction_set(world);
         code = static_cast<int>(program(world));
     } catch (const UsageError& error) {
-        // The same on every rank: one of them speaks.
+        // All ranks throw the same error; only the root prints it.
         if (world.is_root()) fmt::print(stderr, "{}\n", error.what());
         code = static_cast<int>(error.code());
     } catch (const std::exception& error) {
-        abort_all(world.rank(), with_causes(error));
+        // The error occurred on this rank alone; other ranks may be waiting in a collective call.
+        if (!std::ferror(stdout)) abort_all(world.rank(), with_causes(error));
     } catch (...) {
-        abort_all(world.rank(), "something that is no exception");
+        abort_all(world.rank(), "an exception of unknown type");
     }
-    code = world.max(code);
-    std::fflush(stdout);
+    code = world.max(with_output_written(code));
     MPI_Finalize();
     return code;
 }

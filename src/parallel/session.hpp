@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "base/error.hpp"
@@ -8,16 +9,17 @@
 
 namespace shearwake {
 
-/// The only function that ends the process. Starts MPI, runs `program` on all ranks, finishes MPI.
-/// A UsageError is printed once and gives its own code; anything else that escapes prints its rank
-/// and context and aborts all ranks. All ranks return the same code.
+/// Initialises MPI, runs `program` on all ranks and finalises MPI. A UsageError is printed once and
+/// determines the exit code. Any other exception is printed with its rank and context and aborts
+/// all ranks. All ranks return the same exit code. Only this function and abort_all_ranks() end the
+/// process.
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program);
 
-/// Prints the reason and ends all ranks at once with that code: for what one rank alone has met
-/// where the others wait in a collective call. Not collective.
+/// Prints the reason and ends all ranks immediately with the exit code. Used for an error on one
+/// rank while the others wait in a collective call. Not collective.
 [[noreturn]] void abort_all_ranks(const std::string& reason, ExitCode code);
 
-/// "Open MPI v4.1.4" of the library that is linked.
+/// Name and version of the linked MPI library, for example "Open MPI v4.1.4". Not collective.
 std::string mpi_version();
 
 } // namespace shearwake

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/shared_counters.hpp"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ SharedCounters::SharedCounters(const Comm& comm, int count) {
 }
 
 SharedCounters::~SharedCounters() {
-    // Freeing is collective: while an exception flies, other ranks may not be here.
+    // Freeing is collective. During stack unwinding other ranks may not reach this point.
     if (std::uncaught_exceptions() == 0) MPI_Win_free(&window_);
 }
 

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "parallel/comm.hpp"
 
 namespace shearwake {
 
-/// A few integers in rank 0's memory that every rank adds to without rank 0 taking part
-/// (MPI one-sided fetch-and-add). Construction and destruction are collective, the rest is not.
+/// Integers in the memory of rank 0 to which every rank adds by one-sided communication
+/// (MPI_Fetch_and_op), without participation of rank 0. Initially zero. Construction and
+/// destruction are collective, all other calls are not.
 class SharedCounters {
 public:
     SharedCounters(const Comm& comm, int count);
@@ -13,7 +15,7 @@ public:
     SharedCounters(const SharedCounters&) = delete;
     SharedCounters& operator=(const SharedCounters&) = delete;
 
-    /// The value before the addition.
+    /// Adds `amount` to counter `which` (from 0) and returns its previous value.
     long fetch_add(int which, long amount);
     long read(int which) { return fetch_add(which, 0); }
 

@@ -1,4 +1,5 @@
-"""What a k-Wave user saves, made from the runs of k-Wave's pstdElastic3D under tests/data/pstd."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Input files of import-kwave, made from the runs of k-Wave's pstdElastic3D in tests/data/pstd."""
 import h5py
 import numpy
 
@@ -10,7 +11,8 @@ FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 
 
 def put(group, name, value):
-    """As MATLAB stores it: indices in reverse, at least two of them; words as codes of characters."""
+    """Stores a value as MATLAB does: with reversed indices, at least two dimensions, and text as character
+    codes."""
     if isinstance(value, str):
         group[name] = numpy.array([[ord(letter)] for letter in value], dtype="u2")
         return

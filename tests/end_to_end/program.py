@@ -1,8 +1,11 @@
-"""Runs the real program in temporary folders, for the tests beside this file."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the program in temporary folders, for the tests in this folder."""
 import contextlib
 import csv
 import json
 import os
+import re
+import resource
 import signal
 import subprocess
 import tempfile
@@ -10,8 +13,15 @@ import time
 import unittest
 from pathlib import Path
 
+import xxhash
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
+
+# Time limit of a single command. It distinguishes a hang from a slow or busy machine and does not express an
+# expectation of speed. It is shorter than the limit of scripts/test_runner/supervise.py, so that the
+# test reports the condition for which it has waited.
+PATIENCE_s = 480.0
 
 # A 3 mm focus at 7 m/s for 4 ms: three frequencies and the reference, a fraction of a second each.
 JOB = """\
@@ -73,7 +83,7 @@ SWEEP = '"load.modulation.am_frequency_Hz" = [400, 500, 1000]'
 
 
 def changed(*changes, text=JOB):
-    """The small job with (old, new) pieces of text exchanged."""
+    """The small job with each (old, new) replaced."""
     for old, new in changes:
         assert old in text, old
         text = text.replace(old, new, 1)
@@ -84,7 +94,7 @@ def without_reference(*changes):
     return changed(('reference = { kind = "STM" }\n', ""), *changes)
 
 
-# Many cases of a fraction of a second each, to be interrupted.
+# Many cases of a fraction of a second each, for tests that interrupt a run.
 LONG = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = { linspace = [300, 1000, 12] }'),
     ("extent_mm = [64.0, 48.0]", "extent_mm = [144.0, 128.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
@@ -99,14 +109,28 @@ def environment():
 
 
 def command(*arguments, ranks=1):
-    # Unbound and yielding: others may use the cores that mpirun would choose.
+    # The ranks are not bound and yield when idle, since other processes may use the same cores.
     launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
               "-n", str(ranks)] if ranks > 1 else []
     return [*launch, str(PROGRAM), *map(str, arguments)]
 
 
+def processor_s():
+    """CPU time of the programs that have ended, which does not depend on the load of the machine."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def report_life():
+    """Reports progress within a test to scripts/test_runner/progress.py."""
+    path = os.environ.get("SHEARWAKE_TEST_PROGRESS")
+    if path:
+        with open(path, "a", encoding="utf-8") as file:
+            file.write("alive\n")
+
+
 class ProgramTest(unittest.TestCase):
-    """Each test in a folder of its own."""
+    """Runs each test in a separate temporary folder."""
 
     maxDiff = 4000
 
@@ -121,18 +145,19 @@ class ProgramTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
-    def shearwake(self, *arguments, ranks=1, expect=0, prefix=(), timeout_s=60):
-        """Runs to the end; `expect` is the exit code (None: any)."""
+    def shearwake(self, *arguments, ranks=1, expect=0, prefix=(), timeout_s=PATIENCE_s):
+        """Runs a command to its end; `expect` is the exit code (None: any)."""
         done = subprocess.run([*prefix, *command(*arguments, ranks=ranks)], cwd=self.folder,
                               env=environment(), stdin=subprocess.DEVNULL, capture_output=True,
                               encoding="utf-8", errors="replace", timeout=timeout_s, check=False)
+        report_life()
         done.said = done.stdout + done.stderr
         if expect is not None:
             self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
         return done
 
     def start(self, *arguments, ranks=1):
-        """Starts and does not wait; a process group of its own."""
+        """Starts a command in a separate process group without waiting for its end."""
         process = subprocess.Popen(command(*arguments, ranks=ranks), cwd=self.folder,
                                    env=environment(), stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -147,15 +172,24 @@ class ProgramTest(unittest.TestCase):
         process.wait()
         process.stdout.close()
 
-    def wait_for(self, condition, what, timeout_s=30):
+    def wait_for(self, condition, what, timeout_s=PATIENCE_s):
         end = time.monotonic() + timeout_s
         while not condition():
             self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
             time.sleep(0.005)
+        report_life()
 
     def says(self, text, *words):
         for word in words:
             self.assertIn(word, text)
+
+
+def seal(path):
+    """Updates the checksum line at the end of a case file that a test has changed."""
+    lines = Path(path).read_bytes()
+    content = re.sub(rb"\n?shearwake checksum 1 XXH3-128 [0-9a-f]{32} of \d{20} bytes\n\Z", b"", lines)
+    line = f"\nshearwake checksum 1 XXH3-128 {xxhash.xxh3_128(content).hexdigest()} of {len(content):020} bytes\n"
+    Path(path).write_bytes(content + line.encode())
 
 
 def case_files(out):
@@ -171,7 +205,7 @@ def plan_ids(out):
 
 
 def journal(out):
-    """The events of all journals, in the order of time; lines that a kill has cut are left out."""
+    """The events of all journals in chronological order, without truncated lines."""
     lines = []
     for path in sorted(out.glob("journal*.jsonl")):
         for line in path.read_text(encoding="utf-8").splitlines():
@@ -185,7 +219,7 @@ def started(out):
 
 
 def table(out):
-    """Rows of the CSV table without what depends on the machine."""
+    """The rows of the CSV table without the column that depends on the machine."""
     path = out / "tables" / f"{plan(out)['name']}.csv"
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
@@ -206,8 +240,8 @@ def is_literal_ipr(name):
 
 
 def exact_as(name):
-    """Skin keeps its volume: up and down cancel in sum u_z, and what is left is as exact as sum |u_z|.
-    The literal ipr is its square over sum u_z^2: its root is as exact as the root of ipr_abs."""
+    """The column that determines the absolute accuracy of a column. In sum u_z, positive and negative values
+    cancel, so its error is that of sum |u_z|; the error of the root of ipr is that of the root of ipr_abs."""
     if name == "sum_u":
         return "sum_abs_u"
     if is_literal_ipr(name):
@@ -216,7 +250,7 @@ def exact_as(name):
 
 
 def assert_same_table(test, first, second, tolerance=1e-9):
-    """Equal words, and numbers equal to the tolerance relative to the column's largest."""
+    """Asserts equal texts, and numbers that differ by at most the tolerance times the largest of the column."""
     test.assertEqual([list(row) for row in first], [list(row) for row in second])
     for column in first[0]:
         pairs = [(a[column], b[column]) for a, b in zip(first, second)]
@@ -228,7 +262,7 @@ def assert_same_table(test, first, second, tolerance=1e-9):
                 test.assertLessEqual(abs(roots[0] - roots[1]), 1e-12 * largest ** 0.5 + 1e-8 * roots[0],
                                      f"{column}: {a} and {b}")
             elif is_number(a) and is_number(b):
-                # 9 digits are printed.
+                # Numbers are printed with 9 digits.
                 test.assertLessEqual(abs(float(a) - float(b)), max(tolerance, 1.1e-8) * largest,
                                      f"{column}: {a} and {b}")
             else:

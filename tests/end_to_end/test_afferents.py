@@ -1,11 +1,12 @@
-"""What is felt, with the real program: [afferents] of a job and the verb respond."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Responses of afferents: [afferents] of a job, and the command respond."""
 import unittest
 
 import h5py
 import numpy as np
 import xarray
 
-from program import ProgramTest, changed, without_reference
+from program import ProgramTest, without_reference
 
 STRONG = ("peak_Pa = 100.0", "peak_Pa = 5000.0")
 PINS = """
@@ -25,7 +26,7 @@ class Afferents(ProgramTest):
     def cases(self, folder):
         return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
 
-    def test_any_number_of_ranks_gives_the_same_spikes_noise_on(self):
+    def test_spikes_with_noise_do_not_depend_on_the_number_of_ranks(self):
         self.write_job(with_afferents())
         trains = {}
         for ranks in (1, 2, 3, 5):
@@ -56,7 +57,7 @@ class Afferents(ProgramTest):
             self.assertIn(f"PC_{column}", header)
             self.assertIn(f"RA_{column}", header)
 
-    def test_respond_gives_the_spikes_of_a_case_again_from_its_pins(self):
+    def test_respond_reproduces_the_spikes_of_a_case_from_its_pins(self):
         self.write_job(with_afferents(("noise = true", "noise = false")))
         self.shearwake("run", "job.toml")
         path = next(iter(self.cases("out/small").values()))
@@ -66,7 +67,7 @@ class Afferents(ProgramTest):
                 np.testing.assert_allclose(alone["afferents"][name][()],
                                            case["afferents"][name][()], rtol=0, atol=1e-12)
 
-    def test_the_engines_stress_makes_fibres_fire(self):
+    def test_fibres_respond_to_the_stress_of_each_engine(self):
         counts = {}
         for engine in ("layered", "spectral"):
             self.write_job(with_afferents(('noise = true', 'input = "stress"'),
@@ -77,34 +78,34 @@ class Afferents(ProgramTest):
                 with h5py.File(path) as file:
                     counts[engine].append(float(file["PC_spikes_1"][()]))
         self.assertGreater(min(counts["layered"]), 20)
-        # Fields that differ by a per mille; a neuron at its threshold may tell, none is seen to.
+        # The fields differ by 0.1 %, which could change the spikes of a neuron at its threshold, but does not.
         np.testing.assert_allclose(sorted(counts["spectral"]), sorted(counts["layered"]), rtol=0.01)
 
     def test_receptors_must_lie_above_the_rigid_base(self):
         self.write_job(with_afferents(('noise = true', 'input = "stress"'),
                                       ("thickness_mm = 20.0", "thickness_mm = 1.8")))
         said = self.shearwake("check", "job.toml", expect=3).said
-        self.says(said, "afferents.input is \"stress\"", "receptors 2 mm deep", "1.8 mm deep")
+        self.says(said, "afferents.input is \"stress\"", "receptors at a depth of 2 mm", "the rigid base at 1.8 mm")
 
     def test_receptors_beyond_the_domain_are_counted(self):
         self.write_job(with_afferents(('noise = true', 'input = "stress"')))
-        self.says(self.shearwake("check", "job.toml").said, "warning", "of 3553 receptors lie beyond")
+        self.says(self.shearwake("check", "job.toml").said, "warning", "of 3553 receptors are outside the domain")
 
-    def test_mistakes_are_told_before_anything_runs(self):
+    def test_errors_are_reported_before_the_run(self):
         for old, new, words in [
                 ("noise = true", "pin_radius_mm = -1", "afferents.pin_radius_mm must be above 0"),
-                ("noise = true", "patch_mm = [400, 0]", "all 7 pins lie off the skin"),
+                ("noise = true", "patch_mm = [400, 0]", "all 7 pins are outside of the skin"),
                 ("noise = true", 'input = "carrier"\ncarrier = { amplitude_um = 50, '
-                 'sampling_kHz = 80 }', "2 samples a cycle of 40 kHz")]:
+                 'sampling_kHz = 80 }', "2 samples per cycle of 40 kHz")]:
             self.write_job(with_afferents((old, new)))
             said = self.shearwake("check", "job.toml", ranks=2, expect=3).said
             self.says(said, "error", words)
         self.write_job(with_afferents(("noise = true", "pin_radius_mm = 3")))
-        self.says(self.shearwake("check", "job.toml").said, "warning", "2 mm is taken")
+        self.says(self.shearwake("check", "job.toml").said, "warning", "2 mm, half of their smallest distance, is used instead")
 
 
 class Respond(ProgramTest):
-    def test_a_motion_from_csv_is_answered_in_words(self):
+    def test_respond_prints_the_response_to_a_motion_from_csv(self):
         rows = [f"{0.2 * k:.1f},{30 * (1 - np.cos(0.08 * np.pi * k)):.6f}" for k in range(500)]
         (self.folder / "m.csv").write_text("t_ms,u_um\n" + "\n".join(rows) + "\n")
         said = self.shearwake("respond", "m.csv", "-S", "afferents.noise=true", "--out", "a.h5",
@@ -113,7 +114,7 @@ class Respond(ProgramTest):
         data = xarray.open_dataset(self.folder / "a.h5", group="afferents")
         self.assertGreater(data.sizes["spike"], 100)
 
-    def test_the_stress_at_receptors_is_answered_too(self):
+    def test_respond_accepts_the_stress_at_receptors(self):
         (self.folder / "r.csv").write_text("x_mm,y_mm,class,row\n0,0,PC,1\n0,0,SA1,0\n")
         rows = [f"{0.2 * k:.1f},{p},{p}" for k in range(500)
                 for p in [2000 * (1 - np.cos(0.08 * np.pi * k))]]
@@ -125,18 +126,18 @@ class Respond(ProgramTest):
         self.assertGreater(float(data.spike_count[0]), 10)  # 200 Hz for 0.1 s
         said = self.shearwake("respond", "s.csv", "-S", "afferents.input=stress", ranks=2,
                               expect=2).said
-        self.says(said, "receptors and 2 traces of stress")
+        self.says(said, "one per receptor, but found 2")
 
-    def test_bad_motions_are_refused_with_their_place(self):
+    def test_invalid_motions_are_rejected_with_their_position(self):
         for text, words in [("t_ms,u_um\n0,0\n1,nan\n", "pin 0, sample 1"),
                             ("t_ms,u_um\n0,0\n1,x\n", "m.csv: line 3"),
-                            ("t_ms,u_um\n0,0\n", "2 times at least")]:
+                            ("t_ms,u_um\n0,0\n", "at least 2 times")]:
             (self.folder / "m.csv").write_text(text)
             self.says(self.shearwake("respond", "m.csv", ranks=2, expect=2).said, words)
-        self.says(self.shearwake("respond", "none.h5", expect=2).said, "no such file")
+        self.says(self.shearwake("respond", "none.h5", expect=2).said, "none.h5 does not exist")
         (self.folder / "m.csv").write_text("t_ms,u_um\n0,0\n1,0\n")
         said = self.shearwake("respond", "m.csv", "--out", "none/a.h5", ranks=2, expect=6).said
-        self.says(said, "there is no folder none")
+        self.says(said, "the folder none does not exist")
         self.says(self.shearwake("respond", expect=2).said, "needs a MOTION")
 
 

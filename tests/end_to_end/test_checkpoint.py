@@ -1,4 +1,5 @@
-"""Cases that are ended in the middle, and go on from their saved states."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Cases that are interrupted and resumed from their checkpoints."""
 import contextlib
 import os
 import signal
@@ -8,17 +9,17 @@ import h5py
 import numpy
 
 import test_failures
-from program import (SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal, plan_ids,
-                     table, without_reference)
+from program import (PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal,
+                     plan_ids, table, without_reference)
 from test_resume import alive, descendants
 
-# Two cases of 800 steps; the first volume is kept at step 20, the instant stands at step 200.
+# Two cases of 800 steps; the first volume is recorded at step 20, measure.at_ms is step 200.
 STEPPED = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = [1250, 2500]'),
     ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 5.0 }'),
     ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"),
     ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
-# The same with a body that takes iterations: strains are part of the state.
+# The same job with a body that requires iterations, so that strains are part of the checkpoint.
 WITH_BODY = STEPPED.replace("[load]\n", """[[medium.body]]
 shape = "ellipsoid"
 center_mm = [2.0, 1.0]
@@ -33,12 +34,12 @@ SAVING = ("run", "job.toml", "--checkpoint-steps", 20, "--ranks-per-case")
 
 
 class SavedCase(ProgramTest):
-    """What the tests of one job share."""
+    """Base class of the tests of one job."""
     JOB = STEPPED
 
     @classmethod
     def setUpClass(cls):
-        """The undisturbed run, once for all tests."""
+        """Computes the uninterrupted run once for all tests."""
         cls.undisturbed = cls("shearwake")
         cls.undisturbed.setUp()
         cls.addClassCleanup(cls.undisturbed.doCleanups)
@@ -58,7 +59,7 @@ class SavedCase(ProgramTest):
         return sorted((self.out / "checkpoints").glob("*"))
 
     def kill_in_the_middle(self, ranks, saves=12):
-        """Ends everything at once after that many saves of the first case."""
+        """Kills the run after the given number of checkpoints of the first case."""
         process = self.start(*SAVING, ranks, ranks=ranks)
         self.wait_for(lambda: len(self.events("checkpointed")) >= saves, "the saves")
         pids = [process.pid, *descendants(process.pid)]
@@ -72,7 +73,7 @@ class SavedCase(ProgramTest):
     def go_on(self, ranks=1):
         said = self.shearwake("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks).said
         self.says(said, "2 computed now")
-        self.assertEqual(self.states(), [], "states of cases that are whole")
+        self.assertEqual(self.states(), [], "checkpoints of complete cases")
         self.assertEqual(list(self.out.rglob("*.part")), [])
         self.shearwake("reduce", self.out)
         assert_same_table(self, table(self.undisturbed.out), table(self.out))
@@ -85,7 +86,8 @@ class SavedCase(ProgramTest):
         self.assertEqual(resumed[0]["step"] % 20, 0)
 
     def largest_difference(self, fields_alone=False):
-        """Of any number in any dataset of the case files, relative to the largest there."""
+        """The largest difference of any number in any dataset of the case files, relative to the largest value
+        of the dataset."""
         worst = 0.0
         for path, reference in zip(case_files(self.out), case_files(self.undisturbed.out)):
             self.assertEqual(path.name, reference.name)
@@ -108,32 +110,32 @@ class SavedCase(ProgramTest):
 
 
 class Checkpoint(SavedCase):
-    def test_killed_in_the_middle_of_a_case_it_goes_on_from_there(self):
+    def test_a_case_killed_on_one_rank_is_resumed_bit_for_bit(self):
         self.kill_in_the_middle(ranks=1)
         self.assertTrue(list(self.out.rglob("cases/*.part")))
         self.go_on()
         self.assert_resumed(240)
         self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
 
-    def test_killed_on_two_ranks_it_goes_on_on_three(self):
+    def test_a_case_killed_on_two_ranks_is_resumed_on_three(self):
         self.kill_in_the_middle(ranks=2)
         self.go_on(ranks=3)
         self.assert_resumed(240)
-        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+        self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
-    def test_killed_on_three_ranks_it_goes_on_on_one(self):
+    def test_a_case_killed_on_three_ranks_is_resumed_on_one(self):
         self.kill_in_the_middle(ranks=3)
         self.go_on(ranks=1)
         self.assert_resumed(240)
-        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+        self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
-    def test_a_signal_saves_the_case_and_the_same_command_goes_on(self):
+    def test_a_signal_writes_a_checkpoint_and_the_same_command_resumes(self):
         for kind in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
             saved = len(self.events("checkpointed"))
             process = self.start("run", "job.toml", "--checkpoint-steps", 20)
             self.wait_for(lambda: len(self.events("checkpointed")) > saved, "a save")  # noqa: B023
             process.send_signal(kind)
-            said = process.communicate(timeout=30)[0]
+            said = process.communicate(timeout=PATIENCE_s)[0]
             self.assertEqual(process.returncode, 75, said)
             self.says(said, "stopped early", "next: shearwake run job.toml")
             self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
@@ -144,27 +146,27 @@ class Checkpoint(SavedCase):
         last = self.events("resumed")[-1]["step"]
         self.assertEqual(last, self.events("checkpointed")[-1]["step"])
 
-    def test_an_interval_in_seconds_saves_as_well(self):
+    def test_checkpoints_are_written_at_intervals_in_seconds(self):
         self.shearwake("run", "job.toml", "--checkpoint-interval", 0.001)
         self.assertEqual({line["id"] for line in self.events("checkpointed")}, set(plan_ids(self.out)))
         self.assertEqual(self.largest_difference(), 0.0)
         said = self.shearwake("run", "job.toml", "--checkpoint-interval", -1, expect=2).said
         self.says(said, "--checkpoint-interval")
 
-    def test_a_signal_to_mpirun_saves_the_cases_of_all_teams(self):
-        # Unlike SIGINT and SIGTERM, SIGUSR1 is passed on and leaves the ranks the time they need.
+    def test_a_signal_to_mpirun_writes_the_checkpoints_of_all_teams(self):
+        # mpirun forwards SIGUSR1 and, unlike for SIGINT and SIGTERM, does not kill the ranks afterwards.
         process = self.start(*SAVING, 1, ranks=2)
         self.wait_for(lambda: len({line["id"] for line in self.events("checkpointed")}) == 2, "saves")
         process.send_signal(signal.SIGUSR1)
-        said = process.communicate(timeout=30)[0]
+        said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
-        self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 left")
+        self.says(self.shearwake("status", self.out).said, "0 running", "0 failed", "2 remaining")
         self.go_on(ranks=2)
         self.assertEqual(len(self.events("resumed")), 2)
-        self.assertLess(self.largest_difference(), 1e-12)  # the requirement
+        self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
-    def test_a_disk_too_full_for_a_state_does_not_end_the_case(self):
+    def test_a_disk_too_full_for_a_checkpoint_does_not_end_the_case(self):
         if os.geteuid() != 0:
             self.skipTest("only root can mount a small disk")
         disk = test_failures.FullDisk.mount(self, 1)
@@ -173,15 +175,15 @@ class Checkpoint(SavedCase):
         process = self.start(*SAVING, 1)
         self.wait_for(lambda: len(self.events("started")) == 2, "the second case")
         process.send_signal(signal.SIGTERM)
-        said = process.communicate(timeout=30)[0]
-        # A stop that cannot be saved waits for the end of the case, which is the last one.
+        said = process.communicate(timeout=PATIENCE_s)[0]
+        # Without a checkpoint a stop waits for the end of the case, which is the last one.
         self.assertEqual(process.returncode, 0, said)
-        self.says(said, "goes on without being saved: it needs", "MB left", "1 computed now")
+        self.says(said, "continues without a checkpoint: it requires", "MB left", "1 computed now")
         self.assertEqual(self.events("checkpointed"), [])
         self.assertEqual(self.states(), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
-    def test_a_damaged_state_leaves_the_one_before(self):
+    def test_a_damaged_checkpoint_leaves_the_previous_one(self):
         self.kill_in_the_middle(ranks=1)
         newest = max((path for path in self.states() if path.suffix == ".h5"),
                      key=lambda path: h5py.File(path).attrs["sequence"])
@@ -191,12 +193,12 @@ class Checkpoint(SavedCase):
             file.seek(place + 1000)
             file.write(b"damage")
         said = self.go_on()
-        self.says(said, newest.name, "is damaged (now is not what was written)", "not used")
+        self.says(said, newest.name, "is damaged (now does not match its checksum)", "not used")
         self.assert_resumed(220)
         self.assertLess(self.events("resumed")[0]["step"], newest_step)
         self.assertEqual(self.largest_difference(), 0.0)
 
-    def test_without_a_whole_state_the_case_begins_anew(self):
+    def test_without_an_intact_checkpoint_the_case_starts_from_scratch(self):
         self.kill_in_the_middle(ranks=1)
         first, second = (path for path in self.states() if path.suffix == ".h5")
         os.truncate(first, first.stat().st_size // 2)
@@ -205,7 +207,7 @@ class Checkpoint(SavedCase):
         self.assertEqual(self.events("resumed"), [])
         self.assertEqual(self.largest_difference(), 0.0)
 
-    def test_without_the_frames_kept_so_far_the_case_begins_anew(self):
+    def test_without_the_frames_recorded_so_far_the_case_starts_from_scratch(self):
         for damage in ("removed", "truncated"):
             with self.subTest(damage):
                 before = len(self.events("checkpointed"))
@@ -216,13 +218,13 @@ class Checkpoint(SavedCase):
                 else:
                     os.truncate(part, 2000)
                 said = self.go_on()
-                self.says(said, part.name, "begins anew")
+                self.says(said, part.name, "starts from scratch")
                 self.assertEqual(self.events("resumed"), [])
                 self.assertEqual(self.largest_difference(), 0.0)
                 for path in case_files(self.out):
                     path.unlink()
 
-    def test_a_state_of_another_program_is_not_used(self):
+    def test_a_checkpoint_of_another_version_is_not_used(self):
         self.kill_in_the_middle(ranks=1)
         for path in self.states():
             if path.suffix == ".h5":
@@ -231,16 +233,16 @@ class Checkpoint(SavedCase):
         self.says(self.go_on(), "written by another program, 0123456789ab")
         self.assertEqual(self.events("resumed"), [])
 
-    def test_states_of_a_case_that_is_whole_are_cleared_away(self):
+    def test_checkpoints_of_a_complete_case_are_removed(self):
         self.kill_in_the_middle(ranks=1)
         kept = {path.name: path.read_bytes() for path in self.states()}
         self.go_on()
         for name, content in kept.items():
             (self.out / "checkpoints" / name).write_bytes(content)
-        self.says(self.shearwake("run", "job.toml").said, "2 there before")
+        self.says(self.shearwake("run", "job.toml").said, "2 already complete")
         self.assertEqual(self.states(), [])
 
-    def test_the_exact_engine_is_not_saved(self):
+    def test_engine_layered_writes_no_checkpoints(self):
         self.write_job(STEPPED.replace('engine = "spectral"', 'engine = "layered"')
                        .replace("volumes_ms = [0.1, 3.0]", ""))
         self.shearwake(*SAVING, 1)
@@ -251,18 +253,18 @@ class Checkpoint(SavedCase):
 class CheckpointWithABody(SavedCase):
     JOB = WITH_BODY
 
-    def test_iterations_go_on_on_as_many_ranks_to_the_same_bits(self):
+    def test_iterations_are_resumed_bit_for_bit_on_the_same_number_of_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=4)
         self.go_on(ranks=2)
         self.assert_resumed(80)
-        # The undisturbed run is on one rank: the fields alone are the same on any number.
+        # The uninterrupted run used one rank; only the fields are identical on any number of ranks.
         self.assertEqual(self.largest_difference(fields_alone=True), 0.0)
 
-    def test_iterations_go_on_on_other_ranks(self):
+    def test_iterations_are_resumed_on_another_number_of_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=4)
         self.go_on(ranks=3)
         self.assert_resumed(80)
-        # Fields have the same bits as on one rank; the measures are sums in another order.
+        # The fields are identical to those on one rank; the measures are sums in a different order.
         self.assertLess(self.largest_difference(), 1e-14)
 
 

@@ -1,4 +1,5 @@
-"""The version that a program says it is: one for each state of its source."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The version of the program identifies the state of its source."""
 import subprocess
 import unittest
 
@@ -17,7 +18,7 @@ class GitId(ProgramTest):
                         ROOT / "scripts" / "git_id.cmake"], check=True)
         return header.read_text(encoding="utf-8").split('"')[1]
 
-    def test_two_trees_with_other_changes_are_two_versions(self):
+    def test_trees_with_different_changes_have_different_versions(self):
         source = self.folder / "main.cpp"
         source.write_text("one", encoding="utf-8")
         self.git("init", "--quiet")

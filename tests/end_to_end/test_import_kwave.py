@@ -1,4 +1,5 @@
-"""Studies of k-Wave's users, imported and run: the fields must be those that k-Wave has computed."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Imports and runs k-Wave simulations; the fields must equal those computed by k-Wave."""
 import subprocess
 import unittest
 
@@ -6,7 +7,7 @@ import h5py
 import numpy
 
 from kwave import FIELDS, POINTS, reference, save, structures_of
-from program import ROOT, ProgramTest, case_files, environment
+from program import PATIENCE_s, ROOT, ProgramTest, case_files, environment
 
 
 class ImportTest(ProgramTest):
@@ -23,7 +24,7 @@ class ImportTest(ProgramTest):
         return done.stdout + done.stderr
 
     def worst(self, of, fields=tuple(FIELDS[:6])):
-        """The largest difference of the sensor's traces from k-Wave's, over their largest value."""
+        """The largest difference of the sensor traces from those of k-Wave, relative to their largest value."""
         with h5py.File(case_files(self.out)[0], "r") as file:
             self.assertEqual(set(fields), set(FIELDS) & set(file["sensor"]))
             traces = [(file["sensor"][field][()], of["traces"][:, :, FIELDS.index(field)]) for field in fields]
@@ -31,7 +32,7 @@ class ImportTest(ProgramTest):
 
 
 class Imported(ImportTest):
-    def test_it_computes_what_kwave_has_computed(self):
+    def test_double_precision_agrees_with_kwave(self):
         for run, ranks in (("a_additive_pml10", 1), ("c_dirichlet_pml10", 3), ("c_dirichlet_pmloff", 2)):
             with self.subTest(run=run):
                 of = reference(run)
@@ -39,14 +40,14 @@ class Imported(ImportTest):
                 self.says(said, "48 x 40 x 32 nodes, 400 steps", "5 sensor nodes", f"next: shearwake run {run}.toml")
                 self.out = self.folder / "out" / run
                 self.shearwake("run", f"{run}.toml", ranks=ranks)
-                self.assertLess(self.worst(of), 1e-12)  # 400 steps of rounding
+                self.assertLess(self.worst(of), 1e-12)  # rounding errors of 400 steps
 
-    def test_in_single_precision_too(self):
+    def test_single_precision_agrees_with_kwave(self):
         of = reference("a_additive_pml10")
         self.imported(structures_of("a_additive_pml10", of), "--precision", "single")
         self.shearwake("run", "study.toml")
         worst = self.worst(of)
-        self.assertLess(worst, 1e-4)  # 6e-8 a step, 400 steps
+        self.assertLess(worst, 1e-4)  # 400 steps with rounding errors of 6e-8
         self.assertGreater(worst, 1e-9, "it was computed in double precision")
 
     def test_frames_show_the_displacement_of_the_driven_plane(self):
@@ -54,27 +55,27 @@ class Imported(ImportTest):
         self.imported(structures_of("c_dirichlet_pmloff", of))
         self.shearwake("run", "study.toml", "-S", "record.frames=true", "-S", "time.output_interval_us=10", ranks=2)
         with h5py.File(case_files(self.out)[0], "r") as file:
-            frames, heard = file["surface"]["u_z"][()], file["sensor"]
-            at = [(n, int(heard["i"][n]), int(heard["j"][n])) for n in range(5) if int(heard["k"][n]) == 13]
+            frames, sensor = file["surface"]["u_z"][()], file["sensor"]
+            at = [(n, int(sensor["i"][n]), int(sensor["j"][n])) for n in range(5) if int(sensor["k"][n]) == 13]
             self.assertTrue(at, "no sensor lies on the plane")
             for n, i, j in at:
-                summed = 1e-5 * numpy.cumsum(heard["uz"][n])
+                summed = 1e-5 * numpy.cumsum(sensor["uz"][n])
                 shown = numpy.squeeze(frames)[:, i, j]
                 scale = numpy.abs(summed).max()
                 self.assertLess(numpy.abs(shown - summed).max(), 1e-6 * scale)  # frames may be float32
 
-    def test_it_goes_on_after_a_stop(self):
+    def test_a_stopped_study_is_resumed(self):
         of = reference("a_additive_pml10")
         self.imported(structures_of("a_additive_pml10", of))
         process = self.start("run", "study.toml", "--checkpoint-steps", 20, ranks=2)
-        self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a state")
+        self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a checkpoint")
         process.terminate()
-        process.communicate(timeout=120)
-        self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+        process.communicate(timeout=PATIENCE_s)
+        self.assertEqual(case_files(self.out), [], "the run ended before it could be stopped")
         self.shearwake("run", "study.toml")  # on another number of ranks
         self.assertLess(self.worst(of), 1e-12)
 
-    def test_a_medium_node_by_node_is_the_uniform_one_where_it_is_uniform(self):
+    def test_a_constant_medium_given_at_every_node_equals_a_uniform_medium(self):
         of = reference("a_additive_pml10")
         structures = structures_of("a_additive_pml10", of)
         ones = numpy.ones(POINTS)
@@ -85,19 +86,19 @@ class Imported(ImportTest):
 
 
 class Studies(ImportTest):
-    """What stands in the study itself, against k-Wave's rules."""
+    """The content of the study file follows the rules of k-Wave."""
 
-    def study(self, changes, *words):
+    def study(self, changes, *options):
         of = reference("a_additive_pml10")
         structures = structures_of("a_additive_pml10", of)
         for name, fields in changes.items():
             structures[name] = {field: value for field, value in {**structures.get(name, {}), **fields}.items()
                                 if value is not None}
-        self.imported(structures, *words)
-        self.says(self.shearwake("check", "study.toml").said, "no mistakes")
+        self.imported(structures, *options)
+        self.says(self.shearwake("check", "study.toml").said, "no errors")
         return h5py.File(self.folder / "study.h5", "r")
 
-    def test_rows_of_labelled_masks_are_scaled_by_their_own_numbers_node(self):
+    def test_rows_of_labelled_masks_are_scaled_by_the_node_of_their_index(self):
         c_p = 20.0 + numpy.arange(48.0)[:, None, None] * numpy.ones(POINTS)
         mask = numpy.zeros(POINTS)
         mask[3, 5, 7], mask[9, 5, 7], mask[20, 6, 8] = 2, 1, 2
@@ -106,11 +107,11 @@ class Studies(ImportTest):
             source = study["source_0"]
             numpy.testing.assert_array_equal(source["nodes"][()], [[3, 5, 7], [9, 5, 7], [20, 6, 8]])
             numpy.testing.assert_array_equal(source["rows"][()], [1, 0, 1])
-            # 2 c_p dt/dz; the first row has the first node's c_p, the second row the second node's.
+            # 2 c_p dt/dz; the first row uses c_p of the first node, the second row c_p of the second node.
             numpy.testing.assert_allclose(source["weights"][()], [2 * 29 * 1e-2, 2 * 23 * 1e-2, 2 * 29 * 1e-2],
                                           rtol=1e-14)
 
-    def test_absorption_is_that_of_its_formulas(self):
+    def test_absorption_is_converted_to_viscosities(self):
         with self.study({"medium": {"alpha_coeff_compression": 3.0, "alpha_coeff_shear": 5.0}}) as study:
             # dB/(MHz^2 cm) to Np/(rad/s)^2/m: 1 dB is ln(10)/20 Np, 1/cm is 100/m.
             neper = 100 * numpy.log(10) / 20 * (1e-6 / (2 * numpy.pi)) ** 2
@@ -126,14 +127,14 @@ class Studies(ImportTest):
             numpy.testing.assert_array_equal(study["sensor/nodes"][0],
                                              reference("a_additive_pml10")["points_ijk0"][0] + [4, 5, 6])
 
-    def test_any_field_can_be_kept(self):
+    def test_any_field_can_be_recorded(self):
         with self.study({"sensor": {"record": ["syz", "uy", "sxy"]}}) as study:
             self.assertEqual(study["sensor"].attrs["fields"], b"uy sxy syz")
         of = reference("a_additive_pml10")
         self.shearwake("run", "study.toml", ranks=2)
         self.assertLess(self.worst(of, ("uy", "sxy", "syz")), 1e-12)
 
-    def test_initial_pressure_comes_in_two_steps(self):
+    def test_initial_pressure_is_applied_in_two_steps(self):
         p0 = numpy.zeros(POINTS)
         p0[10, 11, 12] = 7.0
         with self.study({"source": {"u_mask": None, "uz": None, "u_mode": None, "p0": p0},
@@ -142,7 +143,7 @@ class Studies(ImportTest):
             self.assertEqual(study["source_0/weights"][()], [-3.5])
             numpy.testing.assert_array_equal(study["source_0/series"][()], [[1.0, 1.0]])
 
-    def test_stresses_are_scaled_by_dx_and_dirichlets_not_at_all(self):
+    def test_stress_sources_are_scaled_by_dx_and_dirichlet_sources_are_not_scaled(self):
         mask = numpy.zeros(POINTS)
         mask[3, 4, 5] = 1
         for mode, weight in (("additive", 2 * 20 * 1e-5 / 1e-3), ("dirichlet", 1.0)):
@@ -152,22 +153,22 @@ class Studies(ImportTest):
                 self.assertEqual(study["source_0"].attrs["field"], b"sxz")
 
 
-class Mistakes(ImportTest):
-    def test_what_cannot_be_imported_is_told(self):
+class Errors(ImportTest):
+    def test_invalid_input_is_rejected(self):
         of = reference("a_additive_pml10")
         mask = numpy.zeros((2, 2, 2))
         for changes, words in (
                 ({"medium": {"density": None}}, ["medium.density is missing"]),
-                ({"medium": {"BonA": 6.0}}, ["medium.BonA is unknown", "sound_speed_shear"]),
+                ({"medium": {"BonA": 6.0}}, ["medium.BonA is not a field", "sound_speed_shear"]),
                 ({"medium": {"density": numpy.ones((3, 3, 3))}}, ["(3, 3, 3)", "(48, 40, 32)"]),
-                ({"medium": {"alpha_coeff_shear": 1.0}}, ["belong together"]),
+                ({"medium": {"alpha_coeff_shear": 1.0}}, ["must be specified together"]),
                 ({"source": {"u_mask": mask}}, ["source.u_mask", "(2, 2, 2)"]),
                 ({"source": {"u_mask": None}}, ["source.u_mask is missing"]),
-                ({"source": {"uz": numpy.ones((7, 4))}}, ["7 rows for 1920 nodes"]),
-                ({"source": {"u_mode": "soft"}}, ["soft", "additive or dirichlet"]),
+                ({"source": {"uz": numpy.ones((7, 4))}}, ["7 rows, but its mask has 1920 nodes"]),
+                ({"source": {"u_mode": "soft"}}, ["soft", '"additive" or "dirichlet"']),
                 ({"source": {"p0": numpy.ones(POINTS)}}, ["smooth"]),
                 ({"kgrid": {"Nz": 1}}, ["at least 2"]), ({"kgrid": {"dt": None}}, ["kgrid.dt is missing"]),
-                ({"kgrid": {"dy": 2e-3}}, ["dx and dy differ"]),
+                ({"kgrid": {"dy": 2e-3}}, ["kgrid.dx and kgrid.dy differ"]),
                 ({"sensor": {"record": "I"}}, ["sensor.record I"])):
             with self.subTest(words=words):
                 structures = structures_of("a_additive_pml10", of)
@@ -179,19 +180,19 @@ class Mistakes(ImportTest):
         done = subprocess.run([ROOT / "scripts" / "import-kwave", "text.mat"], cwd=self.folder, env=environment(),
                               capture_output=True, encoding="utf-8", check=False)
         self.assertEqual(done.returncode, 3)
-        self.says(done.stderr, "is no HDF5 file", "-v7.3")
+        self.says(done.stderr, "is not an HDF5 file", "-v7.3")
 
-    def test_a_study_and_a_job_that_do_not_fit_are_told(self):
+    def test_a_job_that_does_not_fit_its_study_is_rejected(self):
         self.imported(structures_of("a_additive_pml10", reference("a_additive_pml10")))
         for words, said in ((("domain.spacing_mm=0.5",), "spacing"),
-                            (("time.output_interval_us=16",), "multiple of the study's step"),
-                            (("time.duration_ms=8",), "longer than the study")):
+                            (("time.output_interval_us=16",), "multiple of the time step of the study"),
+                            (("time.duration_ms=8",), "exceeds the duration of the study")):
             self.says(self.shearwake("check", "study.toml", *[word for key in words for word in ("-S", key)],
                                      expect=3).said, said)
         self.says(self.shearwake("check", "study.toml", "-S", "solver.pstd.study='none.h5'", expect=3).said,
-                  "none.h5 is not there")
+                  "none.h5 does not exist")
         self.says(self.shearwake("check", "study.toml", "-S", "solver.pstd.time_step_us=1", expect=3).said,
-                  "does nothing beside a study")
+                  "has no effect with a study")
         with h5py.File(self.folder / "study.h5", "r+") as file:
             file["source_0/nodes"][0, 2] = 32
         self.says(self.shearwake("check", "study.toml", expect=3).said, "a node at 32 along z")

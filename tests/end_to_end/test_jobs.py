@@ -1,4 +1,5 @@
-"""The jobs of this repository: without a mistake, said for what, and soon done."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The jobs of this repository are valid, state their purpose, and do not take too long."""
 import re
 import unittest
 
@@ -6,15 +7,15 @@ from program import ROOT, ProgramTest
 
 JOBS = sorted((ROOT / "jobs").glob("*.toml"))
 FIGURES = [f"fig2.{n}.toml" for n in (2, 3, 4, 5)]
-LIMIT_s = 300.0  # of all figures together, on two cores
+LIMIT_s = 300.0  # for all figures together on two cores
 
 
 class JobsTest(ProgramTest):
-    def test_every_job_is_without_a_mistake_and_begins_with_what_it_is_for(self):
+    def test_every_job_is_valid_and_starts_with_its_purpose(self):
         self.assertGreater(len(JOBS), 10)
         for job in JOBS:
             with self.subTest(job=job.name):
-                self.assertIn("no mistakes", self.shearwake("check", str(job)).stdout)
+                self.assertIn("no errors", self.shearwake("check", str(job)).stdout)
                 text = job.read_text(encoding="utf-8")
                 self.assertTrue(text.startswith("# "), "a comment comes first")
                 self.assertIn(f'name = "{job.stem}"', text)

@@ -1,4 +1,5 @@
-"""Paths from files, with the real program."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Paths of the focus that are read from files."""
 import unittest
 
 from program import ProgramTest, changed, without_reference
@@ -12,7 +13,7 @@ class Loads(ProgramTest):
         (self.folder / folder / "paths").mkdir(parents=True)
         (self.folder / folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
 
-    def test_points_are_looked_for_beside_the_job(self):
+    def test_files_of_points_are_relative_to_the_job(self):
         self.write_points("x_mm,y_mm\n-14,0\n0,0\n0,8\n", folder="elsewhere")
         self.write_job(changed(CSV), name="elsewhere/job.toml")
         self.shearwake("check", "elsewhere/job.toml", ranks=2)
@@ -20,7 +21,7 @@ class Loads(ProgramTest):
         said = self.shearwake("check", "job.toml", ranks=2, expect=3).said
         self.says(said, "error: load.modulation.path.file cannot be used", "paths/hook.csv")
 
-    def test_a_case_is_what_the_file_holds(self):
+    def test_the_id_of_a_case_depends_on_the_content_of_the_file(self):
         def ids(text):
             (self.folder / "paths" / "hook.csv").write_text(text, encoding="utf-8")
             said = self.shearwake("plan", "job.toml").said

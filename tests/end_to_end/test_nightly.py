@@ -1,4 +1,6 @@
-"""scripts/nightly and scripts/update-baseline: nights that are equal, that differ, that are killed."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/nightly and scripts/update-baseline: nights that equal the baseline, that differ, or that are
+killed."""
 import os
 import signal
 import sqlite3
@@ -7,7 +9,8 @@ import sys
 import unittest
 from xml.etree import ElementTree
 
-from program import LONG, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment, without_reference
+from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
+                     without_reference)
 
 sys.path.insert(0, str(ROOT / "analysis" / "nightly"))
 
@@ -34,22 +37,22 @@ class Nightly(ProgramTest):
         self.nights = self.folder / "nights"
         self.write_job(TINY, "tiny.toml")
 
-    def script(self, name, *words, expect=0, typed=""):
-        done = subprocess.run(self.words(name, *words), cwd=self.folder, env=self.environment(), input=typed,
-                              capture_output=True, encoding="utf-8", timeout=120, check=False)
-        said = done.stdout + done.stderr
-        self.assertEqual(done.returncode, expect, f"{name} {words}:\n{said}")
-        return said
+    def script(self, name, *arguments, expect=0, typed=""):
+        done = subprocess.run(self.command(name, *arguments), cwd=self.folder, env=self.environment(),
+                              input=typed, capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
+        output = done.stdout + done.stderr
+        self.assertEqual(done.returncode, expect, f"{name} {arguments}:\n{output}")
+        return output
 
-    def words(self, name, *words):
-        return [str(ROOT / "scripts" / name), *map(str, words), "--out", "nights", "--baselines", "baselines"]
+    def command(self, name, *arguments):
+        return [str(ROOT / "scripts" / name), *map(str, arguments), "--out", "nights", "--baselines", "baselines"]
 
     @staticmethod
     def environment():
         return {**environment(), "SHEARWAKE": str(PROGRAM)}
 
-    def night(self, *words, expect=0, job="tiny.toml"):
-        return self.script("nightly", job, "--no-bench", "--ranks", "1", *words, expect=expect)
+    def night(self, *arguments, expect=0, job="tiny.toml"):
+        return self.script("nightly", job, "--no-bench", "--ranks", "1", *arguments, expect=expect)
 
     def first_baseline(self):
         self.night(expect=6)
@@ -66,17 +69,17 @@ class Nightly(ProgramTest):
         self.assertEqual(int(root.get("tests")), len(tests))
         return tests
 
-    def ask(self, query):
+    def query(self, query):
         with sqlite3.connect(self.nights / "history.sqlite") as file:
             rows = file.execute(query).fetchall()
         file.close()
         return rows
 
     def verdicts(self):
-        return [verdict for verdict, in self.ask("SELECT verdict FROM night ORDER BY id")]
+        return [verdict for verdict, in self.query("SELECT verdict FROM night ORDER BY id")]
 
     def start_night(self, job):
-        process = subprocess.Popen(self.words("nightly", job, "--no-bench", "--ranks", "1"), cwd=self.folder,
+        process = subprocess.Popen(self.command("nightly", job, "--no-bench", "--ranks", "1"), cwd=self.folder,
                                    env=self.environment(), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                    stderr=subprocess.STDOUT, start_new_session=True)
         self.addCleanup(self._end, process)
@@ -84,12 +87,12 @@ class Nightly(ProgramTest):
         self.wait_for(lambda: any(cases.glob("*.h5")), "a first case")
         return process
 
-    def test_a_night_without_a_baseline_says_how_to_make_one(self):
+    def test_a_night_without_a_baseline_suggests_how_to_make_one(self):
         self.says(self.night(expect=6), "has no baseline", "scripts/update-baseline tiny")
         self.assertEqual(self.verdicts(), ["no baseline"])
         self.assertEqual(self.junit()["tiny", "the sweep"].tag, "error")
-        said = self.script("update-baseline", "tiny.toml", expect=5, typed="n\n")
-        self.says(said, "3 cases", "left as it was")
+        output = self.script("update-baseline", "tiny.toml", expect=5, typed="n\n")
+        self.says(output, "3 cases", "the baseline is unchanged")
         self.assertFalse((self.folder / "baselines").exists())
         self.script("update-baseline", "tiny.toml", typed="y\n")
         header = (self.folder / "baselines" / "tiny.csv").read_text(encoding="utf-8").splitlines()[0]
@@ -99,33 +102,33 @@ class Nightly(ProgramTest):
     def test_equal_nights_then_one_that_differs(self):
         self.first_baseline()
         self.says(self.night(), "tiny: equal to the baseline", "index.html")
-        self.night("--ranks", "2")  # other ranks, equal numbers
+        self.night("--ranks", "2")  # the number of ranks does not change the results
         self.assertEqual(set(self.junit().values()), {None})
-        self.assertIn("everything is as in the baselines", self.page())
+        self.assertIn("all tables equal their baselines", self.page())
 
         before = (self.folder / "baselines" / "tiny.csv").read_bytes()
         self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
         self.says(self.night(expect=5), "tiny: differs from the baseline", "peak_um", "+1 %")
         self.assertEqual(self.verdicts(), ["no baseline", "equal", "equal", "differs"])
         page, tests = self.page(), self.junit()
-        moved = page[page.index("What moved"):page.index("Every number")]
+        moved = page[page.index("Differences, largest first"):page.index("Trends of all numbers")]
         self.says(moved, "peak_um", "+1 %", "3 of 3")
-        self.assertNotIn("eta_period_1", moved)  # a ratio: the load's strength divides out
-        self.assertEqual(page.count("<svg"), len({column for column, in self.ask(
+        self.assertNotIn("eta_period_1", moved)  # a ratio, in which the strength of the load cancels
+        self.assertEqual(page.count("<svg"), len({column for column, in self.query(
             "SELECT DISTINCT column FROM reading")}))
-        self.assertNotIn("http", page)  # nothing is fetched
+        self.assertNotIn("http", page)  # the page loads nothing
         self.assertEqual(tests["tiny", "peak_um"].tag, "failure")
         self.assertIsNone(tests["tiny", "eta_period_1"])
-        self.assertEqual(len(self.ask("SELECT * FROM reading WHERE column = 'peak_um'")), 4 * 3)
+        self.assertEqual(len(self.query("SELECT * FROM reading WHERE column = 'peak_um'")), 4 * 3)
 
-        said = self.script("update-baseline", "tiny.toml", expect=5, typed="\n")
-        self.says(said, "peak_um", "+1 %", "[y/N]")
+        output = self.script("update-baseline", "tiny.toml", expect=5, typed="\n")
+        self.says(output, "peak_um", "+1 %", "[y/N]")
         self.assertEqual((self.folder / "baselines" / "tiny.csv").read_bytes(), before)
         self.says(self.script("update-baseline", "tiny.toml", "--yes"), "peak_um", "written")
         self.night()
-        self.says(self.script("update-baseline", "tiny.toml"), "stands as it is")
+        self.says(self.script("update-baseline", "tiny.toml"), "the baseline is up to date")
 
-    def test_tolerances_beside_the_baseline_count(self):
+    def test_tolerances_next_to_the_baseline_are_used(self):
         self.first_baseline()
         self.write_job(TINY.replace("peak_Pa = 100.0", "peak_Pa = 101.0"), "tiny.toml")
         (self.folder / "baselines" / "tiny.tolerances.toml").write_text('[tolerance]\n"*" = 0.02\n',
@@ -135,17 +138,17 @@ class Nightly(ProgramTest):
     def test_the_history_survives_a_killed_night(self):
         self.first_baseline()
         self.night()
-        kept = self.ask("SELECT * FROM reading ORDER BY night, job, case_name, column")
+        kept = self.query("SELECT * FROM reading ORDER BY night, job, case_name, column")
         self.write_job(LONG, "long.toml")
         process = self.start_night("long.toml")
-        os.kill(process.pid, signal.SIGKILL)  # its program works on: the folder is not free yet
+        os.kill(process.pid, signal.SIGKILL)  # the program continues to run and holds the lock
         process.wait()
-        self.says(self.night(expect=6), "another night is at work")
+        self.says(self.night(expect=6), "another night is running")
         os.killpg(process.pid, signal.SIGKILL)
-        # The lock goes with the last process that holds it, a moment after the signal.
+        # The lock is released when its last process has ended, shortly after the signal.
         self.wait_for(lambda: self.lock_is_free(), "the lock")
         self.assertEqual(self.verdicts(), ["no baseline", "equal", UNFINISHED])
-        self.assertEqual(self.ask("SELECT * FROM reading ORDER BY night, job, case_name, column"), kept)
+        self.assertEqual(self.query("SELECT * FROM reading ORDER BY night, job, case_name, column"), kept)
         self.night()
         self.assertEqual(self.verdicts(), ["no baseline", "equal", UNFINISHED, "equal"])
         self.assertIn(UNFINISHED, self.page())
@@ -157,7 +160,7 @@ class Nightly(ProgramTest):
         os.close(handle)
         return True
 
-    def test_a_night_killed_while_it_is_written_is_not_there_in_part(self):
+    def test_a_night_killed_while_it_is_stored_leaves_no_partial_results(self):
         self.nights.mkdir()
         path = self.nights / "history.sqlite"
         history = History(path)
@@ -165,13 +168,13 @@ class Nightly(ProgramTest):
                        [("tiny", "case", "eta_1", 0.5)], [])
         history.close()
         script = KILLED_WITHIN.format(modules=str(ROOT / "analysis" / "nightly"), path=str(path))
-        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=60)
+        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=PATIENCE_s)
         self.assertEqual(done.returncode, -signal.SIGKILL)
         self.assertEqual(self.verdicts(), ["equal", UNFINISHED])
-        self.assertEqual(self.ask("SELECT night, value FROM reading"), [(1, 0.5)])
-        self.assertEqual(self.ask("SELECT * FROM job"), [])
+        self.assertEqual(self.query("SELECT night, value FROM reading"), [(1, 0.5)])
+        self.assertEqual(self.query("SELECT * FROM job"), [])
 
-    def test_a_damaged_history_is_told_and_not_written_over(self):
+    def test_a_damaged_history_is_reported_and_not_overwritten(self):
         self.nights.mkdir()
         path = self.nights / "history.sqlite"
         path.write_bytes(b"no database, " * 100)
@@ -179,52 +182,65 @@ class Nightly(ProgramTest):
         self.says(self.night(expect=6), "history.sqlite", "move it away")
         self.assertEqual(path.read_bytes(), before)
 
-    def test_a_job_that_breaks_is_told_and_the_others_go_on(self):
+    def test_a_failed_job_is_reported_and_the_others_continue(self):
         self.first_baseline()
         self.write_job(changed(("peak_Pa", "peek_Pa")), "bad.toml")
-        said = self.night("bad.toml", expect=3)
-        self.says(said, "tiny: equal", "bad: broke", "did you mean peak_Pa")
-        self.says(self.page(), "bad: broke", "did you mean peak_Pa")
+        output = self.night("bad.toml", expect=3)
+        self.says(output, "tiny: equal", "bad: failed", "did you mean peak_Pa")
+        self.says(self.page(), "bad: failed", "did you mean peak_Pa")
         self.assertEqual(self.junit()["bad", "the sweep"].tag, "error")
         self.says(self.night("nothing", expect=2), "no such job", "quickstart")
         (self.folder / "build.log").write_text("x.cpp:1: error: <no such thing>\n", encoding="utf-8")
         self.says(self.night("--build-failed", "build.log", expect=1), "the build failed")
         self.assertIn("&lt;no such thing&gt;", self.page())
 
-    def test_without_names_it_takes_the_jobs_that_have_baselines(self):
-        self.says(self.script("nightly", "--no-bench", expect=2), "holds no baselines", "name the jobs")
+    def test_without_names_all_jobs_with_baselines_are_run(self):
+        self.says(self.script("nightly", "--no-bench", expect=2), "contains no baselines", "specify the jobs")
         (self.folder / "baselines").mkdir()
         (self.folder / "baselines" / "nothing.csv").write_text("id\n", encoding="utf-8")
         self.says(self.script("nightly", "--no-bench", expect=2), "nothing", "no such job")
 
-    def test_a_case_that_fails_makes_no_baseline(self):
+    def test_a_failed_case_is_rejected_as_baseline(self):
         self.first_baseline()
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')), "tiny.toml")
         self.says(self.night(expect=5), "missing case")
         table = self.nights / "runs" / "tiny" / "tables" / "small.csv"
         table.write_text(table.read_text(encoding="utf-8").replace("complete", "failed"), encoding="utf-8")
-        self.says(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not whole")
+        self.says(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not complete")
 
-    def test_speed_is_a_ratio_to_the_floor_of_the_same_night(self):
+    def test_speed_is_relative_to_a_lower_bound_of_the_same_night(self):
         self.first_baseline()
         self.script("nightly", "tiny.toml", "--ranks", "1")
-        speeds = dict(self.ask("SELECT name, ratio FROM speed"))
-        for name in ("layered: its time over that of its bare FFTW planes",
-                     "spectral: its time over that of bare FFTs", "spectral: its time over that of memory"):
-            self.assertGreater(speeds[name], 0.5)  # 1 is the floor; its own measurement is no better
+        speeds = dict(self.query("SELECT name, ratio FROM speed"))
+        for name in ("layered: time relative to all FFTs", "spectral: time relative to FFTs of planes",
+                     "spectral: time relative to memory traffic"):
+            self.assertGreater(speeds[name], 0.5)  # the bound is 1; its measurement has an error as well
             self.assertIn(name, self.page())
-        self.assertIn("tiny: its median case over the floor of layered", speeds)
+        self.assertIn("tiny: median case relative to FFTs of layered", speeds)
 
-    def test_slower_is_what_is_slower_two_nights_running(self):
+    def test_speeds_of_earlier_versions_continue_under_their_new_names(self):
+        self.nights.mkdir()
+        path = self.nights / "history.sqlite"
+        history = History(path)
+        history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [], [],
+                       [("spectral: its time over that of bare FFTs", 1.5),
+                        ("tiny: its median case over the floor of layered", 2.5)])
+        history.close()
+        History(path).close()
+        self.assertEqual(sorted(self.query("SELECT name, ratio FROM speed")),
+                         [("spectral: time relative to FFTs of planes", 1.5),
+                          ("tiny: median case relative to FFTs of layered", 2.5)])
+
+    def test_slower_requires_two_consecutive_slow_nights(self):
         self.nights.mkdir()
         history = History(self.nights / "history.sqlite")
         self.addCleanup(history.close)
-        said = []
+        slower = []
         for ratio in (2.0, 2.1, 1.9, 2.0, 4.0, 2.0, 3.0, 3.1):
             number = history.begin("2026-01-02T00:00:00", "git", "host")
             history.finish(number, "equal", [], [], [("layered", ratio)])
-            said.append(nightly.slower_than_before(history, number, history.nights(60)))
-        self.assertEqual(said, [[]] * 7 + [["layered"]])
+            slower.append(nightly.slower_than_before(history, number, history.nights(60)))
+        self.assertEqual(slower, [[]] * 7 + [["layered"]])
 
 
 if __name__ == "__main__":

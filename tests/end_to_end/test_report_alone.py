@@ -1,4 +1,5 @@
-"""`shearwake report` on what a run has left behind, with the real program."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""`shearwake report` on a folder that contains only case files."""
 import shutil
 import unittest
 
@@ -6,7 +7,7 @@ from program import ProgramTest
 
 
 class ReportAlone(ProgramTest):
-    def test_the_case_files_alone_make_the_page(self):
+    def test_case_files_suffice_for_the_page(self):
         self.write_job()
         self.shearwake("run", "job.toml")
         shutil.copytree(self.out / "cases", self.folder / "copy" / "cases")
@@ -18,7 +19,7 @@ class ReportAlone(ProgramTest):
                   "reference = { kind = &quot;STM&quot; }")
         self.assertTrue((self.folder / "copy" / "report" / "gain.pdf").exists())
 
-    def test_a_folder_with_neither_plan_nor_cases_is_refused(self):
+    def test_a_folder_with_neither_plan_nor_cases_is_rejected(self):
         (self.folder / "copy" / "cases").mkdir(parents=True)
         self.says(self.shearwake("report", "copy", expect=6).said, "cannot read copy/plan.json")
 

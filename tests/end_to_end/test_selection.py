@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Parts of a sweep: --only, --shard, -S, --out."""
 import json
 import unittest
@@ -10,16 +11,16 @@ class Selection(ProgramTest):
         super().setUp()
         self.write_job()
 
-    def test_only_computes_what_is_named(self):
+    def test_only_computes_the_selected_cases(self):
         self.shearwake("run", "job.toml", "--shard", "1/4")
         ids = plan_ids(self.out)
         said = self.shearwake("run", "job.toml", "--only", f"{ids[1]},{ids[3]}").said
         self.says(said, "2 computed now", "2 not selected")
         self.assertEqual(started(self.out), [ids[0], *sorted((ids[1], ids[3]), key=started(self.out).index)])
         self.assertEqual({path.stem for path in case_files(self.out)}, {ids[0], ids[1], ids[3]})
-        self.says(self.shearwake("status", self.out).said, "3 done", "1 left", "shearwake run")
+        self.says(self.shearwake("status", self.out).said, "3 done", "1 remaining", "shearwake run")
 
-    def test_progress_as_json_for_other_programs(self):
+    def test_progress_is_logged_as_json(self):
         for shard in ("1/2", "2/2"):
             self.shearwake("run", "job.toml", "--shard", shard, "--quiet", "--log-json", "progress.jsonl")
             lines = (self.folder / "progress.jsonl").read_text(encoding="utf-8").splitlines()
@@ -30,14 +31,14 @@ class Selection(ProgramTest):
             self.assertRegex(last["time"], r"^\d{4}-\d\d-\d\dT")
         self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
-    def test_an_unknown_id_is_refused(self):
+    def test_an_unknown_id_is_rejected(self):
         self.shearwake("run", "job.toml", "--shard", "1/4")
         name = plan_ids(self.out)[2]
         wrong = name[:-1] + ("0" if name[-1] != "0" else "1")
         said = self.shearwake("run", "job.toml", "--only", wrong, expect=2).said
         self.says(said, wrong, f"did you mean {name}")
 
-    def test_shards_make_the_whole(self):
+    def test_shards_together_compute_all_cases(self):
         whole = self.folder / "whole"
         self.shearwake("run", "job.toml", "--out", whole)
         self.shearwake("reduce", whole)
@@ -49,7 +50,7 @@ class Selection(ProgramTest):
         for wrong in ("0/2", "3/2", "x", "1/0", "1/2/3", "-1/2"):
             self.says(self.shearwake("run", "job.toml", f"--shard={wrong}", expect=2).said, "I/N", wrong)
 
-    def test_overrides_change_the_plan_and_are_remembered(self):
+    def test_overrides_change_the_plan_and_are_recorded(self):
         self.shearwake("run", "job.toml", "--out", "twice", "-S", "load.peak_Pa=200", "-S",
                        'job.title="twice the load"')
         self.shearwake("run", "job.toml", "--out", "once")
@@ -63,20 +64,20 @@ class Selection(ProgramTest):
         said = self.shearwake("show", case_files(twice)[0]).said
         self.says(said, "twice the load", "load.peak_Pa=200")
 
-    def test_status_names_a_command_that_goes_on_with_overrides(self):
+    def test_status_prints_the_command_with_the_overrides(self):
         self.shearwake("run", "job.toml", "--out", "part", "-S", "load.peak_Pa=200", "--shard", "1/2")
         said = self.shearwake("status", "part").said
         command = next(line for line in said.splitlines() if line.startswith("next: shearwake "))
         words = command.removeprefix("next: shearwake ").replace("'", "").split()
-        self.says(self.shearwake(*words).said, "2 computed now", "2 there before")
+        self.says(self.shearwake(*words).said, "2 computed now", "2 already complete")
 
-    def test_a_wrong_override_is_refused(self):
+    def test_an_invalid_override_is_rejected(self):
         self.says(self.shearwake("run", "job.toml", "-S", "load.peek_Pa=200", expect=3).said,
                   "peek_Pa", "did you mean peak_Pa")
-        self.says(self.shearwake("run", "job.toml", "-S", "load.peak_Pa", expect=2).said, "key=value")
+        self.says(self.shearwake("run", "job.toml", "-S", "load.peak_Pa", expect=2).said, "KEY=VALUE")
         self.assertFalse(self.out.exists())
 
-    def test_a_folder_of_another_plan_is_refused(self):
+    def test_a_folder_of_another_plan_is_rejected(self):
         self.shearwake("run", "job.toml", "--shard", "1/4")
         before = (self.out / "plan.json").read_bytes()
         said = self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).said

@@ -1,4 +1,5 @@
-"""Pictures of modulations, with the real program."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Pictures of modulations."""
 import unittest
 
 from program import ROOT, ProgramTest
@@ -11,25 +12,25 @@ class ShowModulation(ProgramTest):
         self.says(said, "picture: job.modulation.png")
         picture = (self.folder / "job.modulation.png").read_bytes()
         self.assertTrue(picture.startswith(b"\x89PNG"))
-        self.assertLess(len(picture), 60_000)  # small enough for the manual
+        self.assertLess(len(picture), 60_000)  # small enough for the documentation
         self.assertEqual(list(self.folder.glob("*.json")), [])
 
-    def test_its_ending_decides_what_a_picture_is(self):
+    def test_the_extension_determines_the_format_of_a_picture(self):
         self.write_job()
         self.shearwake("show", "--modulation", "job.toml", "--picture", "m.svg",
                        "-S", "load.modulation.speed_m_s=3", ranks=2)
         self.assertIn("<svg", (self.folder / "m.svg").read_text(encoding="utf-8"))
 
-    def test_running_and_drawing_pointers_can_be_drawn(self):
+    def test_moving_and_drawing_pointers_can_be_drawn(self):
         for job in ("fig2.4.toml", "pointers.toml"):
             self.shearwake("show", "--modulation", ROOT / "jobs" / job, "--picture", "m.png")
             (self.folder / "m.png").unlink()  # it was there
 
-    def test_what_cannot_be_drawn_is_said(self):
+    def test_errors_are_reported(self):
         self.write_job()
         said = self.shearwake("show", "--modulation", "job.toml", "--picture", "no/such/m.png",
                               expect=6).said
-        self.says(said, "cannot write", "--picture names another place")
+        self.says(said, "cannot write", "use --picture to choose another folder")
         self.says(self.shearwake("show", expect=2).said, "--modulation")
 
 

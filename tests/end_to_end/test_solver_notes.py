@@ -1,4 +1,5 @@
-"""What an engine chose and why, before and after the run."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The choices of an engine and their reasons, before and after the run."""
 import unittest
 
 import xarray
@@ -24,22 +25,23 @@ class SolverNotes(ProgramTest):
         with xarray.open_dataset(path, decode_timedelta=False) as case:
             return dict(case.attrs)
 
-    def test_a_bone_tells_of_its_cap_and_its_iterations(self):
+    def test_notes_of_a_bone_state_its_capped_stiffness_and_iterations(self):
         self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
         said = self.shearwake("plan", "job.toml").said
-        held = "medium.body[1] is 1.99e+05 times as stiff in shear as the layer around it and will be held to 1000 " \
-               "times (contrast_cap): it reflects 0."
-        self.says(said, "time step 33.33 us for an accuracy of 0.001", "the scan is fastest", "the modulation is fastest")
-        for line in (held, "differs from the layers in density"):
+        capped = "medium.body[1]: shear stiffness 1.99e+05 times that of the surrounding layer is capped at 1000 " \
+                 "times (contrast_cap): it reflects 0."
+        self.says(said, "time step 33.33 us for an accuracy of 0.001", "limited by the scan (",
+                  "limited by the modulation (")
+        for line in (capped, "differs from the layers in density"):
             self.assertEqual(said.count(line), 1, said)  # of two cases
 
         said = self.shearwake("run", "job.toml").said
-        self.assertEqual(said.count("is held to 1000 times: it reflects 0.9"), 1, said)
+        self.assertEqual(said.count("is capped at 1000 times: it reflects 0.9"), 1, said)
         self.assertEqual(said.count("iterations"), 2, said)  # each case has its own
         for path in case_files(self.out):
             found = self.attributes(path)
             notes = found["solver_notes"].split("\n")
-            self.assertTrue(any("is held to 1000 times" in note for note in notes), notes)
+            self.assertTrue(any("is capped at 1000 times" in note for note in notes), notes)
             self.assertTrue(any("the density varies" in note for note in notes), notes)
             self.assertEqual(found["solver_steps"] % 12, 0)  # frames
             self.assertGreaterEqual(found["solver_steps"], 12)
@@ -47,9 +49,9 @@ class SolverNotes(ProgramTest):
             self.assertGreater(found["solver_most_iterations"], 1)
         shown = self.shearwake("show", path).said
         self.says(shown, f"solver:   {found['solver_steps']} steps, {found['solver_iterations']} iterations, "
-                         f"{found['solver_most_iterations']} at most in a step", *notes)
+                         f"at most {found['solver_most_iterations']} per step", *notes)
 
-    def test_edges_that_absorb_are_told_and_change_the_field(self):
+    def test_absorbing_edges_are_noted_and_change_the_field(self):
         changes = (SPECTRAL, ("duration_ms = 4.0", "duration_ms = 6.0"), (SWEEP, SWEEP.replace("400, ", "")))
         edges = (('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""),
                  ("spacing_mm = 1.5", "spacing_mm = 1.5\nsponge_mm = 16.0"))
@@ -61,18 +63,18 @@ class SolverNotes(ProgramTest):
         self.shearwake("run", "open.toml", "--out", "open", ranks=2)
         self.shearwake("reduce", "open")
         shown = self.shearwake("show", case_files(self.folder / "open")[0]).said
-        self.says(shown, "the sponge of 16 mm gives back", "absorber")
+        self.says(shown, "the sponge of 16 mm returns", "absorber")
         for held, free in zip(case_files(self.out), case_files(self.folder / "open"), strict=True):
             with (xarray.open_dataset(held, decode_timedelta=False) as a,
                   xarray.open_dataset(free, decode_timedelta=False) as b):
                 self.assertLess(b.attrs["solver_energy_J"] / b.attrs["solver_work_J"],
                                 0.9 * a.attrs["solver_energy_J"] / a.attrs["solver_work_J"])
 
-    def test_layers_tell_of_steps_alone(self):
+    def test_notes_of_layers_state_only_the_time_step(self):
         steps = ('engine = "layered"', 'engine = "spectral"\nspectral = { time_step_us = 50.0 }')
         self.write_job(without_reference(steps, *SHORT))
         said = self.shearwake("run", "job.toml").said
-        self.assertEqual(said.count("time step"), 1, said)  # news once
+        self.assertEqual(said.count("time step"), 1, said)  # a message is printed only once
         self.assertNotIn("iterations", said)
         quiet = self.shearwake("run", "job.toml", "--out", "other", "--quiet")
         self.assertEqual(quiet.stderr, "")
@@ -83,7 +85,7 @@ class SolverNotes(ProgramTest):
             self.assertGreater(found["solver_energy_J"], 0.0)
             self.assertLess(found["solver_energy_J"], found["solver_work_J"])  # it is viscous
 
-    def test_an_engine_that_does_not_step_has_none(self):
+    def test_engine_layered_has_no_notes(self):
         self.write_job(changed(*SHORT))
         self.assertNotIn("over depth", self.shearwake("plan", "job.toml").said)
         self.shearwake("run", "job.toml")

@@ -1,4 +1,5 @@
-"""A whole sweep as a user does it: check, plan, run, status, reduce, show, and what is in the files."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""A complete sweep with the commands check, plan, run, status, reduce and show, and the content of its files."""
 import json
 import re
 import tomllib
@@ -33,10 +34,10 @@ class Sweep(ProgramTest):
         done = self.shearwake("run", "job.toml", "--out", out, ranks=ranks)
         return out, done
 
-    def test_every_verb_in_turn(self):
+    def test_all_commands_in_turn(self):
         self.write_job()
         said = self.shearwake("check", "job.toml").said
-        self.says(said, "4 cases", "no mistakes")
+        self.says(said, "4 cases", "no errors")
         listed = re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml").said)
         self.assertEqual(len(listed), 4)
 
@@ -49,13 +50,13 @@ class Sweep(ProgramTest):
 
         before = {path: path.stat().st_mtime_ns for path in case_files(self.out)}
         said = self.shearwake("run", "job.toml").said
-        self.says(said, "0 computed now", "4 there before")
-        self.assertEqual(sorted(started(self.out)), sorted(listed), "a whole case was started again")
+        self.says(said, "0 computed now", "4 already complete")
+        self.assertEqual(sorted(started(self.out)), sorted(listed), "a complete case was started again")
         self.assertEqual(before, {path: path.stat().st_mtime_ns for path in case_files(self.out)})
 
         self.says(self.shearwake("status", self.out).said, "4 done", "0 failed", "reduce")
         said = self.shearwake("reduce", self.out).said
-        self.says(said, "4 of them whole", "small.csv", "small.md")
+        self.says(said, "4 cases: 4 complete", "small.csv", "small.md")
         rows = table(self.out)
         self.assertEqual([row["id"] for row in rows], plan_ids(self.out))
         self.assertEqual([row["load.modulation.am_frequency_Hz"] for row in rows],
@@ -70,7 +71,7 @@ class Sweep(ProgramTest):
         self.says(said, plan_ids(self.out)[0], "a small sweep, \u03b7", "complete", "eta_at_1",
                   "am_frequency_Hz")
 
-    def test_other_numbers_of_ranks_give_the_same_numbers(self):
+    def test_results_do_not_depend_on_the_number_of_ranks(self):
         self.write_job()
         one, _ = self.sweep(1, "one")
         first = {path.stem: numbers_of(path) for path in case_files(one)}
@@ -86,8 +87,8 @@ class Sweep(ProgramTest):
                 self.assertEqual(set(other), set(first[path.stem]))
                 self.assertIn("surface/u_z", other)
                 for name, values in first[path.stem].items():
-                    # Sums over slabs are taken in another order, nothing else differs; the angle's
-                    # fit and the spectrum's peak divide differences and keep fewer digits.
+                    # Only the order of sums over slabs differs. The fit of the angle and the
+                    # peak of the spectrum divide differences and are therefore less accurate.
                     fitted = name.startswith(("mach_angle", "peak_frequency"))
                     tolerance = 1e-9 if fitted else 1e-12
                     scale, here = first[path.stem][exact_as(name)], other[name]
@@ -98,7 +99,7 @@ class Sweep(ProgramTest):
                                                   err_msg=name)
                 self.assertTrue(numpy.isfinite(other["surface/u_z"]).all())
 
-    def test_same_job_gives_the_same_bytes_of_numbers(self):
+    def test_the_same_job_gives_identical_numbers(self):
         self.write_job()
         once, _ = self.sweep(1, "once")
         again, _ = self.sweep(1, "again")
@@ -109,7 +110,7 @@ class Sweep(ProgramTest):
                 if name != "wall_s":
                     numpy.testing.assert_array_equal(other[name], values, err_msg=name)
 
-    def test_xarray_opens_a_case_as_it_is(self):
+    def test_xarray_opens_a_case_file(self):
         self.write_job()
         out, _ = self.sweep(1)
         for path in case_files(out):
@@ -118,7 +119,7 @@ class Sweep(ProgramTest):
                     self.assertGreater(len(data.data_vars), 0)
                     for name, variable in data.variables.items():
                         self.assertTrue(variable.attrs.get("long_name"), name)
-                        # xarray takes the units of times into the values.
+                        # xarray converts times according to their units.
                         self.assertTrue(variable.attrs.get("units") or
                                         variable.encoding.get("units"), name)
             with xarray.open_dataset(path, group="surface") as data:
@@ -133,7 +134,7 @@ class Sweep(ProgramTest):
                 self.assertEqual(data["u_z"].dims, ("trace", "time"))
                 self.assertEqual(data["amplitude"].dims, ("trace", "frequency"))
 
-    def test_files_say_where_they_come_from(self):
+    def test_files_contain_their_provenance(self):
         self.write_job()
         out, _ = self.sweep(2)
         cases = {case["id"]: case for case in plan(out)["cases"]}
@@ -156,27 +157,27 @@ class Sweep(ProgramTest):
             self.assertLessEqual(text["started"], text["ended"])
             self.assertEqual(json.loads(text["settings"]), cases[path.stem]["settings"])
 
-    def test_frames_have_an_xdmf_beside_them(self):
+    def test_frames_have_an_xdmf_file(self):
         self.write_job()
         out, _ = self.sweep(1)
         for path in case_files(out):
             text = path.with_suffix(".xdmf").read_text(encoding="utf-8")
             self.assertIn(path.name + ":/surface/u_z", text)
 
-    def test_ranks_say_things_once(self):
+    def test_messages_are_printed_by_one_rank(self):
         self.write_job()
-        for verb in ("check", "plan", "run"):
-            said = self.shearwake(verb, "job.toml", ranks=2).said
+        for command in ("check", "plan", "run"):
+            said = self.shearwake(command, "job.toml", ranks=2).said
             lines = [line for line in said.splitlines() if len(line) > 20]
             self.assertEqual(len(lines), len(set(lines)), said)
-        for verb in ("status", "reduce"):
-            said = self.shearwake(verb, self.out, ranks=2).said
+        for command in ("status", "reduce"):
+            said = self.shearwake(command, self.out, ranks=2).said
             lines = [line for line in said.splitlines() if line]
             self.assertEqual(len(lines), len(set(lines)), said)
         said = self.shearwake("check", "nowhere.toml", ranks=2, expect=6).said
         self.assertEqual(said.count("cannot read"), 1, said)
 
-    def test_the_journal_tells_the_run(self):
+    def test_the_journal_records_the_run(self):
         self.write_job()
         out, _ = self.sweep(2)
         events = [line["event"] for line in journal(out)]

@@ -1,17 +1,18 @@
-"""What the thesis' figures show, by coarse versions of the jobs that draw them."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""The trends in the figures of the thesis, computed with coarse versions of their jobs."""
 import re
 import unittest
 
 from program import ROOT, ProgramTest, table
 
-# Where docs/thesis.md prints figure 2.2: FWHM in mm, and the first of three rows.
+# Headings of figure 2.2 in docs/explanation/thesis.md: FWHM in mm, and the first of three rows.
 BLOCKS = [(width, f"| FWHM {width} mm: dominant frequency of du_z/dt (Hz) |") for width in "26"]
 SWEEP = re.compile(r"\[sweep\]\n.*?\n\n", re.DOTALL)
 
 
 def printed(first_row):
     """Five numbers of each of three rows: dominant frequency, shares of du_z/dt and of u_z."""
-    lines = (ROOT / "docs" / "thesis.md").read_text(encoding="utf-8").splitlines()
+    lines = (ROOT / "docs" / "explanation" / "thesis.md").read_text(encoding="utf-8").splitlines()
     at = next(n for n, line in enumerate(lines) if line.startswith(first_row))
     return [[float(cell) for cell in line.split("|")[2:7]] for line in lines[at:at + 3]]
 
@@ -43,29 +44,29 @@ class ThesisTrends(ProgramTest):
             return [float(cases[f][name]) for f in frequencies]
         return column("eta_period_over_reference_1"), column("focal_rms_over_reference_1")
 
-    # All windows are the same 10 ms. The steps that are compared are 1 to 7 % on the fine grid,
-    # which this one follows to 0.5 %.
+    # All time windows are 10 ms long. The compared differences are 1 to 7 % on the fine grid, and this grid is in
+    # error by 0.5 %.
     def test_speed_modulation_falls_monotonically_toward_plain_scanning(self):
         eta, strength = self.frequency_sweep("fig2.4.toml", "sm_frequency_Hz",
                                              [100, 200, 300, 400, 500, 600])
         self.assertEqual(eta, sorted(eta, reverse=True))
         self.assertGreater(eta[0], 1.15)
         self.assertAlmostEqual(eta[-1], 1.0, delta=0.01)
-        for value in strength:  # it keeps its strength
+        for value in strength:  # the strength is preserved
             self.assertTrue(0.98 < value < 1.11, value)
 
     def test_amplitude_modulation_rises_and_falls_toward_plain_scanning(self):
         eta, strength = self.frequency_sweep("fig2.3.toml", "am_frequency_Hz",
                                              [100, 200, 300, 400, 500, 600, 800])
-        self.assertEqual(eta[2:], sorted(eta[2:], reverse=True))  # from 300 Hz up
-        self.assertLess(eta[0], eta[1])  # a slow one is plain scanning at every instant
+        self.assertEqual(eta[2:], sorted(eta[2:], reverse=True))  # from 300 Hz on
+        self.assertLess(eta[0], eta[1])  # slow modulation resembles plain scanning
         self.assertGreater(eta[-1], 1.0)
         self.assertEqual(strength, sorted(strength, reverse=True))
-        for value in strength:  # half of it at most is left of a force of half the mean
+        for value in strength:  # half the mean force preserves at most half of the strength
             self.assertTrue(0.5 < value < 0.62, value)
 
-    # A coarse grid: 2 points across a focus of 2 mm, 3 across one of 6. The spectrum of a Gaussian
-    # ends early: what the manual prints comes out to its last digit. 2 %: whole Hz, from 34 up.
+    # The grid is coarse: 2 points per FWHM of 2 mm, 3 per FWHM of 6 mm. Since the spectrum of a Gaussian decreases
+    # rapidly, it reproduces the printed digits. The tolerance of 2 % is the rounding to 1 Hz of values from 34 Hz on.
     def test_what_the_manual_says_of_speed_and_size_comes_out(self):
         text = (ROOT / "jobs" / "fig2.2.toml").read_text(encoding="utf-8")
         fine = '"domain.spacing_mm" = [0.6, 1.5]'
@@ -80,7 +81,7 @@ class ThesisTrends(ProgramTest):
             frequency, velocity, displacement = printed(first_row)
             rows = [found[width, speed] for speed in ("1", "3", "5", "7", "9")]
             peaks = [float(row["velocity_peak_frequency_Hz"]) for row in rows]
-            self.assertEqual(peaks, sorted(peaks))  # it rises with the speed
+            self.assertEqual(peaks, sorted(peaks))  # increases with the speed
             for n, row in enumerate(rows):
                 with self.subTest(fwhm_mm=width, speed_m_s=row["load.modulation.speed_m_s"]):
                     self.assertAlmostEqual(peaks[n], frequency[n], delta=0.02 * frequency[n])

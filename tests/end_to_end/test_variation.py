@@ -1,8 +1,9 @@
-"""Bodies and maps in job files, with the real program and the maps that scripts/make-map makes."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bodies and maps in job files, with maps that scripts/make-map writes."""
 import subprocess
 import unittest
 
-from program import ROOT, ProgramTest, changed, environment, without_reference
+from program import PATIENCE_s, ROOT, ProgramTest, changed, environment, without_reference
 
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
 MAP = ('base = "rigid"', 'base = "rigid"\nmap = "maps/soft.h5"')
@@ -22,38 +23,38 @@ class Variation(ProgramTest):
         (self.folder / "maps").mkdir(exist_ok=True)
         done = subprocess.run([ROOT / "scripts" / "make-map", self.folder / "maps" / name,
                                "--extent_mm", "72", "48", *options], env=environment(), check=False,
-                              capture_output=True, encoding="utf-8", timeout=60)
+                              capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
-    def test_make_map_makes_what_a_job_takes(self):
+    def test_a_job_accepts_a_map_of_make_map(self):
         self.says(self.make_map(), "97 x 65 x 28 points, c_s from 5 to 1", "m/s")
         self.write_job(changed(SPECTRAL, MAP))
         said = self.shearwake("check", "job.toml", ranks=2).said
         self.assertNotIn("medium.map", said)
 
-    def test_a_map_is_looked_for_beside_the_job(self):
+    def test_the_path_of_a_map_is_relative_to_the_job(self):
         self.make_map()
         (self.folder / "elsewhere").mkdir()
         self.write_job(changed(SPECTRAL, MAP), name="elsewhere/job.toml")
         said = self.shearwake("check", "elsewhere/job.toml", ranks=2, expect=3).said
         self.says(said, "elsewhere/job.toml:9:7: error: medium.map cannot be used",
-                  "elsewhere/maps/soft.h5 is not there")
+                  "elsewhere/maps/soft.h5 does not exist")
 
-    def test_a_map_that_is_none_is_a_mistake_in_the_job(self):
+    def test_an_invalid_map_is_an_error_in_the_job(self):
         (self.folder / "maps").mkdir()
         (self.folder / "maps" / "soft.h5").write_text("x_m,y_m,z_m\n", encoding="utf-8")
         self.write_job(changed(SPECTRAL, MAP))
         self.says(self.shearwake("check", "job.toml", expect=3).said, "job.toml:9:7: error: medium.map",
                   "soft.h5")
 
-    def test_the_layered_engine_says_which_one_takes_them(self):
+    def test_the_error_of_engine_layered_names_a_suitable_engine(self):
         self.make_map()
         self.write_job(without_reference(MAP, BONE))
         said = self.shearwake("check", "job.toml", expect=3).said
         self.says(said, "medium.map: the engine", "medium.body: the engine", 'solver.engine = "spectral"')
 
-    def test_bones_at_several_depths_are_as_many_cases(self):
+    def test_each_depth_of_a_bone_is_a_case(self):
         text = without_reference(SPECTRAL, BONE)
         text = text.replace("[sweep]\n", '[sweep]\n"medium.body[1].depth_mm" = [10, 12, 14]\n')
         self.write_job(text)

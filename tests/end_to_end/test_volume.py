@@ -1,4 +1,5 @@
-"""Volume snapshots as xarray and ParaView open them."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Volume snapshots for xarray and ParaView."""
 import shutil
 import unittest
 import xml.etree.ElementTree as ElementTree
@@ -24,7 +25,7 @@ def extents(item):
 
 
 def along(values, axis, spacing_m):
-    """The derivative of a periodic field, whose highest wave is empty."""
+    """The derivative of a periodic field without its highest mode."""
     count = values.shape[axis]
     k = 2j * numpy.pi * numpy.fft.fftfreq(count, spacing_m)
     k[count // 2] = 0.0
@@ -52,15 +53,15 @@ class Volume(ProgramTest):
             self.assertEqual(float(volume.z[0]), 0.0)
             self.assertAlmostEqual(float(volume.z[-1]), 0.02)
             self.assertTrue((volume.z.diff("z") > 0).all())
-            # The same field twice, each in its own order of x and y.
+            # The same field in both orders of x and y.
             top = volume.u_z.isel(z=0).transpose("time", "x", "y").values
             kept = surface.u_z.isel(depth=0).values
             scale = numpy.abs(kept).max()
             self.assertGreater(scale, 0.0)
-            # The surface is interpolated between levels with weights of rounding's exactness.
+            # The surface is interpolated between levels with weights that are exact to rounding.
             self.assertLess(numpy.abs(top - kept).max(), 1e-12 * scale)
 
-    def test_strains_are_those_of_the_displacement_above_an_absorbing_bottom_too(self):
+    def test_strains_match_the_displacement_also_above_an_absorbing_bottom(self):
         endless = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=KEPT)
         for job, ranks in ((KEPT, 1), (endless, 2)):
             shutil.rmtree(self.out, ignore_errors=True)
@@ -75,10 +76,10 @@ class Volume(ProgramTest):
                     self.assertGreater(scale, 0.0)
                     difference = numpy.abs(volume[f"strain_{name}"].values - expected).max()
                     self.assertLess(difference, 1e-10 * scale, name)  # both are exact to rounding
-                # Tissue hardly changes its volume: c_p is 300 c_s.
+                # Tissue is nearly incompressible: c_p is 300 c_s.
                 self.assertLess(numpy.abs(xx + yy + volume.strain_zz.values).max(), 1e-2 * numpy.abs(xx).max())
 
-    def test_the_xdmf_names_what_the_file_has(self):
+    def test_the_xdmf_lists_the_fields_of_the_file(self):
         path = self.run_case()
         tree = ElementTree.parse(path.with_suffix(".volume.xdmf"))
         grids = tree.findall("./Domain/Grid/Grid")
@@ -111,7 +112,7 @@ class Volume(ProgramTest):
                     self.assertEqual(list(count), [1, *shape])
                 self.assertEqual([a.get("Name") for a in grid.findall("Attribute")], NAMES)
 
-    def test_the_exact_engine_says_who_keeps_volumes(self):
+    def test_the_error_of_engine_layered_names_engines_that_record_volumes(self):
         self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))
         said = self.shearwake("check", "job.toml", expect=3).said
         self.says(said, "record.volumes_ms", 'solver.engine = "spectral"')

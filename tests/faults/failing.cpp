@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* Loaded in front of the C library (LD_PRELOAD): a system in a bad way, for the tests beside this.
  *
  * Writes, flushes and renames of files whose path holds FAULT_PATH are counted in each process:
+ *   FAULT_CALL=name      counts these calls alone
  *   FAULT_KILL_AT=n     the n-th ends the process at once, half of what it writes being written
  *   FAULT_EIO_AT=n      the n-th fails with an I/O error; FAULT_EIO_COUNT=m: and the m - 1 after
  * it; FAULT_ERRNO=e: with another error What C++ allocates in pieces of 1 KB and more is counted as
@@ -44,9 +46,10 @@ int fd_counts(int fd) {
 }
 
 /* 0: go on; 1: fail; 2: end here. */
-int fate(int relevant) {
+int fate(int relevant, const char* call) {
     static long seen = 0;
-    if (!relevant) return 0;
+    const char* only = getenv("FAULT_CALL");
+    if (!relevant || (only && strcmp(only, call) != 0)) return 0;
     const long now = __sync_add_and_fetch(&seen, 1);
     if (now == number("FAULT_KILL_AT")) return 2;
     const long first = number("FAULT_EIO_AT"), many = number("FAULT_EIO_COUNT");
@@ -70,7 +73,7 @@ int failed(void) {
 extern "C" {
 
 ssize_t write(int fd, const void* data, size_t size) {
-    const int f = fate(fd_counts(fd));
+    const int f = fate(fd_counts(fd), "write");
     if (f == 2) {
         REAL(write)(fd, data, size / 2);
         end();
@@ -79,7 +82,7 @@ ssize_t write(int fd, const void* data, size_t size) {
 }
 
 ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
-    const int f = fate(fd_counts(fd));
+    const int f = fate(fd_counts(fd), "pwrite");
     if (f == 2) {
         REAL(pwrite)(fd, data, size / 2, at);
         end();
@@ -88,7 +91,7 @@ ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
 }
 
 ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
-    const int f = fate(fd_counts(fd));
+    const int f = fate(fd_counts(fd), "pwrite64");
     if (f == 2) {
         REAL(pwrite64)(fd, data, size / 2, at);
         end();
@@ -97,13 +100,13 @@ ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
 }
 
 int fsync(int fd) {
-    const int f = fate(fd_counts(fd));
+    const int f = fate(fd_counts(fd), "fsync");
     if (f == 2) end();
     return f ? failed() : REAL(fsync)(fd);
 }
 
 int rename(const char* from, const char* to) {
-    const int f = fate(counts(to));
+    const int f = fate(counts(to), "rename");
     if (f == 2) end();
     return f ? failed() : REAL(rename)(from, to);
 }

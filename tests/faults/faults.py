@@ -1,4 +1,5 @@
-"""What the tests of faults share: sweeps of both engines, kills, a system in a bad way."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""Common parts of the tests of faults: sweeps of both engines, kills, and injected failures."""
 import contextlib
 import csv
 import os
@@ -12,15 +13,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
 
-from program import (SWEEP, ProgramTest, command, environment, journal, plan,  # noqa: E402
-                     without_reference)
+from program import (PATIENCE_s, SWEEP, ProgramTest, command, environment, journal,  # noqa: E402
+                     plan, without_reference)
 from test_resume import alive, descendants  # noqa: E402
 
 HERE = Path(__file__).resolve().parent
 
 
 def both_engines(frequencies):
-    """A sweep over frequencies and engines; the cases of spectral have checkpoints and iterate."""
+    """A sweep over frequencies and engines; the cases of engine spectral iterate and write checkpoints."""
     return without_reference(
         (SWEEP, f'"load.modulation.am_frequency_Hz" = {[300 + 35 * i for i in range(frequencies)]}\n'
                 '"solver.engine" = ["layered", "spectral"]'),
@@ -30,7 +31,7 @@ def both_engines(frequencies):
 
 
 def failing_library(folder):
-    """failing.cpp, compiled."""
+    """Compiles failing.cpp."""
     library = folder / "failing.so"
     subprocess.run([os.environ.get("CXX", "g++"), "-shared", "-fPIC", "-O1", "-w", "-o", str(library),
                     str(HERE / "failing.cpp"), "-ldl"], check=True)
@@ -38,7 +39,7 @@ def failing_library(folder):
 
 
 def table_bytes(out):
-    """The table without its column of times, cell by cell as it is printed; it names no hosts."""
+    """The printed cells of the table without its column of times; it contains no hosts."""
     path = out / "tables" / f"{plan(out)['name']}.csv"
     with open(path, encoding="utf-8", newline="") as file:
         rows = list(csv.reader(file))
@@ -47,7 +48,7 @@ def table_bytes(out):
 
 
 class FaultTest(ProgramTest):
-    """Runs that are ended in every way, always by the same command."""
+    """Runs that are ended in different ways and always rerun with the same command."""
 
     def run_words(self, ranks_per_case, out):
         return ("run", "job.toml", "--out", out, "--ranks-per-case", ranks_per_case,
@@ -55,12 +56,12 @@ class FaultTest(ProgramTest):
 
     def undisturbed(self, ranks_per_case, ranks=2):
         out = self.folder / f"whole-{ranks_per_case}"
-        self.shearwake(*self.run_words(ranks_per_case, out), ranks=ranks, timeout_s=1800)
+        self.shearwake(*self.run_words(ranks_per_case, out), ranks=ranks, timeout_s=1800.0)
         self.shearwake("reduce", out)
         return table_bytes(out)
 
     def kill_once(self, chance, words, library, longest_s, ranks=2):
-        """One run that is killed; what killed it, or None when it had ended before."""
+        """Starts and kills a run; returns the kind of the kill, or None if the run ended before."""
         how = chance.choice(["all", "one", "writing", "launcher"])
         env = environment()
         if how == "writing":
@@ -74,14 +75,14 @@ class FaultTest(ProgramTest):
             time.sleep(0.005)
         pids = [process.pid, *descendants(process.pid)]
         if process.poll() is None:
-            # The processes of the program itself come after mpirun's own.
+            # The processes of the program have higher ids than those of mpirun.
             programs = [pid for pid in pids[1:] if self.is_program(pid)]
             victims = {"one": programs and [chance.choice(programs)], "launcher": pids[:1]}
             for pid in victims.get(how) or pids:
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
-        code = process.wait(60)
-        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end", 60)
+        code = process.wait(PATIENCE_s)
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
         return how if code != 0 else None
 
     @staticmethod
@@ -91,7 +92,7 @@ class FaultTest(ProgramTest):
         return False
 
     def assert_nothing_twice(self, out, kills, teams):
-        """No case begins again once it has ended, and a kill costs each team one case at most."""
+        """Asserts that no complete case was started again, and that each kill cost each team at most one case."""
         ended, begun = set(), {}
         for line in journal(out):
             if line["event"] == "finished":
@@ -107,7 +108,8 @@ class FaultTest(ProgramTest):
         self.assertEqual(list((out / "failed").glob("*")), [])
 
     def survive(self, seed, ranks_per_case, kills, reference, longest_s):
-        """A sweep under so many kills; returns how it was killed, and that it ended in one piece."""
+        """Runs a sweep with the given number of kills and asserts that it is complete; returns the kinds of the
+        kills."""
         chance = random.Random(seed)
         out = self.folder / "out" / f"killed-{seed}"
         words = self.run_words(ranks_per_case, out)
@@ -117,7 +119,7 @@ class FaultTest(ProgramTest):
             if how is None:
                 break
             done.append(how)
-        self.shearwake(*words, ranks=2, timeout_s=1800)
+        self.shearwake(*words, ranks=2, timeout_s=1800.0)
         self.shearwake("reduce", out)
         self.assertEqual(table_bytes(out), reference)
         self.assert_nothing_left(out)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""A hundred kills over a sweep of forty cases with both engines: the table must stay the same.
+# SPDX-License-Identifier: BSD-3-Clause
+"""A hundred kills during a sweep of forty cases with both engines; the table must not change.
 
-Usage: long_form.py [--kills N] [--seed S]     SHEARWAKE names the program (build/shearwake)
+Usage: long_form.py [--kills N] [--seed S]     SHEARWAKE: path of the program (default: build/shearwake)
 
-Sweep after sweep is begun and killed (all processes, one rank, the launcher, a rank within a write)
-until there were so many kills, every second one with both ranks on one case. Takes some minutes and
-ends with what was counted; exit code 1 when anything differs.
+Sweeps are started and killed (all processes, one rank, the launcher, or a rank during a write) until the number
+of kills is reached; every second sweep computes each case on both ranks. Takes some minutes and prints the
+counts; exit code 1 if a table differs.
 """
 import argparse
 import collections

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A system in a bad way: it stops runs, fails for a moment or for good, loses the folder or the time."""
 import errno
 import os
@@ -11,7 +12,7 @@ import h5py
 import numpy
 
 from faults import FaultTest, both_engines, command, environment, journal, table_bytes
-from program import JOB, LONG, case_files, changed, plan_ids, started, table
+from program import JOB, LONG, PATIENCE_s, case_files, changed, plan_ids, seal, started, table
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
 MANY = LONG.replace("1000, 12]", "1000, 400]")
@@ -23,23 +24,23 @@ class Stops(FaultTest):
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         (self.out / "STOP").touch()
-        said = process.communicate(timeout=120)[0]
+        said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
-        self.says(said, "STOP asks for a stop: remove it", "next: shearwake run")
+        self.says(said, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
         self.assertLess(there, 400, "it was too fast to be stopped")
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
         self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
-        self.says(self.shearwake("status", self.out).said, "STOP asks for a stop", "remove it")
+        self.says(self.shearwake("status", self.out).said, "STOP stops all runs", "remove it")
         (self.out / "STOP").unlink()
-        self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} there before")
+        self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
         self.assertEqual(len(started(self.out)), 400)
 
     def test_the_time_that_is_left_stops_it(self):
         self.write_job(MANY)
         self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
-                  "--walltime wants", "1:30:00")
-        said = self.shearwake("run", "job.toml", "--walltime", "0:01", expect=75).said
+                  "must be seconds or days-hours:minutes:seconds", "1:30:00")
+        said = self.shearwake("run", "job.toml", "--walltime", "0:04", expect=75).said
         self.says(said, "stopped early", "400 cases")
         first = len(case_files(self.out))
         self.assertGreater(first, 0, said)
@@ -69,7 +70,7 @@ class Failing(FaultTest):
                **{f"FAULT_{name}": str(value) for name, value in faults.items()}}
         done = subprocess.run(command("run", "job.toml", *words, ranks=ranks), cwd=self.folder, env=env,
                               check=False, capture_output=True, encoding="utf-8", errors="replace",
-                              timeout=120)
+                              timeout=PATIENCE_s)
         done.said = done.stdout + done.stderr
         return done
 
@@ -102,7 +103,7 @@ class Failing(FaultTest):
         done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000,
                              words=("--fail-fast",))
         self.assertEqual(done.returncode, 6, done.said)
-        self.says(done.said, "is tried again in 5 s", "failed", "Input/output error", "files and disks")
+        self.says(done.said, "is tried again in 5 s", "failed", "Input/output error", "because of files or disks")
         failed = sorted((self.out / "failed").iterdir())
         self.assertEqual(len(failed), 1)
         self.assertIn(failed[0].stem, plan_ids(self.out))
@@ -119,7 +120,7 @@ class Failing(FaultTest):
         self.addCleanup(self._end, process)
         self.wait_for(lambda: list((self.out / "failed").glob("*.txt")), "the first failure")
         process.send_signal(signal.SIGTERM)
-        said = process.communicate(timeout=60)[0]
+        said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
 
@@ -127,7 +128,12 @@ class Failing(FaultTest):
         """Memory that is refused to one rank in the middle of what it does with another one."""
         together = ("--ranks-per-case", 2)
         reference = self.reference(*together, ranks=2)
-        done = self.run_with(2, together, RANK=1, NEW_AT=45)
+        # How much is allocated before the first case depends on what the cache holds.
+        for at in (130, 200, 300, 450, 600, 800, *range(140, 900, 20)):
+            shutil.rmtree(self.out, ignore_errors=True)
+            done = self.run_with(2, together, RANK=1, NEW_AT=at)
+            if done.returncode != 1 and done.returncode != 0:
+                break
         # 75: where the other rank could not be told.
         self.assertIn(done.returncode, (4, 75), done.said)
         failed = [line["id"] for line in journal(self.out) if line["event"] == "failed"]
@@ -135,22 +141,31 @@ class Failing(FaultTest):
         self.says((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
         # The same command goes on without it.
         said = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).said
-        self.says(said, "1 failed", "1 there before" if done.returncode == 4 else "1 computed now")
+        self.says(said, "1 failed", "1 already complete" if done.returncode == 4 else "1 computed now")
         self.assertEqual(started(self.out).count(failed[0]), 1)
         self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
 
     def test_memory_that_is_refused_at_any_place_ends_one_case_and_blocks_nobody(self):
         text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
         met = 0
-        for job, ranks, together, at in ((text, 2, 2, 250), (text, 2, 2, 400), (text, 2, 2, 800),
-                                         (JOB, 2, 2, 14), (JOB, 1, 1, 30), (text, 2, 1, 300)):
+        # How much is allocated before the first case depends on what the cache holds.
+        for job, ranks, together, at in ((text, 2, 2, 520), (text, 2, 2, 600), (text, 2, 2, 700),
+                                         (text, 2, 2, 1000), (JOB, 2, 2, 160), (JOB, 2, 2, 250),
+                                         (JOB, 2, 2, 400), (JOB, 2, 2, 500), (JOB, 2, 2, 600),
+                                         (JOB, 2, 2, 650), (JOB, 2, 2, 700), (JOB, 2, 2, 750),
+                                         (text, 2, 2, 800), (text, 2, 2, 900),
+                                         (JOB, 1, 1, 160), (JOB, 1, 1, 300), (JOB, 1, 1, 500),
+                                         (JOB, 1, 1, 600), (JOB, 1, 1, 700),
+                                         (text, 2, 1, 600), (text, 2, 1, 1000)):
             with self.subTest(afferents=job is text, ranks=ranks, together=together, at=at):
                 self.write_job(job)
                 shutil.rmtree(self.out, ignore_errors=True)
                 rank = {"RANK": 1} if ranks > 1 else {}
                 done = self.run_with(ranks, ("--ranks-per-case", together), NEW_AT=at, **rank)
                 if done.returncode == 1 and not started(self.out):
-                    continue  # it has met the reading of the job
+                    continue  # it has met the reading of the job or the calibration
+                if done.returncode == 0:
+                    continue  # so much is not allocated
                 met += 1
                 # Whoever computes alone fails alone; two may have to end.
                 self.assertIn(done.returncode, (4,) if together == 1 else (4, 75), done.said)
@@ -182,9 +197,9 @@ class Failing(FaultTest):
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         shutil.move(self.out, self.folder / "elsewhere")
-        said = process.communicate(timeout=120)[0]
+        said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 6, said)
-        self.says(said, "the output folder", "has gone in mid-run")
+        self.says(said, "the output folder", "was removed during the run")
         self.assertNotIn("internal error", said)
         self.assertFalse((self.out / "cases").exists())
         there = len(case_files(self.folder / "elsewhere"))
@@ -207,9 +222,9 @@ class Failing(FaultTest):
                     shutil.rmtree(path) if path.is_dir() else path.unlink()
                 (self.out / "cases").mkdir(exist_ok=True)
                 process.send_signal(signal.SIGCONT)
-                said = process.communicate(timeout=60)[0]
+                said = process.communicate(timeout=PATIENCE_s)[0]
                 self.assertEqual(process.returncode, 6, said)
-                self.says(said, "in mid-run", "the same command")
+                self.says(said, "during the run", "rerun the command")
                 self.assertNotIn("12 computed now", said)
                 self.shearwake("run", "job.toml")
                 self.assertEqual(len(case_files(self.out)), 12)
@@ -237,12 +252,12 @@ class Folders(FaultTest):
             self.says(said, "is being computed by another run", "--shard")
         # Parts that overlap share the work case by case.
         second = self.start("run", "job.toml", "--shard", "1/6")
-        self.says(self.shearwake("status", self.out).said, "a run is at work")
+        self.says(self.shearwake("status", self.out).said, "a run is active")
         first.send_signal(signal.SIGCONT)
         for process in (first, second):
-            said = process.communicate(timeout=120)[0]
+            said = process.communicate(timeout=PATIENCE_s)[0]
             self.assertIn(process.returncode, (0, 75), said)
-        self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 there before")
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 already complete")
         self.assertEqual(len(started(self.out)), 10, "a case was computed twice")
 
     def test_results_of_another_program_are_refused_unless_allowed(self):
@@ -250,6 +265,7 @@ class Folders(FaultTest):
         self.shearwake("run", "job.toml", "--shard", "1/6")
         with h5py.File(case_files(self.out)[0], "r+") as file:
             file.attrs["git_id"] = numpy.bytes_("0123456")
+        seal(case_files(self.out)[0])
         said = self.shearwake("run", "job.toml", "--shard", "2/6", expect=2).said
         self.says(said, "another version of this program, 0123456", "--allow-mixed", "--out")
         self.shearwake("run", "job.toml", "--shard", "2/6", "--allow-mixed")
@@ -264,7 +280,7 @@ class Folders(FaultTest):
         process = self.start("run", "job.toml", "--checkpoint-steps", 20)
         self.wait_for(lambda: list((self.out / "checkpoints").glob("*.h5")), "a state")
         process.send_signal(signal.SIGTERM)
-        said = process.communicate(timeout=120)[0]
+        said = process.communicate(timeout=PATIENCE_s)[0]
         self.assertEqual(process.returncode, 75, said)
         self.shearwake("run", "job.toml", "--log-json", self.out / "progress.jsonl")
         self.shearwake("reduce", self.out)

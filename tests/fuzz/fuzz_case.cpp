@@ -1,43 +1,26 @@
-// What the reader of case files makes of any bytes: a summary or an Error, never anything else. On
-// some bytes HDF5 itself breaks down: a copy of the process tries them out, as in the program, and
-// only what it survives is read in this one, under the sanitizers.
+// SPDX-License-Identifier: BSD-3-Clause
+// For arbitrary bytes, the reader of case files must return a summary or throw Error. HDF5 itself
+// crashes on some inputs: as in the program, a forked child reads them first, and this process
+// reads only inputs on which the child does not crash, with the sanitizers.
 #include "base/error.hpp"
-#include "io/case_file_reader.hpp"
-#include "io/guard.hpp"
-#include "io/h5.hpp"
-
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <fcntl.h>
-#include <filesystem>
-#include <string>
-#include <unistd.h>
-
-namespace {
-
-/// In memory, where the system has such a place.
-std::filesystem::path scratch() {
-    const std::filesystem::path memory = "/dev/shm";
-    const auto folder =
-        std::filesystem::exists(memory) ? memory : std::filesystem::temp_directory_path();
-    return folder / ("shearwake-fuzz-" + std::to_string(::getpid()) + ".h5");
-}
-
-} // namespace
+#include "support/scratch_file.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/hdf5/guard.hpp"
+#include "storage/hdf5/h5.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
-    const std::filesystem::path path = scratch();
-    const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    if (fd < 0 || ::write(fd, data, size) != static_cast<ssize_t>(size)) std::abort();
-    ::close(fd);
+    const shearwake::fuzz::ScratchFile file(data, size, ".h5");
+    const auto read = [&] {
+        (void)shearwake::storage::read_summary_unguarded(
+            file.path(), shearwake::storage::Integrity::unprotected);
+    };
     try {
-        shearwake::must_survive(path, [&] { shearwake::read_summary_unguarded(path); });
-        (void)shearwake::read_summary_unguarded(path);
+        shearwake::storage::must_survive(file.path(), read);
+        read();
+        (void)shearwake::storage::check_integrity(file.path());
     } catch (const shearwake::Error&) {
     }
-    ::unlink(path.c_str());
     return 0;
 }

@@ -1,4 +1,5 @@
-// What the reader of job files makes of any bytes: a job or a BadJob, never anything else.
+// SPDX-License-Identifier: BSD-3-Clause
+// For arbitrary bytes, the reader of job files must return a job or throw BadJob.
 #include "config/job.hpp"
 
 #include <cstddef>
@@ -8,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     try {
-        (void)shearwake::read_job(text, "fuzz.toml");
+        (void)shearwake::config::read_job(text, "fuzz.toml");
     } catch (const shearwake::UsageError&) {
     }
     return 0;

@@ -1,18 +1,20 @@
 #!/bin/sh
-# The readers of job files and of case files through libFuzzer, with the sanitizers of clang: ten
-# minutes each, or as many seconds as are given. What it finds new is added to the corpus folder
-# that is kept in build-fuzz/; what breaks a reader ends it with an exit code and a file to look at.
+# SPDX-License-Identifier: BSD-3-Clause
+# Fuzzes the readers of jobs, case files, maps, motions and studies with libFuzzer and the sanitizers of clang, for ten
+# minutes each or the given number of seconds. New inputs are added to the corpus folder in build-fuzz/. An input that
+# breaks a reader is stored in a file, and the script ends with an exit code.
 # Usage: tests/fuzz/long_form.sh [SECONDS]        Needs clang (apt-get install clang)
 set -eu
 cd "$(dirname "$0")/../.."
 seconds=${1:-600}
 . scripts/common.sh
-build fuzz build-fuzz fuzz_job
-build fuzz build-fuzz fuzz_case
+for reader in job case map motion study; do
+    build fuzz build-fuzz "fuzz_$reader"
+done
 cd build-fuzz
-# Leaks are MPI's own. What HDF5 breaks down on in the copy of the process is meant to.
+# Leaks of MPI are ignored. Crashes of HDF5 in the forked child are expected.
 export ASAN_OPTIONS=detect_leaks=0
-for reader in job case; do
+for reader in job case map motion study; do
     mkdir -p "corpus/$reader" artifacts
     "./fuzz_$reader" -max_total_time="$seconds" -timeout=120 -rss_limit_mb=4096 -max_len=70000 \
         -print_final_stats=1 -artifact_prefix="artifacts/$reader-" \

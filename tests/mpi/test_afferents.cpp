@@ -1,5 +1,6 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
-#include "sweep/afferent_result.hpp"
+#include "pipeline/afferent_result.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,14 +12,15 @@ using namespace shearwake;
 
 namespace {
 
-const Variable& variable(const AfferentResult& result, const std::string& name) {
+const Variable& variable(const pipeline::AfferentResult& result, const std::string& name) {
     for (const Variable& v : result.groups.at(0).variables)
         if (v.name == name) return v;
     throw std::runtime_error("no variable " + name);
 }
 
-FeltMotion vibration() {
-    FeltMotion motion{.pins = {.rate_Hz = 20000.0}, .modulation_Hz = 200.0, .name = "a case"};
+pipeline::FeltMotion vibration() {
+    pipeline::FeltMotion motion{
+        .pins = {.rate_Hz = 20000.0}, .modulation_Hz = 200.0, .name = "a case"};
     motion.path_m = {{}};
     for (int p = 0; p < 2; ++p) {
         std::vector<double>& u_m = motion.pins.u_m.emplace_back();
@@ -30,14 +32,15 @@ FeltMotion vibration() {
 
 } // namespace
 
-TEST_CASE("any number of ranks gives the same spikes, noise on", "[mpi][neural]") {
+TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neural]") {
     const Comm world = Comm::world();
     AfferentOptions options;
     options.noise = Switch::on;
     options.pins_m = {{-3e-3, 0.0}, {3e-3, 0.0}};
-    const AfferentResult shared = felt(vibration(), options, world);
-    const AfferentResult alone = felt(vibration(), options, world.split(world.rank()));
-    // Every rank alone has computed all; rank 0 compares, and all learn of it.
+    const pipeline::AfferentResult shared = pipeline::felt(vibration(), options, world);
+    const pipeline::AfferentResult alone =
+        pipeline::felt(vibration(), options, world.split(world.rank()));
+    // Every rank computes all spikes alone. Rank 0 compares, and the result is broadcast.
     long same = 1;
     if (world.is_root())
         same = variable(shared, "spike_time").values == variable(alone, "spike_time").values &&
@@ -47,9 +50,9 @@ TEST_CASE("any number of ranks gives the same spikes, noise on", "[mpi][neural]"
     CHECK(alone.columns.size() == 3 * 7);
 }
 
-TEST_CASE("a mistake of the pins is thrown on all ranks together", "[mpi][neural]") {
+TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {
     const Comm world = Comm::world();
     AfferentOptions options;
-    options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // a metre off the hand
-    CHECK_THROWS_AS(felt(vibration(), options, world), CaseFailure);
+    options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // one metre outside of the hand
+    CHECK_THROWS_AS(pipeline::felt(vibration(), options, world), CaseFailure);
 }

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
-#include "io/case_file_reader.hpp"
-#include "io/case_file_writer.hpp"
-#include "io/h5.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+#include "storage/hdf5/h5.hpp"
 #include "support/shared_folder.hpp"
 
 #include <catch2/catch.hpp>
@@ -19,10 +20,10 @@ const std::vector<Attribute> complete = {{"title", std::string("a title")},
 
 } // namespace
 
-TEST_CASE("slabs of all ranks make one surface in the file", "[mpi]") {
+TEST_CASE("writes the slabs of all ranks as one surface", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
-    const Domain domain{4, 6, 1e-3, 0.0}; // on 5 ranks the last one has no row
+    const Domain domain{4, 6, 1e-3, 0.0}; // the last of 5 ranks has no row
     const std::ptrdiff_t per_rank = (domain.nx + world.size() - 1) / world.size();
     const std::ptrdiff_t start = std::min(domain.nx, per_rank * world.rank());
     const std::ptrdiff_t rows = std::min(domain.nx, start + per_rank) - start;
@@ -30,7 +31,7 @@ TEST_CASE("slabs of all ranks make one surface in the file", "[mpi]") {
         return 1000.0 * static_cast<double>(t) + static_cast<double>(10 * i + j);
     };
     {
-        CaseFileWriter writer(folder.file("00ff.h5"), world, {domain, {0.1, 0.2}, {0.0}});
+        storage::CaseFileWriter writer(folder.file("00ff.h5"), world, {domain, {0.1, 0.2}, {0.0}});
         for (std::size_t t = 0; t < 2; ++t) {
             std::vector<double> slab(static_cast<std::size_t>(rows * 8), -1.0); // padded rows
             for (std::ptrdiff_t i = 0; i < rows; ++i)
@@ -42,9 +43,10 @@ TEST_CASE("slabs of all ranks make one surface in the file", "[mpi]") {
     }
     bool fine = true;
     on_root(world, [&] {
-        fine = is_whole(folder.file("00ff.h5"), "00ff") && !is_whole(folder.file("00ff.h5"), "0") &&
+        fine = storage::is_whole(folder.file("00ff.h5"), "00ff") &&
+               !storage::is_whole(folder.file("00ff.h5"), "0") &&
                !std::filesystem::exists(folder.file("00ff.h5.part"));
-        const CaseSummary summary = read_case_summary(folder.file("00ff.h5"));
+        const storage::CaseSummary summary = storage::read_case_summary(folder.file("00ff.h5"));
         fine = fine && summary.scalars.at(0).values.at(0) == 0.25 &&
                summary.numbers.at("ranks") == 2.0;
         const h5::Id file = h5::open_file(folder.file("00ff.h5"), h5::Access::read);
@@ -58,28 +60,28 @@ TEST_CASE("slabs of all ranks make one surface in the file", "[mpi]") {
     CHECK(world.max(fine ? 0 : 1) == 0);
 }
 
-TEST_CASE("a file that is not committed leaves nothing behind", "[mpi]") {
+TEST_CASE("leaves no file behind without commit", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
-    { const CaseFileWriter writer(folder.file("a.h5"), world, {}); }
+    { const storage::CaseFileWriter writer(folder.file("a.h5"), world, {}); }
     world.barrier();
     CHECK_FALSE(std::filesystem::exists(folder.file("a.h5")));
     CHECK_FALSE(std::filesystem::exists(folder.file("a.h5.part")));
-    // Where no file can be, all ranks hear of it together.
-    CHECK_THROWS_AS(CaseFileWriter(folder.file("none/a.h5"), world, {}), Error);
+    // If no file can be created, all ranks throw together.
+    CHECK_THROWS_AS(storage::CaseFileWriter(folder.file("none/a.h5"), world, {}), Error);
 }
 
-TEST_CASE("a truncated file is damaged, not whole", "[mpi]") {
+TEST_CASE("reports a truncated file as damaged", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     const auto path = folder.file("00ff.h5");
-    CaseFileWriter(path, world, {})
+    storage::CaseFileWriter(path, world, {})
         .commit({{"", {{"t", {"t"}, std::vector<double>(1000, 1.0), "s", "time", ""}}}}, complete);
     int fine = 0;
     on_root(world, [&] {
         std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-        fine = is_whole(path, "00ff") ? 1 : 0;
-        CHECK_THROWS_AS(read_case_summary(path), Error);
+        fine = storage::is_whole(path, "00ff") ? 1 : 0;
+        CHECK_THROWS_AS(storage::read_case_summary(path), Error);
     });
     CHECK(world.max(fine) == 0);
 }

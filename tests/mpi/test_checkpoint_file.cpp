@@ -1,4 +1,5 @@
-#include "io/checkpoint_file.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/checkpoint/checkpoint_file.hpp"
 
 #include "base/error.hpp"
 #include "support/shared_folder.hpp"
@@ -15,12 +16,12 @@ using test::SharedFolder;
 
 namespace {
 
-const CheckpointOwner owner{"00ff", "abc"};
-constexpr std::ptrdiff_t total = 4, row_length = 3; // on 3 ranks uneven, on 5 one has none
+const storage::CheckpointOwner owner{"00ff", "abc"};
+constexpr std::ptrdiff_t total = 4, row_length = 3; // uneven on 3 ranks; one of 5 ranks has none
 
-/// Rows in blocks, the ranks in order or in reverse order.
+/// Blocks of rows in ascending or descending order of ranks.
 enum class Order { forward, reverse };
-RowRange rows_of(const Comm& world, Order order) {
+storage::RowRange rows_of(const Comm& world, Order order) {
     const std::ptrdiff_t place =
         order == Order::forward ? world.rank() : world.size() - 1 - world.rank();
     const std::ptrdiff_t each = (total + world.size() - 1) / world.size();
@@ -34,7 +35,7 @@ double value_at(std::ptrdiff_t row, std::ptrdiff_t column) {
     return 1.0 / static_cast<double>(1 + 10 * row + column);
 }
 
-std::vector<double> values_of(const RowRange& rows) {
+std::vector<double> values_of(const storage::RowRange& rows) {
     std::vector<double> values;
     for (std::ptrdiff_t i = rows.start; i < rows.start + rows.count; ++i)
         for (std::ptrdiff_t j = 0; j < rows.row_length; ++j)
@@ -43,23 +44,23 @@ std::vector<double> values_of(const RowRange& rows) {
 }
 
 void write_state(const std::filesystem::path& path, const Comm& world) {
-    CheckpointFileWriter writer(path, world);
-    const RowRange rows = rows_of(world, Order::forward);
+    storage::CheckpointFileWriter writer(path, world);
+    const storage::RowRange rows = rows_of(world, Order::forward);
     writer.put("u", rows, values_of(rows).data());
     writer.put("step", 17.0);
     writer.put("t_s", 0.1);
-    // One row on the last rank alone.
+    // A single row on the last rank.
     const bool last = world.rank() == world.size() - 1;
     const double seven = 7.0;
     writer.put("one", {1, 0, last ? 1 : 0, 1}, last ? &seven : nullptr);
     writer.commit(owner, {.sequence = 5, .seconds = 2.5});
 }
 
-/// Rank 0's verdict on every rank.
-std::string trouble(const std::filesystem::path& path, const CheckpointOwner& wanted,
-                    const Comm& world, CheckpointFacts& facts) {
+/// The result of rank 0, on every rank.
+std::string trouble(const std::filesystem::path& path, const storage::CheckpointOwner& wanted,
+                    const Comm& world, storage::CheckpointFacts& facts) {
     std::string text;
-    on_root(world, [&] { text = trouble_with_checkpoint(path, wanted, facts); });
+    on_root(world, [&] { text = storage::trouble_with_checkpoint(path, wanted, facts); });
     return world.broadcast(text);
 }
 
@@ -73,21 +74,21 @@ void flip_bit(const std::filesystem::path& path, std::streamoff at) {
 
 } // namespace
 
-TEST_CASE("a state is read back bit for bit, whichever rank asks for which rows", "[mpi]") {
+TEST_CASE("reads a checkpoint back bit by bit for any distribution of rows", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     write_state(folder.file("a.h5"), world);
-    CheckpointFacts facts;
+    storage::CheckpointFacts facts;
     const std::string said = trouble(folder.file("a.h5"), owner, world, facts);
     CHECK(said.empty());
     const long sequence = world.broadcast(facts.sequence);
     CHECK(sequence == 5);
 
-    const CheckpointFileReader reader(folder.file("a.h5"), world);
+    const storage::CheckpointFileReader reader(folder.file("a.h5"), world);
     const std::string damage = reader.damage();
     CHECK(damage.empty());
     const Order order = GENERATE(Order::forward, Order::reverse);
-    const RowRange rows = rows_of(world, order);
+    const storage::RowRange rows = rows_of(world, order);
     std::vector<double> values(static_cast<std::size_t>(rows.count * row_length));
     reader.get("u", rows, values.data());
     const std::vector<double> expected = values_of(rows);
@@ -97,7 +98,7 @@ TEST_CASE("a state is read back bit for bit, whichever rank asks for which rows"
                values[i] == expected[i];
     const int differing = world.max(same ? 0 : 1);
     CHECK(differing == 0);
-    // All ranks may ask for the same row.
+    // All ranks may request the same row.
     double one = 0.0;
     reader.get("one", {1, 0, 1, 1}, &one);
     const double least = -world.max(-one);
@@ -106,24 +107,24 @@ TEST_CASE("a state is read back bit for bit, whichever rank asks for which rows"
     CHECK(reader.get("t_s") == 0.1);
 }
 
-TEST_CASE("a state of other rows is refused on all ranks together", "[mpi]") {
+TEST_CASE("rejects a checkpoint with other rows on all ranks", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     write_state(folder.file("a.h5"), world);
-    const CheckpointFileReader reader(folder.file("a.h5"), world);
+    const storage::CheckpointFileReader reader(folder.file("a.h5"), world);
     double none = 0.0;
     CHECK_THROWS_AS(reader.get("u", {total + 1, 0, 0, row_length}, &none), CaseFailure);
     CHECK_THROWS_AS(reader.get("v", {total, 0, 0, row_length}, &none), CaseFailure);
     CHECK_THROWS_AS(reader.get("v"), CaseFailure);
 }
 
-TEST_CASE("a state that is not committed leaves nothing and spares the one before", "[mpi]") {
+TEST_CASE("leaves no file and keeps the previous checkpoint without commit", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     const auto path = folder.file("a.h5");
     write_state(path, world);
     {
-        CheckpointFileWriter writer(path, world);
+        storage::CheckpointFileWriter writer(path, world);
         writer.put("step", 18.0);
         bool part = true;
         on_root(world, [&] { part = std::filesystem::exists(path.string() + ".part"); });
@@ -131,17 +132,17 @@ TEST_CASE("a state that is not committed leaves nothing and spares the one befor
     }
     world.barrier();
     CHECK_FALSE(std::filesystem::exists(path.string() + ".part"));
-    CHECK(CheckpointFileReader(path, world).get("step") == 17.0);
+    CHECK(storage::CheckpointFileReader(path, world).get("step") == 17.0);
 }
 
-TEST_CASE("a state of another case, another program or a half-written one is told", "[mpi]") {
+TEST_CASE("reports a checkpoint of another case or program and an incomplete one", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     const auto path = folder.file("a.h5");
     write_state(path, world);
-    CheckpointFacts facts;
+    storage::CheckpointFacts facts;
     const std::string other_case = trouble(path, {"0", "abc"}, world, facts);
-    CHECK(other_case == "is of another case");
+    CHECK(other_case == "belongs to another case");
     const std::string other_program = trouble(path, {"00ff", "abd"}, world, facts);
     CHECK(other_program == "was written by another program, abc");
     on_root(world, [&] {
@@ -149,29 +150,29 @@ TEST_CASE("a state of another case, another program or a half-written one is tol
         h5::check(H5Adelete(file.raw(), "whole"), "delete");
     });
     const std::string half = trouble(path, owner, world, facts);
-    CHECK(half == "is not whole");
+    CHECK(half == "is not complete");
     on_root(world, [&] { std::filesystem::resize_file(path, 1000); });
     const std::string truncated = trouble(path, owner, world, facts);
     CHECK(truncated.substr(0, 10) == "is damaged");
 }
 
-TEST_CASE("one bit that has changed in a state is found", "[mpi]") {
+TEST_CASE("detects a single changed bit in a checkpoint", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFolder folder(world);
     const auto path = folder.file("a.h5");
     write_state(path, world);
     on_root(world, [&] {
-        // Where the numbers lie: the scalars have a digest, "u" a checksum.
+        // Find the position of the numbers. The scalars have a digest, "u" has a checksum.
         h5::Id file = h5::open_file(path, h5::Access::read);
         const h5::Id u = h5::open_dataset(file.raw(), "u");
         const haddr_t offset = H5Dget_offset(u.raw());
         flip_bit(path, static_cast<std::streamoff>(offset) + 11);
     });
-    CheckpointFacts facts;
+    storage::CheckpointFacts facts;
     const std::string by_attributes = trouble(path, owner, world, facts);
     CHECK(by_attributes.empty());
-    const std::string damage = CheckpointFileReader(path, world).damage();
-    CHECK(damage == "is damaged (u is not what was written)");
+    const std::string damage = storage::CheckpointFileReader(path, world).damage();
+    CHECK(damage == "is damaged (u does not match its checksum)");
     on_root(world, [&] {
         h5::Id file = h5::open_file(path, h5::Access::read_write);
         const h5::Id group = h5::open_group(file.raw(), "scalars");
@@ -179,5 +180,5 @@ TEST_CASE("one bit that has changed in a state is found", "[mpi]") {
         h5::put_attribute(group.raw(), "step", 16.0);
     });
     const std::string scalars = trouble(path, owner, world, facts);
-    CHECK(scalars == "is damaged (its scalars are not what was written)");
+    CHECK(scalars == "is damaged (its scalars do not match their checksum)");
 }

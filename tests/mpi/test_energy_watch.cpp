@@ -1,6 +1,8 @@
-// A field that blows up ends the case on all ranks together, with the step and a hint.
+// SPDX-License-Identifier: BSD-3-Clause
+// A diverging field ends the case on all ranks together, with the step and a hint.
 #include "base/error.hpp"
-#include "engines/spectral/stepper.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -10,14 +12,15 @@ using namespace shearwake;
 
 namespace {
 
-/// A state in this rank's memory.
-class Memory : public StateWriter, public StateReader {
+/// A checkpoint in this rank's memory.
+class Memory : public engines::StateWriter, public engines::StateReader {
 public:
-    void put(const std::string& name, const StateRows& rows, const double* values) override {
+    void put(const std::string& name, const engines::StateRows& rows,
+             const double* values) override {
         rows_[name].assign(values, values + rows.count * rows.row_length);
     }
     void put(const std::string& name, double value) override { numbers_[name] = value; }
-    void get(const std::string& name, const StateRows&, double* values) override {
+    void get(const std::string& name, const engines::StateRows&, double* values) override {
         std::copy(rows_.at(name).begin(), rows_.at(name).end(), values);
     }
     double get(const std::string& name) override { return numbers_.at(name); }
@@ -43,13 +46,13 @@ Case small_case(bool body) {
     return c;
 }
 
-/// What the run says that goes on for 40 steps from a state that `spoil` has changed.
+/// The message of a run that continues for 40 steps from a checkpoint modified by `spoil`.
 template <class Spoil>
 std::string failure(const Case& c, const Spoil& spoil) {
     const Comm world = Comm::world();
-    const SlabTransform slabs(c.domain.nx, c.domain.ny, world);
-    const DepthMesh mesh = choose_mesh(c, std::get<SpectralOptions>(c.solver));
-    Stepper stepper(c, mesh, slabs, 100e-6, world);
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world);
+    const spectral::DepthMesh mesh = spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver));
+    spectral::Stepper stepper(c, mesh, slabs, 100e-6, world);
     for (int i = 0; i < 20; ++i)
         stepper.advance();
     Memory state;
@@ -65,8 +68,8 @@ std::string failure(const Case& c, const Spoil& spoil) {
     return "no failure";
 }
 
-/// On how many ranks the failure says all that.
-int ranks_that_say(const std::string& said, std::initializer_list<const char*> words) {
+/// Number of ranks whose message contains all of these texts.
+int ranks_that_report(const std::string& said, std::initializer_list<const char*> words) {
     double found = 1.0;
     for (const char* word : words)
         if (said.find(word) == std::string::npos) found = 0.0;
@@ -75,31 +78,31 @@ int ranks_that_say(const std::string& said, std::initializer_list<const char*> w
 
 } // namespace
 
-TEST_CASE("a number that is none on one rank fails on all of them", "[mpi]") {
+TEST_CASE("throws on all ranks if one rank has a value that is not a number", "[mpi]") {
     const bool body = GENERATE(false, true);
     const int bad_rank = Comm::world().size() - 1;
     const std::string said = failure(small_case(body), [&](Memory& state) {
-        // kx = 0 of the first row: a wave vector that every rank with rows has.
+        // kx = 0 of the first row, a wave vector that every rank with rows has.
         if (Comm::world().rank() == bad_rank && !state.rows("now").empty())
             state.rows("now")[1] = std::numeric_limits<double>::quiet_NaN();
     });
     CAPTURE(body, said);
-    CHECK(ranks_that_say(said, {"step ", " ms: the field is not finite", "time_step_us",
-                                "contrast_cap", "residual"}) == Comm::world().size());
+    CHECK(ranks_that_report(said, {"step ", " ms: the field is not finite", "time_step_us",
+                                   "contrast_cap", "residual"}) == Comm::world().size());
 }
 
-TEST_CASE("a field that moves with more than the load's work fails", "[mpi]") {
+TEST_CASE("throws if the kinetic energy exceeds the work of the load", "[mpi]") {
     const bool body = GENERATE(false, true);
     const std::string said = failure(small_case(body), [&](Memory& state) {
         for (double& u : state.rows("now"))
             u *= 100.0;
     });
     CAPTURE(body, said);
-    CHECK(ranks_that_say(said, {"step ", " ms: the field diverges: it moves with", "time_step_us",
-                                "contrast_cap"}) == Comm::world().size());
+    CHECK(ranks_that_report(said, {"step ", " ms: the field diverges: its kinetic energy is ",
+                                   "time_step_us", "contrast_cap"}) == Comm::world().size());
 }
 
-TEST_CASE("a sound run is left alone", "[mpi]") {
+TEST_CASE("does not interrupt a stable run", "[mpi]") {
     const bool body = GENERATE(false, true);
     CHECK(failure(small_case(body), [](Memory&) {}) == "no failure");
 }

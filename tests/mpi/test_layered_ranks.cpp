@@ -1,4 +1,5 @@
-// The same numbers on any number of ranks: the whole world as one team against each rank alone.
+// SPDX-License-Identifier: BSD-3-Clause
+// Compares results on all ranks with those of each rank alone.
 #include "support/cases.hpp"
 #include "support/worst.hpp"
 
@@ -14,7 +15,7 @@ Case small_case() {
     film.thickness_m = 0.3e-3;
     film.c_s_m_s = 20.0;
     c.medium.layers.insert(c.medium.layers.begin(), film);
-    c.domain = {70, 54, 0.75e-3, 3e-3}; // divided by 2 only
+    c.domain = {70, 54, 0.75e-3, 3e-3}; // divisible by 2 only
     c.time = {60, 50e-6};
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-15e-3, -2e-3};
@@ -26,12 +27,12 @@ Case small_case() {
     return c;
 }
 
-/// Largest difference of any frame, relative to the frame's largest value.
+/// Largest difference of all frames, relative to the largest value of the frame.
 double worst_frame(const Case& c, const Comm& world) {
     const Comm alone = world.split(world.rank());
     test::FrameStore shared, single;
-    make_engine(c.solver)->run(c, world, shared);
-    make_engine(c.solver)->run(c, alone, single);
+    engines::make_engine(c.solver)->run(c, world, shared);
+    engines::make_engine(c.solver)->run(c, alone, single);
     double worst = 0.0;
     for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
@@ -49,16 +50,16 @@ double worst_frame(const Case& c, const Comm& world) {
 
 } // namespace
 
-TEST_CASE("frames are the same on any number of ranks", "[mpi]") {
+TEST_CASE("frames of engine layered are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
-    const bool oblique = GENERATE(false, true); // the general path of the load's transform
+    const bool oblique = GENERATE(false, true); // the general code path of the load's transform
     if (oblique)
         std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).to_m = {
             150e-3, 40e-3};
-    CHECK(worst_frame(c, Comm::world()) < 1e-12); // the requirement
+    CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
 }
 
-TEST_CASE("an array's moving focus is the same on any number of ranks", "[mpi]") {
+TEST_CASE("frames of a moving array focus are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
     c.load.footprint = ArrayFootprint{.reach_m = 0.02};
     c.measure.depths_m = {0.0};
@@ -66,21 +67,23 @@ TEST_CASE("an array's moving focus is the same on any number of ranks", "[mpi]")
     c.medium.layers.back().thickness_m = 8e-3;
     c.time.frames = 20;
     if (GENERATE(false, true)) c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-12); // each wave vector is one rank's, the same way
+    // Each wave vector is computed by one rank in the same way.
+    CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
 
-TEST_CASE("the stepping engine's frames are the same on any number of ranks", "[mpi]") {
-    Case c = small_case(); // with a sponge, which acts on fewer wave vectors, in slabs of their own
+TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mpi]") {
+    Case c = small_case(); // the sponge acts on fewer wave vectors, in separate slabs
     if (GENERATE(true, false)) {
         c.medium.base = Base::rigid;
         c.medium.layers.back().thickness_m = 8e-3;
     }
     c.time.frames = 20;
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-12); // each wave vector is one rank's, the same way
+    // Each wave vector is computed by one rank in the same way.
+    CHECK(worst_frame(c, Comm::world()) < 1e-12);
 }
 
-TEST_CASE("a map is the same on any number of ranks", "[mpi]") {
+TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
     c.medium.base = Base::rigid;
     c.medium.layers.back().thickness_m = 8e-3;
@@ -94,10 +97,10 @@ TEST_CASE("a map is the same on any number of ranks", "[mpi]") {
     c.medium.map = map;
     c.time.frames = 20;
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement; the same bits are seen
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
 
-TEST_CASE("bodies are the same on any number of ranks", "[mpi]") {
+TEST_CASE("frames with bodies are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
     c.medium.base = Base::rigid;
     c.medium.layers.back().thickness_m = 8e-3;
@@ -108,12 +111,12 @@ TEST_CASE("bodies are the same on any number of ranks", "[mpi]") {
                         .c_s_m_s = GENERATE(2.5, 20.0)}};
     c.time.frames = 20;
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement; the same bits are seen
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
 
-TEST_CASE("iterations are the same bits on any number of ranks, however long", "[mpi]") {
-    // Modes that conjugate gradients do not yet notice grow from rounding until they do: another
-    // last bit in one sum would be seen at 1e-7 after 200 steps.
+TEST_CASE("iterations have the same bits on any number of ranks after many steps", "[mpi]") {
+    // Modes that are too weak for conjugate gradients to detect grow from rounding until they are
+    // detected: a different last bit in one sum would cause a difference of 1e-7 after 200 steps.
     Case c = small_case();
     c.medium.base = Base::rigid;
     c.medium.layers.back().thickness_m = 3e-3;
@@ -131,7 +134,7 @@ TEST_CASE("iterations are the same bits on any number of ranks, however long", "
     CHECK(worst_frame(c, Comm::world()) == 0.0);
 }
 
-TEST_CASE("ranks without planes do no harm, on any number of ranks", "[mpi]") {
+TEST_CASE("ranks without planes do not affect the frames on any number of ranks", "[mpi]") {
     Case c = small_case();
     c.medium.base = Base::rigid;
     c.medium.layers.back().thickness_m = 3e-3;
@@ -143,15 +146,15 @@ TEST_CASE("ranks without planes do no harm, on any number of ranks", "[mpi]") {
     c.time.frames = 20;
     c.record.traces_m.clear();
     c.solver = SpectralOptions{};
-    CHECK(worst_frame(c, Comm::world()) < 1e-11); // the requirement
+    CHECK(worst_frame(c, Comm::world()) < 1e-11); // required
 }
 
-TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
+TEST_CASE("series and table are identical on any number of ranks", "[mpi]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case();
     const auto record = [&](const Comm& team) {
-        SurfaceRecorder recorder(c, team, nullptr, {});
-        make_engine(c.solver)->run(c, team, recorder);
+        pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
+        engines::make_engine(c.solver)->run(c, team, recorder);
         recorder.finish();
         return std::tuple(recorder.depths(), recorder.traces(), recorder.mean_u2());
     };
@@ -163,14 +166,14 @@ TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
     };
     for (std::size_t d = 0; d < depths.size(); ++d) {
         for (std::size_t n = 0; n < depths[d].frames.size(); ++n) {
-            const SurfaceSums &a = depths[d].frames[n], &b = depths_alone[d].frames[n];
+            const measures::SurfaceSums &a = depths[d].frames[n], &b = depths_alone[d].frames[n];
             compare(a.abs_u, b.abs_u);
             compare(a.u2, b.u2);
             compare(a.u4, b.u4);
             compare(a.focal_u2, b.focal_u2);
             compare(a.focal_weight, b.focal_weight);
             compare(a.peak, b.peak);
-            // Volume is conserved: the signed sum is what cancellation leaves of sum |u|.
+            // Volume is conserved, so that the signed sum is the result of cancellation in sum |u|.
             worst = test::worse(worst, std::abs(a.u - b.u) / b.abs_u);
         }
     }
@@ -188,5 +191,5 @@ TEST_CASE("series and table are the same on any number of ranks", "[mpi]") {
             worst =
                 test::worse(worst, std::abs(traces[i].u_m[n] - traces_alone[i].u_m[n]) / largest);
     }
-    CHECK(world.max(worst) < 1e-12); // the requirement
+    CHECK(world.max(worst) < 1e-12); // required
 }

@@ -1,8 +1,9 @@
-#include "io/map_file.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/input/map_file.hpp"
 
 #include "base/error.hpp"
-#include "io/h5.hpp"
 #include "parallel/agree.hpp"
+#include "storage/hdf5/h5.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>
@@ -12,7 +13,7 @@ using namespace shearwake;
 
 namespace {
 
-/// A path that all ranks know and whose file goes with the test.
+/// A file whose path all ranks have and which is deleted at the end of the test.
 class SharedFile {
 public:
     explicit SharedFile(const Comm& world) : world_(world) {
@@ -31,7 +32,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// More points than one piece of the broadcast holds.
+/// More points than one message of the broadcast contains.
 constexpr hsize_t nx = 2100, ny = 2001, nz = 1;
 
 void write_map(const std::filesystem::path& path) {
@@ -53,12 +54,12 @@ void write_map(const std::filesystem::path& path) {
 
 } // namespace
 
-TEST_CASE("every rank ends with the same map", "[mpi]") {
+TEST_CASE("distributes the same map to every rank", "[mpi]") {
     const Comm world = Comm::world();
     const SharedFile file(world);
     on_root(world, [&] { write_map(file.path()); });
-    const MaterialMap map = read_map_file(file.path(), world);
-    // Recomputed here from what has arrived, then compared with rank 0's own.
+    const MaterialMap map = storage::read_map_file(file.path(), world);
+    // The hash is computed again from the received data and compared with rank 0's.
     const double differs = hash_of(map) == world.broadcast(map.content_hash) ? 0.0 : 1.0;
     CHECK(world.max(differs) == 0.0);
     const double last = map.c_s_m_s.empty() ? 0.0 : map.c_s_m_s.back();
@@ -66,15 +67,15 @@ TEST_CASE("every rank ends with the same map", "[mpi]") {
     CHECK(world.max(-last) == -last);
 }
 
-TEST_CASE("a map that is not there is the same error on all ranks", "[mpi]") {
+TEST_CASE("reports a missing map on all ranks", "[mpi]") {
     const Comm world = Comm::world();
     std::string said;
     try {
-        read_map_file("/nowhere/map.h5", world);
+        storage::read_map_file("/nowhere/map.h5", world);
     } catch (const UsageError& error) {
         said = error.what();
     }
     const bool as_on_root = said == world.broadcast(said);
     CHECK(world.max(as_on_root ? 0 : 1) == 0);
-    CHECK(said == "/nowhere/map.h5 is not there");
+    CHECK(said == "/nowhere/map.h5 does not exist");
 }

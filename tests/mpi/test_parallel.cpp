@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "parallel/shared_counters.hpp"
@@ -7,7 +8,7 @@
 
 using namespace shearwake;
 
-TEST_CASE("one rank's failure is everybody's, with the lowest rank's words", "[mpi]") {
+TEST_CASE("throws the error of the lowest failed rank on all ranks", "[mpi]") {
     const Comm world = Comm::world();
     std::string words;
     try {
@@ -19,7 +20,7 @@ TEST_CASE("one rank's failure is everybody's, with the lowest rank's words", "[m
         words = failure.what();
     }
     CHECK(words == "rank " + std::to_string(world.size() / 2));
-    // A usage error stays one, with its code; running out of memory is the case's trouble.
+    // A usage error keeps its type and exit code; running out of memory becomes a CaseFailure.
     ExitCode code = ExitCode::done;
     try {
         on_root(world, [] { throw UsageError("no disk", ExitCode::environment); });
@@ -31,7 +32,7 @@ TEST_CASE("one rank's failure is everybody's, with the lowest rank's words", "[m
     CHECK_NOTHROW(together(world, [] {}));
 }
 
-TEST_CASE("the shared counter gives every number exactly once", "[mpi]") {
+TEST_CASE("shared counter returns every number exactly once", "[mpi]") {
     const Comm world = Comm::world();
     const long wanted = 500;
     std::vector<double> mine(static_cast<std::size_t>(wanted), 0.0);
@@ -47,20 +48,43 @@ TEST_CASE("the shared counter gives every number exactly once", "[mpi]") {
     CHECK(mine == std::vector<double>(static_cast<std::size_t>(wanted), 1.0));
 }
 
-TEST_CASE("gathering keeps the order of ranks, also with uneven and empty shares", "[mpi]") {
+TEST_CASE("gathers uneven and empty contributions in the order of ranks", "[mpi]") {
     const Comm world = Comm::world();
-    const auto count = static_cast<std::size_t>(world.rank() % 3); // rank 0 has none
+    const auto count = static_cast<std::size_t>(world.rank() % 3); // rank 0 has no values
     const std::vector<double> mine(count, world.rank());
     std::vector<double> expected;
     for (int rank = 0; rank < world.size(); ++rank)
         expected.insert(expected.end(), static_cast<std::size_t>(rank % 3), rank);
-    CHECK(world.all_gather(std::span<const double>(mine)) == expected);
+    CHECK(world.all_gather(mine) == expected);
     const auto on_rank_0 = world.gather(mine);
     const bool fine = world.is_root() ? on_rank_0 == expected : on_rank_0.empty();
     CHECK(world.max(fine ? 0 : 1) == 0);
 }
 
-TEST_CASE("teams split the world and text reaches all of it", "[mpi]") {
+TEST_CASE("all-to-all distributes the parts of all ranks for every type of value", "[mpi]") {
+    const Comm world = Comm::world();
+    const int n = world.size();
+    // Rank r sends s + 1 values to rank s: 100 r + s.
+    std::vector<std::ptrdiff_t> to, from;
+    std::vector<float> sent;
+    std::vector<double> expected;
+    for (int other = 0; other < n; ++other) {
+        to.push_back(other + 1);
+        from.push_back(world.rank() + 1);
+        sent.insert(sent.end(), static_cast<std::size_t>(other + 1),
+                    static_cast<float>(100 * world.rank() + other));
+        expected.insert(expected.end(), static_cast<std::size_t>(world.rank() + 1),
+                        100.0 * other + world.rank());
+    }
+    std::vector<float> received(expected.size());
+    world.all_to_all(std::span<const float>(sent), to, std::span(received), from);
+    CHECK(std::vector<double>(received.begin(), received.end()) == expected);
+    to.back() += 1; // more than the buffer contains
+    CHECK_THROWS_AS(world.all_to_all(std::span<const float>(sent), to, std::span(received), from),
+                    Error);
+}
+
+TEST_CASE("splits the ranks into teams and broadcasts text", "[mpi]") {
     const Comm world = Comm::world();
     const Comm team = world.split(world.rank() % 2);
     CHECK(team.sum(1.0) == team.size());

@@ -1,4 +1,5 @@
-#include "engines/pstd/stepper.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/pstd/scheme/stepper.hpp"
 #include "support/checkpoint_state.hpp"
 #include "support/shared_folder.hpp"
 #include "support/worst.hpp"
@@ -12,37 +13,39 @@ using namespace shearwake::pstd;
 namespace {
 
 constexpr std::ptrdiff_t before = 25, after = 25; // steps
-const CheckpointOwner owner{"case", "program"};
+const storage::CheckpointOwner owner{"case", "program"};
 
-/// Layers of fluid and of a lossy solid with a body, a layer on some sides alone, a velocity held
-/// in the middle and a stress put in: whatever a state must keep. Extents that divide by nothing.
-Setup everything() {
-    Setup s;
+/// Layers of fluid and of a lossy solid with a body, absorbing layers on some sides only, a
+/// prescribed velocity in the middle and an additive stress: everything that a checkpoint must
+/// contain. The extents have no common divisors with the number of ranks.
+pstd::Setup everything() {
+    pstd::Setup s;
     s.grid = {{11, 9, 21}, {1e-3, 1.1e-3, 0.9e-3}, 5e-6};
     s.pml.points = {2, 0, 4};
-    s.absorption = Absorption::kelvin_voigt;
-    s.material = [](Node n) {
-        if (n[2] < 6) return NodeMaterial{1000.0, 15.0, 0.0};
+    s.absorption = pstd::Absorption::kelvin_voigt;
+    s.material = [](pstd::Node n) {
+        if (n[2] < 6) return pstd::NodeMaterial{1000.0, 15.0, 0.0};
         const bool body = n[0] > 3 && n[0] < 8 && n[1] > 2 && n[1] < 6 && n[2] > 10;
-        return NodeMaterial{1100.0, 20.0, body ? 9.0 : 5.0, 0.01, 0.02};
+        return pstd::NodeMaterial{1100.0, 20.0, body ? 9.0 : 5.0, 0.01, 0.02};
     };
-    Source held{.field = Field::uz, .mode = SourceMode::dirichlet};
-    held.nodes = {{5, 4, 9}, {6, 4, 9}, {0, 0, 0}};
-    s.sources.push_back(sampled_source(held, std::vector<double>(3 * (before + 10), 1e-3)));
-    Source put_in{.field = Field::sxz};
+    pstd::Source prescribed{.field = pstd::Field::uz, .mode = pstd::SourceMode::dirichlet};
+    prescribed.nodes = {{5, 4, 9}, {6, 4, 9}, {0, 0, 0}};
+    s.sources.push_back(
+        pstd::sampled_source(prescribed, std::vector<double>(3 * (before + 10), 1e-3)));
+    pstd::Source put_in{.field = pstd::Field::sxz};
     put_in.nodes = {{2, 7, 12}, {10, 8, 20}};
-    s.sources.push_back(sampled_source(put_in, std::vector<double>(2 * (before + 10), 2.0)));
+    s.sources.push_back(pstd::sampled_source(put_in, std::vector<double>(2 * (before + 10), 2.0)));
     return s;
 }
 
-/// Largest difference of totals at the same nodes over the largest value; of each field, the worst.
-/// Infinite where a field is zero everywhere.
+/// Largest difference of the totals at the same nodes relative to the largest value, maximum over
+/// the fields. Infinite if a field is zero everywhere.
 template <class Real>
-double apart(const Stepper<Real>& here, const Stepper<Real>& whole, const Comm& world) {
+double apart(const pstd::Stepper<Real>& here, const pstd::Stepper<Real>& whole, const Comm& world) {
     double worst = 0.0;
-    for (std::size_t f = 0; f < field_count; ++f) {
-        const auto got = here.total(static_cast<Field>(f)),
-                   expected = whole.total(static_cast<Field>(f));
+    for (std::size_t f = 0; f < pstd::field_count; ++f) {
+        const auto got = here.total(static_cast<pstd::Field>(f)),
+                   expected = whole.total(static_cast<pstd::Field>(f));
         const auto shift = static_cast<std::size_t>(here.slabs().x_start() * here.slabs().ny() *
                                                     here.slabs().pitch);
         double largest = 0.0, differs = 0.0;
@@ -57,49 +60,50 @@ double apart(const Stepper<Real>& here, const Stepper<Real>& whole, const Comm& 
 }
 
 template <class Real>
-void advance(Stepper<Real>& stepper, std::ptrdiff_t steps) {
+void advance(pstd::Stepper<Real>& stepper, std::ptrdiff_t steps) {
     for (std::ptrdiff_t n = 0; n < steps; ++n)
         stepper.step();
 }
 
 template <class Real>
-void save(const Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
-    CheckpointFileWriter file(path, team);
+void save(const pstd::Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
+    storage::CheckpointFileWriter file(path, team);
     test::StateToFile state(file);
     stepper.save(state);
     file.commit(owner, {.sequence = 1});
 }
 
 template <class Real>
-void restore(Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
-    const CheckpointFileReader file(path, team);
+void restore(pstd::Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
+    const storage::CheckpointFileReader file(path, team);
     test::StateFromFile state(file);
     stepper.restore(state);
 }
 
 } // namespace
 
-TEMPLATE_TEST_CASE("pstd goes on from a state as if it had not stopped, on any number of ranks",
-                   "[mpi][pstd]", double, float) {
+TEMPLATE_TEST_CASE(
+    "engine pstd resumes from a checkpoint with the same bits on any number of ranks",
+    "[mpi][pstd]", double, float) {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const test::SharedFolder folder(world);
-    const Setup setup = everything();
-    Stepper<TestType> whole(setup, alone), unbroken(setup, world);
+    const pstd::Setup setup = everything();
+    pstd::Stepper<TestType> whole(setup, alone), unbroken(setup, world);
     advance(whole, before);
     advance(unbroken, before);
     if (world.is_root()) save(whole, folder.file("one.h5"), alone);
     save(unbroken, folder.file("team.h5"), world);
 
-    Stepper<TestType> from_one(setup, world), from_team(setup, world),
+    pstd::Stepper<TestType> from_one(setup, world), from_team(setup, world),
         alone_from_team(setup, alone);
     restore(from_one, folder.file("one.h5"), world);
     restore(from_team, folder.file("team.h5"), world);
     restore(alone_from_team, folder.file("team.h5"), alone);
     const bool counted = from_one.steps() == before && from_team.steps() == before;
     CHECK(counted);
-    for (Stepper<TestType>* s : {&whole, &unbroken, &from_one, &from_team, &alone_from_team})
+    for (pstd::Stepper<TestType>* s : {&whole, &unbroken, &from_one, &from_team, &alone_from_team})
         advance(*s, after);
-    // Exactly: every line has the same plan wherever it is, and nothing but lines' own order sums.
+    // Exactly equal: every line uses the same plan, and sums run along lines only.
     const double same = apart(from_team, whole, world), other = apart(from_one, whole, world),
                  on_one = apart(alone_from_team, whole, world),
                  ranks = apart(unbroken, whole, world);

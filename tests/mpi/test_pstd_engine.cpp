@@ -1,4 +1,5 @@
-// The same numbers on any number of ranks and after a stop: engine pstd on a case of a sweep.
+// SPDX-License-Identifier: BSD-3-Clause
+// Compares results of engine pstd on any number of ranks and after a stop.
 #include "support/checkpoint_state.hpp"
 #include "support/shared_folder.hpp"
 #include "support/volume_store.hpp"
@@ -10,7 +11,7 @@ using namespace shearwake;
 
 namespace {
 
-/// A moving focus over a film with a lump below, for 1 ms; extents that few numbers divide.
+/// A moving focus over a film with an inclusion below, for 1 ms; the extents have few divisors.
 Case small_case(bool absorbing_edges) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
     Layer film = c.medium.layers[0];
@@ -39,8 +40,8 @@ Case small_case(bool absorbing_edges) {
     return c;
 }
 
-/// Largest difference of frames and volumes to those of the whole on one rank, over the largest
-/// value of each; `from` on.
+/// Largest difference of frames (beginning with `from`) and volumes to those of the complete run on
+/// one rank, relative to the largest value of each.
 double apart(const Case& c, const test::VolumeStore& part, const test::VolumeStore& whole,
              std::ptrdiff_t from, const Comm& world) {
     double worst = 0.0;
@@ -61,22 +62,22 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
     return world.max(worst);
 }
 
-/// Saves once, at a step, and stops there; or goes on from what was saved.
-class OneStop : public Checkpoints {
+/// Saves once at a given step and stops, or resumes from what was saved.
+class OneStop : public engines::Checkpoints {
 public:
     OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool go_on)
         : path_(path), team_(team), at_(at), go_on_(go_on) {}
     bool due() override { return ++asked_ == at_; }
-    void save(const std::function<void(StateWriter&)>& write) override {
-        CheckpointFileWriter file(path_, team_);
+    void save(const std::function<void(engines::StateWriter&)>& write) override {
+        storage::CheckpointFileWriter file(path_, team_);
         test::StateToFile state(file);
         write(state);
         file.commit({"case", "program"}, {.sequence = 1});
         stop_ = true;
     }
-    bool restore(const std::function<void(StateReader&)>& read) override {
+    bool restore(const std::function<void(engines::StateReader&)>& read) override {
         if (!go_on_) return false;
-        const CheckpointFileReader file(path_, team_);
+        const storage::CheckpointFileReader file(path_, team_);
         test::StateFromFile state(file);
         read(state);
         return true;
@@ -92,29 +93,29 @@ private:
 
 } // namespace
 
-TEST_CASE("a case of engine pstd has one field on any number of ranks", "[mpi][pstd]") {
+TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const Case c = small_case(GENERATE(false, true));
     test::VolumeStore shared, single;
-    make_engine(c.solver)->run(c, world, shared);
-    make_engine(c.solver)->run(c, alone, single);
+    engines::make_engine(c.solver)->run(c, world, shared);
+    engines::make_engine(c.solver)->run(c, alone, single);
     CHECK(single.z_m().size() > 5);
-    // Exactly: every line has the same plan wherever it is.
+    // Exactly equal: every line uses the same plan on any rank.
     const double worst = apart(c, shared, single, 0, world);
     CHECK(worst == 0.0);
 }
 
-TEST_CASE("a case of engine pstd goes on as if it had not been stopped", "[mpi][pstd]") {
+TEST_CASE("engine pstd resumes a stopped case with the same bits", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const test::SharedFolder folder(world);
     const Case c = small_case(false);
     test::VolumeStore whole, first, second;
-    make_engine(c.solver)->run(c, alone, whole);
+    engines::make_engine(c.solver)->run(c, alone, whole);
     OneStop stops(folder.file("state.h5"), world, 60, false);
-    make_engine(c.solver)->run(c, world, first, &stops);
+    engines::make_engine(c.solver)->run(c, world, first, &stops);
     CHECK(stops.stop());
     OneStop goes_on(folder.file("state.h5"), world, 0, true);
-    make_engine(c.solver)->run(c, world, second, &goes_on);
+    engines::make_engine(c.solver)->run(c, world, second, &goes_on);
     const double worst = apart(c, second, whole, 3, world);
     CHECK(worst == 0.0);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fft/run_transform.hpp"
 #include "support/worst.hpp"
 
@@ -9,20 +10,20 @@ using namespace shearwake;
 
 namespace {
 
-/// Grids whose extents do not divide, odd ones, and ones with fewer rows than ranks.
+/// Extents that are not divisible, odd extents, and fewer rows than ranks.
 using Grid = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
 const auto grids = {Grid{14, 10}, Grid{30, 18}, Grid{9, 7}, Grid{4, 2}, Grid{2, 6}};
 
-/// Numbers without a pattern that belong to a place in the grid, so to no rank.
+/// Pseudo-random numbers that depend on the position in the grid, not on the rank.
 double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
     const auto x = static_cast<double>(i), y = static_cast<double>(j);
     return std::sin(12.9898 * x + 78.233 * y + 3.1 * x * y + 1.0);
 }
 
-/// A plane of noise in its rows, and in the padding what must not matter.
-AlignedVector<double> noise_plane(const SlabShare& share, std::ptrdiff_t ny,
-                                  std::ptrdiff_t seed = 0) {
-    AlignedVector<double> plane(static_cast<std::size_t>(share.reals), 1e3);
+/// A plane of noise in its rows, with arbitrary values in the padding.
+fft::AlignedVector<double> noise_plane(const fft::SlabShare& share, std::ptrdiff_t ny,
+                                       std::ptrdiff_t seed = 0) {
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals), 1e3);
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < ny; ++j)
             plane[static_cast<std::size_t>(i * share.padded_ny + j)] =
@@ -30,21 +31,21 @@ AlignedVector<double> noise_plane(const SlabShare& share, std::ptrdiff_t ny,
     return plane;
 }
 
-std::complex<double>* spectrum_of(AlignedVector<double>& plane) {
+std::complex<double>* spectrum_of(fft::AlignedVector<double>& plane) {
     return reinterpret_cast<std::complex<double>*>(plane.data());
 }
 
 } // namespace
 
-TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents", "[mpi]") {
-    // Extents that do not divide, and one with fewer rows than ranks: surplus ranks join in.
+TEST_CASE("slab transform equals the Fourier sum for all ranks and extents", "[mpi]") {
+    // Extents that are not divisible, and one with fewer rows than ranks: surplus ranks take part.
     const auto [nx, ny] = GENERATE(std::pair<std::ptrdiff_t, std::ptrdiff_t>{14, 10},
                                    std::pair<std::ptrdiff_t, std::ptrdiff_t>{30, 18},
                                    std::pair<std::ptrdiff_t, std::ptrdiff_t>{4, 2});
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabShare& share = transform.share();
-    AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
     // A real field of two waves, one of them with negative kx.
     const double a = 0.7, b = -1.3, phase = 0.4;
     const std::ptrdiff_t kx_b = nx - 1, ky_b = ny / 2 - 1;
@@ -53,7 +54,7 @@ TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents
         for (std::ptrdiff_t i = 0; i < nx; ++i) {
             std::complex<double> value = 0.0;
             const std::ptrdiff_t ky = share.ky_start + j;
-            // The half spectrum's ky = 0 row carries both signs of kx itself.
+            // The row ky = 0 of the half spectrum contains both signs of kx.
             if (ky == 0 && (i == 1 || i == nx - 1)) value += 0.5 * a;
             if (ky == ky_b && i == kx_b)
                 value += (ky_b == 0 ? 1.0 : 0.5) * b * std::polar(1.0, phase);
@@ -70,7 +71,7 @@ TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents
                 2.0 * std::numbers::pi * static_cast<double>(j) / static_cast<double>(ny);
             double expected = a * std::cos(x);
             if (ky_b > 0) expected += b * std::cos(-x + static_cast<double>(ky_b) * y + phase);
-            if (ky_b == 0) continue; // 4 x 2: only the size of the answer is checked below
+            if (ky_b == 0) continue; // 4 x 2: only the magnitude is checked below
             worst = test::worse(
                 worst,
                 std::abs(plane[static_cast<std::size_t>(i * share.padded_ny + j)] - expected));
@@ -81,13 +82,13 @@ TEST_CASE("the slab transform is the Fourier sum, whatever the ranks and extents
     CHECK(world.sum(static_cast<double>(share.ky_count)) == static_cast<double>(ny / 2 + 1));
 }
 
-TEST_CASE("there and back is nx ny times the plane", "[mpi]") {
+TEST_CASE("forward and backward transforms multiply the plane by nx ny", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabShare& share = transform.share();
-    const AlignedVector<double> before = noise_plane(share, ny);
-    AlignedVector<double> plane = before;
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    const fft::AlignedVector<double> before = noise_plane(share, ny);
+    fft::AlignedVector<double> plane = before;
     transform.to_spectral(plane.data());
     transform.to_physical(plane.data());
     double worst = 0.0;
@@ -98,18 +99,18 @@ TEST_CASE("there and back is nx ny times the plane", "[mpi]") {
             worst = test::worse(worst, std::abs(back - before[at]));
         }
     }
-    // Values of 1, some 10 roundings of 1e-16 on the way.
+    // Values of order 1 after about 10 rounding errors of 1e-16.
     CHECK(world.max(worst) < 5e-15);
 }
 
-TEST_CASE("a cosine has the two modes that it is made of", "[mpi]") {
+TEST_CASE("spectrum of a cosine consists of its two modes", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabShare& share = transform.share();
-    AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
-    // cos(-x + y + phase): at kx = -1, ky = 1 half its amplitude times e^{i phase}; the other mode,
-    // at kx = 1, ky = -1, is in the stored half only where ky = 1 is the Nyquist row.
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
+    // cos(-x + y + phase): half of its amplitude times e^{i phase} at kx = -1, ky = 1. The other
+    // mode, at kx = 1, ky = -1, is in the stored half only if ky = 1 is the Nyquist row.
     const double phase = 0.4;
     const double dx = 2.0 * std::numbers::pi / static_cast<double>(nx);
     const double dy = 2.0 * std::numbers::pi / static_cast<double>(ny);
@@ -129,21 +130,21 @@ TEST_CASE("a cosine has the two modes that it is made of", "[mpi]") {
             worst = test::worse(worst, std::abs(spectrum_of(plane)[j * nx + i] - expected));
         }
     }
-    CHECK(world.max(worst) / points < 1e-15); // roundings of the sum over points, relative to it
+    CHECK(world.max(worst) / points < 1e-15); // rounding errors of a sum over the points
 }
 
-TEST_CASE("each direction is the other one's adjoint", "[mpi]") {
+TEST_CASE("forward and backward transforms are adjoint", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabShare& share = transform.share();
-    AlignedVector<double> spectrum(static_cast<std::size_t>(share.reals));
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    fft::AlignedVector<double> spectrum(static_cast<std::size_t>(share.reals));
     for (std::ptrdiff_t j = 0; j < share.ky_count; ++j)
         for (std::ptrdiff_t i = 0; i < nx; ++i)
             spectrum_of(spectrum)[j * nx + i] = {noise(i, share.ky_start + j),
                                                  noise(i + 1000, share.ky_start + j)};
-    AlignedVector<double> real = noise_plane(share, ny);
-    AlignedVector<double> real_of_spectrum = spectrum, spectrum_of_real = real;
+    fft::AlignedVector<double> real = noise_plane(share, ny);
+    fft::AlignedVector<double> real_of_spectrum = spectrum, spectrum_of_real = real;
     transform.to_physical(real_of_spectrum.data());
     transform.to_spectral(spectrum_of_real.data());
     double in_space = 0.0, in_modes = 0.0;
@@ -153,7 +154,7 @@ TEST_CASE("each direction is the other one's adjoint", "[mpi]") {
             in_space += real_of_spectrum[at] * real[at];
         }
     for (std::ptrdiff_t j = 0; j < share.ky_count; ++j) {
-        // Rows that stand for their mirror image as well count twice.
+        // Rows that also represent their mirror image count twice.
         const std::ptrdiff_t ky = share.ky_start + j;
         const double weight = ky == 0 || 2 * ky == ny ? 1.0 : 2.0;
         for (std::ptrdiff_t i = 0; i < nx; ++i)
@@ -165,14 +166,14 @@ TEST_CASE("each direction is the other one's adjoint", "[mpi]") {
     CHECK(std::abs(world.sum(in_space) - world.sum(in_modes)) / size < 1e-14);
 }
 
-TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "[mpi]") {
+TEST_CASE("transform of runs equals that of a plane with zeros elsewhere", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabShare& share = transform.share();
-    // Not whole groups of rows, a row without a run, two runs in one, and nothing at all on a rank
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    // Incomplete groups of rows, a row without runs, two runs in one row, and no runs on a rank
     // with a single row.
-    std::vector<RowRun> runs;
+    std::vector<fft::RowRun> runs;
     std::size_t cells = 0;
     for (std::ptrdiff_t i = share.x_count / 3; i < share.x_count - share.x_count / 2; ++i) {
         if (i == share.x_count / 3 + 1) continue;
@@ -181,21 +182,21 @@ TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "
             cells += static_cast<std::size_t>(end - begin);
         }
     }
-    AlignedVector<double> plane = noise_plane(share, ny, 3);
+    fft::AlignedVector<double> plane = noise_plane(share, ny, 3);
     std::vector<double> given(cells);
-    const AlignedVector<double> noise = plane;
+    const fft::AlignedVector<double> noise = plane;
     std::fill(plane.begin(), plane.end(), 0.0);
-    for (const RowRun& run : runs)
+    for (const fft::RowRun& run : runs)
         for (std::ptrdiff_t j = run.begin; j < run.end; ++j) {
             const auto at = static_cast<std::size_t>(run.row * share.padded_ny + j);
             plane[at] = given[run.offset + static_cast<std::size_t>(j - run.begin)] = noise[at];
         }
-    // Twice at once, the second time doubled.
-    const RunTransform only(transform, world, runs);
+    // Two planes at once, the second one doubled.
+    const fft::RunTransform only(transform, world, runs);
     std::vector<double> both = given, back(2 * cells, 0.0);
     for (const double value : given)
         both.push_back(2.0 * value);
-    AlignedVector<double> lines(2 * static_cast<std::size_t>(transform.lines_reals()), 7.0);
+    fft::AlignedVector<double> lines(2 * static_cast<std::size_t>(transform.lines_reals()), 7.0);
     only.to_lines(both.data(), cells, 2, lines.data());
     transform.to_spectral(plane.data());
     double worst = 0.0;
@@ -212,7 +213,7 @@ TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "
         transform.line_to_physical(line);
         transform.line_to_physical(second);
     }
-    // Sums of nx ny numbers of at most 1, by other plans along x.
+    // Sums of nx ny numbers of at most 1, with different plans along x.
     const double size = std::sqrt(static_cast<double>(nx * ny));
     CHECK(world.max(worst) < 1e-14 * size);
     only.to_values(lines.data(), 2, back.data(), cells);
@@ -222,13 +223,13 @@ TEST_CASE("some runs of rows are transformed as a plane of zeros around them", "
     CHECK(world.max(worst) < 1e-14);
 }
 
-TEST_CASE("a team gets the bits that one rank gets", "[mpi]") {
+TEST_CASE("transforms have the same bits on a team and on one rank", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const SlabTransform transform(nx, ny, world);
-    const SlabTransform whole(nx, ny, world.split(world.rank()));
-    const SlabShare& share = transform.share();
-    AlignedVector<double> mine = noise_plane(share, ny), all = noise_plane(whole.share(), ny);
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabTransform whole(nx, ny, world.split(world.rank()));
+    const fft::SlabShare& share = transform.share();
+    fft::AlignedVector<double> mine = noise_plane(share, ny), all = noise_plane(whole.share(), ny);
     transform.to_spectral(mine.data());
     whole.to_spectral(all.data());
     double worst = 0.0;
@@ -244,5 +245,5 @@ TEST_CASE("a team gets the bits that one rank gets", "[mpi]") {
             worst = test::worse(worst, std::abs(mine[static_cast<std::size_t>(at)] -
                                                 all[static_cast<std::size_t>(in_all)]));
         }
-    CHECK(world.max(worst) == 0.0); // every line has the same plan wherever it is
+    CHECK(world.max(worst) == 0.0); // every line uses the same plan on any rank
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Strain and stress volumes of the spectral engine on any number of ranks.
 #include "support/spectral_cases.hpp"
 #include "support/stop_at.hpp"
@@ -18,15 +19,15 @@ Case small_case(double contrast) {
 
 } // namespace
 
-TEST_CASE("volumes are the same when a run stops at a snapshot or beside it", "[mpi]") {
+TEST_CASE("volumes are unchanged when a run stops at or near a snapshot", "[mpi]") {
     const Case c = small_case(2.0);
     const Comm world = Comm::world();
-    test::StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at the steps 4 and 8
+    test::StopAt checkpoints(GENERATE(3, 4, 5, 7)); // the snapshots are at steps 4 and 8
     test::VolumeStore through, stopped;
-    make_engine(c.solver)->run(c, world, through);
-    make_engine(c.solver)->run(c, world, stopped, &checkpoints);
+    engines::make_engine(c.solver)->run(c, world, through);
+    engines::make_engine(c.solver)->run(c, world, stopped, &checkpoints);
     CHECK(stopped.planes() < through.planes());
-    make_engine(c.solver)->run(c, world, stopped, &checkpoints);
+    engines::make_engine(c.solver)->run(c, world, stopped, &checkpoints);
     bool same = stopped.planes() == through.planes();
     for (std::size_t snapshot = 0; same && snapshot < 2; ++snapshot)
         for (std::size_t k = 0; k < 6; ++k)
@@ -36,12 +37,12 @@ TEST_CASE("volumes are the same when a run stops at a snapshot or beside it", "[
     CHECK(world.max(same ? 0 : 1) == 0);
 }
 
-TEST_CASE("strain and stress are the same on any number of ranks", "[mpi]") {
+TEST_CASE("strain and stress volumes are identical on any number of ranks", "[mpi]") {
     const Case c = small_case(GENERATE(1.0, 16.0));
     const Comm world = Comm::world();
     test::VolumeStore together, alone;
-    make_engine(c.solver)->run(c, world, together);
-    make_engine(c.solver)->run(c, world.split(world.rank()), alone);
+    engines::make_engine(c.solver)->run(c, world, together);
+    engines::make_engine(c.solver)->run(c, world.split(world.rank()), alone);
     const std::ptrdiff_t rows = together.slab().x_count, start = together.slab().x_start;
     CHECK(world.max(static_cast<double>(together.planes())) ==
           static_cast<double>(2 * 15) * static_cast<double>(alone.z_m().size()));
@@ -63,7 +64,7 @@ TEST_CASE("strain and stress are the same on any number of ranks", "[mpi]") {
         largest = world.max(largest);
         CAPTURE(field);
         CHECK(largest > 0.0);
-        // The sums of the iterations depend on the ranks to rounding, which lambda/mu = 1e5 lifts.
+        // The sums of the iterations differ by rounding, which lambda/mu = 1e5 amplifies.
         CHECK(difference < 1e-9 * largest);
     }
 }

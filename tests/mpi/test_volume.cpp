@@ -1,6 +1,8 @@
-// Volume snapshots from a fake engine through the recorder into the case file.
+// SPDX-License-Identifier: BSD-3-Clause
+// Volume snapshots from a fake engine via the recorder to the case file.
 #include "base/error.hpp"
-#include "io/case_file_writer.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+#include "storage/files.hpp"
 #include "support/cases.hpp"
 #include "support/shared_folder.hpp"
 
@@ -14,7 +16,7 @@ const std::vector<double> levels_m = {0.0, 0.3e-3, 1e-3};
 
 Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
-    c.domain = {4, 6, 1e-3, 0.0}; // on 5 ranks the last one has no row
+    c.domain = {4, 6, 1e-3, 0.0}; // the last of 5 ranks has no row
     c.time = {2, 1e-3};
     c.measure = {.at_s = 2e-3, .settled_after_s = 0.0, .focal_radius_m = 1e-3};
     c.record.volumes_s = {1e-3, 2e-3};
@@ -22,20 +24,20 @@ Case small_case() {
     return c;
 }
 
-double value_at(const VolumePlane& p, std::ptrdiff_t i, std::ptrdiff_t j) {
+double value_at(const engines::VolumePlane& p, std::ptrdiff_t i, std::ptrdiff_t j) {
     return static_cast<double>(10000 * p.snapshot + 5000 * p.field + 500 * p.component +
                                100 * p.level) +
            static_cast<double>(10 * i + j);
 }
 
-/// Gives every plane of every volume but the `missing` last ones.
-void run_fake_engine(const Case& c, const Comm& team, Observer& observer, int missing) {
+/// Passes all planes of all volumes except the last `missing` ones to the observer.
+void run_fake_engine(const Case& c, const Comm& team, engines::Observer& observer, int missing) {
     const std::ptrdiff_t each = (c.domain.nx + team.size() - 1) / team.size();
     const std::ptrdiff_t start = std::min(c.domain.nx, each * team.rank());
     const std::ptrdiff_t rows = std::min(c.domain.nx, start + each) - start;
     observer.begin({start, rows});
     observer.volume_levels(levels_m);
-    std::vector<VolumePlane> planes;
+    std::vector<engines::VolumePlane> planes;
     for (std::size_t snapshot = 0; snapshot < c.record.volumes_s.size(); ++snapshot)
         for (std::size_t field = 0; field < c.record.volume_fields.size(); ++field)
             for (std::size_t k = 0; k < components_of(c.record.volume_fields[field]).size(); ++k)
@@ -43,7 +45,7 @@ void run_fake_engine(const Case& c, const Comm& team, Observer& observer, int mi
                     planes.push_back({snapshot, field, k, level, {}});
     planes.resize(planes.size() - static_cast<std::size_t>(missing));
     std::vector<double> slab(static_cast<std::size_t>(rows * 8), -1.0); // padded rows
-    for (VolumePlane& plane : planes) {
+    for (engines::VolumePlane& plane : planes) {
         for (std::ptrdiff_t i = 0; i < rows; ++i)
             for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
                 slab[static_cast<std::size_t>(i * 8 + j)] = value_at(plane, start + i, j);
@@ -65,7 +67,7 @@ bool holds_volumes(const std::filesystem::path& path, const Case& c) {
                    h5::text_attribute(dataset.raw(), "units") == units_of(kind);
             const std::vector<double> values = h5::read_all(dataset);
             for (std::size_t at = 0; same && at < values.size(); ++at) {
-                const VolumePlane plane{at / 72, field, k, at / 24 % 3, {}};
+                const engines::VolumePlane plane{at / 72, field, k, at / 24 % 3, {}};
                 same = values[at] == value_at(plane, static_cast<std::ptrdiff_t>(at % 4),
                                               static_cast<std::ptrdiff_t>(at / 4 % 6));
             }
@@ -76,13 +78,13 @@ bool holds_volumes(const std::filesystem::path& path, const Case& c) {
 
 } // namespace
 
-TEST_CASE("slabs of all ranks make volumes in the file, x fastest", "[mpi]") {
+TEST_CASE("writes the slabs of all ranks as volumes with x as the fastest index", "[mpi]") {
     const Comm world = Comm::world();
     const test::SharedFolder folder(world);
     const Case c = small_case();
     {
-        CaseFileWriter writer(folder.file("a.h5"), world, {});
-        SurfaceRecorder recorder(c, world, &writer, {});
+        storage::CaseFileWriter writer(folder.file("a.h5"), world, {});
+        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
         run_fake_engine(c, world, recorder, 0);
         recorder.finish();
         writer.commit({}, {{"status", std::string("complete")}});
@@ -92,38 +94,50 @@ TEST_CASE("slabs of all ranks make volumes in the file, x fastest", "[mpi]") {
     CHECK(world.max(fine ? 0 : 1) == 0);
 }
 
-TEST_CASE("volumes that an engine does not finish are the case's failure", "[mpi]") {
+TEST_CASE("fails the case if the engine does not complete its volumes", "[mpi]") {
     const Comm world = Comm::world();
     const test::SharedFolder folder(world);
     const Case c = small_case();
-    CaseFileWriter writer(folder.file("a.h5"), world, {});
-    SurfaceRecorder recorder(c, world, &writer, {});
+    storage::CaseFileWriter writer(folder.file("a.h5"), world, {});
+    pipeline::SurfaceRecorder recorder(c, world, &writer, {});
     run_fake_engine(c, world, recorder, 1);
     CHECK_THROWS_AS(recorder.finish(), CaseFailure);
 }
 
-TEST_CASE("a volume is gone on with in the file that was left", "[mpi]") {
+TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
     const Comm world = Comm::world();
     const test::SharedFolder folder(world);
     const Case c = small_case();
     const auto path = folder.file("a.h5");
+    std::string record;
     {
-        CaseFileWriter writer(path, world, {});
-        SurfaceRecorder recorder(c, world, &writer, {});
+        storage::CaseFileWriter writer(path, world, {});
+        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
         run_fake_engine(c, world, recorder, 20);
         writer.flush();
+        record = writer.part_record();
         writer.leave_for_later();
     }
-    std::string trouble, without;
+    std::string trouble, without, flipped, unrecorded;
     on_root(world, [&] {
-        trouble = trouble_with_part(path, {}, KeepsVolume::yes);
-        without = trouble_with_part(path, {}, KeepsVolume::no);
+        trouble = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::yes);
+        without = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::no);
+        unrecorded = storage::trouble_with_part(path, "", {}, storage::KeepsVolume::yes);
+        const std::string part = path.string() + ".part", sound = storage::read_file(part);
+        std::string damaged = sound;
+        damaged[40] = static_cast<char>(damaged[40] ^ 1); // in HDF5's own metadata
+        storage::write_file(part, damaged);
+        flipped = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::yes);
+        storage::write_file(part, sound);
     });
-    CHECK(world.broadcast(trouble).empty());
-    CHECK(world.broadcast(without) == "was ended while it was being made or completed");
+    CHECK(world.broadcast(trouble) == "");
+    CHECK(world.broadcast(flipped) == "is damaged (it does not match the checksum in the "
+                                      "checkpoint)");
+    CHECK(world.broadcast(unrecorded) == "has no checksum in the checkpoint");
+    CHECK(world.broadcast(without) == "was left incomplete by an interrupted run");
     {
-        CaseFileWriter writer(path, world, {}, Beginning::go_on);
-        SurfaceRecorder recorder(c, world, &writer, {});
+        storage::CaseFileWriter writer(path, world, {}, storage::Beginning::go_on, record);
+        pipeline::SurfaceRecorder recorder(c, world, &writer, {});
         run_fake_engine(c, world, recorder, 0);
         writer.commit({}, {});
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "fft/fftw_plan.hpp"
 #include "fft/slab_transform.hpp"
 #include "fft/wisdom.hpp"
@@ -16,7 +17,7 @@ using namespace shearwake;
 
 namespace {
 
-/// SHEARWAKE_CACHE for as long as this lives.
+/// Sets SHEARWAKE_CACHE during its lifetime.
 class CacheAt {
 public:
     explicit CacheAt(const std::string& place) {
@@ -34,7 +35,7 @@ private:
     std::optional<std::string> before_;
 };
 
-/// One new cache folder for all ranks. Collective at both ends.
+/// A new cache folder for all ranks. Construction and destruction are collective.
 class NewCache {
 public:
     NewCache() : cache_(Comm::world().broadcast((folder_ / "cache").string())) {}
@@ -45,12 +46,12 @@ private:
     CacheAt cache_;
 };
 
-/// A transform of one line that counts how it was planned.
+/// A transform of one line that counts how often and how it was planned.
 struct CountedPlans {
     int measured = 0, recalled = 0, estimated = 0;
-    FftwPlan plan;
+    fft::FftwPlan plan;
 
-    MakePlans maker(int length = 360) {
+    fft::MakePlans maker(int length = 360) {
         return [this, length](unsigned flags) {
             if (flags & FFTW_ESTIMATE)
                 ++estimated;
@@ -58,7 +59,7 @@ struct CountedPlans {
                 ++recalled;
             else
                 ++measured;
-            AlignedVector<double> line(static_cast<std::size_t>(2 * length));
+            fft::AlignedVector<double> line(static_cast<std::size_t>(2 * length));
             auto* data = reinterpret_cast<fftw_complex*>(line.data());
             plan.reset(fftw_plan_dft_1d(length, data, data, FFTW_FORWARD, flags));
             return plan != nullptr;
@@ -76,15 +77,15 @@ void write(const std::filesystem::path& path, const std::string& text) {
     std::ofstream(path, std::ios::binary) << text;
 }
 
-/// Spectrum and plane again of this rank's part, after both transforms.
-AlignedVector<double> transformed(const SlabTransform& transform) {
-    const SlabShare& share = transform.share();
-    AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
+/// Spectrum and plane of this rank after both transforms.
+fft::AlignedVector<double> transformed(const fft::SlabTransform& transform) {
+    const fft::SlabShare& share = transform.share();
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(share.reals));
     for (std::ptrdiff_t i = 0; i < share.x_count * share.padded_ny; ++i)
         plane[static_cast<std::size_t>(i)] =
             std::sin(12.9898 * static_cast<double>(i + share.x_start * share.padded_ny));
     transform.to_spectral(plane.data());
-    AlignedVector<double> both(plane.begin(), plane.begin() + 2 * share.ky_count * 384);
+    fft::AlignedVector<double> both(plane.begin(), plane.begin() + 2 * share.ky_count * 384);
     transform.to_physical(plane.data());
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i) // without the padding
         both.insert(both.end(), plane.begin() + i * share.padded_ny,
@@ -98,37 +99,37 @@ bool everywhere(bool here) {
 
 } // namespace
 
-TEST_CASE("a plan is measured once, by one rank, and then recalled", "[mpi]") {
+TEST_CASE("measures a plan once on one rank and reuses it", "[mpi]") {
     const NewCache cache;
     const Comm world = Comm::world();
     CountedPlans first, second;
-    plan_measured(world, "line", first.maker());
-    const std::string words = world.broadcast(content(*wisdom_file("line")));
-    plan_measured(world, "line", second.maker());
+    fft::plan_measured(world, "line", first.maker());
+    const std::string words = world.broadcast(content(*fft::wisdom_file("line")));
+    fft::plan_measured(world, "line", second.maker());
     CHECK(world.sum(first.measured) == 1.0);
     CHECK(world.sum(second.measured) == 0.0);
     CHECK(world.sum(second.recalled) == world.size());
     CHECK(world.sum(first.estimated + second.estimated) == 0.0);
-    CHECK(everywhere(content(*wisdom_file("line")) == words)); // nothing new was learnt
+    CHECK(everywhere(content(*fft::wisdom_file("line")) == words)); // nothing was measured again
 }
 
-TEST_CASE("measured transforms give the same bits again, on any ranks", "[mpi]") {
+TEST_CASE("measured transforms reproduce the same bits on all ranks", "[mpi]") {
     const NewCache cache;
     const Comm world = Comm::world();
-    const AlignedVector<double> first =
-        transformed(SlabTransform(384, 320, world, Planning::measured));
-    const AlignedVector<double> second =
-        transformed(SlabTransform(384, 320, world, Planning::measured));
+    const fft::AlignedVector<double> first =
+        transformed(fft::SlabTransform(384, 320, world, fft::Planning::measured));
+    const fft::AlignedVector<double> second =
+        transformed(fft::SlabTransform(384, 320, world, fft::Planning::measured));
     CHECK(everywhere(first == second));
-    const SlabTransform alone(384, 320, world.split(world.rank()), Planning::measured);
-    const AlignedVector<double> whole = transformed(alone);
-    const SlabTransform team(384, 320, world, Planning::measured);
+    const fft::SlabTransform alone(384, 320, world.split(world.rank()), fft::Planning::measured);
+    const fft::AlignedVector<double> whole = transformed(alone);
+    const fft::SlabTransform team(384, 320, world, fft::Planning::measured);
     const auto modes = static_cast<std::ptrdiff_t>(2 * team.share().ky_count * 384);
     CHECK(everywhere(std::equal(first.begin(), first.begin() + modes,
                                 whole.begin() + 2 * team.share().ky_start * 384)));
 }
 
-TEST_CASE("estimated plans do not follow what was measured before", "[mpi]") {
+TEST_CASE("estimated plans ignore earlier measurements", "[mpi]") {
     const Comm world = Comm::world();
     const auto text_of = [](const CountedPlans& plans) {
         const std::unique_ptr<char, void (*)(void*)> text(fftw_sprint_plan(plans.plan.get()), free);
@@ -139,81 +140,83 @@ TEST_CASE("estimated plans do not follow what was measured before", "[mpi]") {
     before.maker()(FFTW_ESTIMATE);
     fftw_forget_wisdom();
     measured.maker()(FFTW_MEASURE);
-    following.maker()(FFTW_ESTIMATE); // what FFTW itself does: the measured plan again
-    plan_estimated(after.maker());
+    following.maker()(FFTW_ESTIMATE); // FFTW itself would use the measured plan
+    fft::plan_estimated(after.maker());
     CHECK(everywhere(text_of(following) == text_of(measured)));
     CHECK(everywhere(text_of(after) == text_of(before)));
 }
 
-TEST_CASE("no wisdom stays in the process", "[mpi]") {
-    const auto planning = GENERATE(Planning::estimated, Planning::measured);
+TEST_CASE("leaves no wisdom in the process", "[mpi]") {
+    const auto planning = GENERATE(fft::Planning::estimated, fft::Planning::measured);
     const NewCache cache;
     const auto wisdom = [] {
         const std::unique_ptr<char, void (*)(void*)> text(fftw_export_wisdom_to_string(), free);
         return std::string(text.get());
     };
-    // The first of all transforms makes FFTW's MPI part known, whose name stands in every wisdom.
-    const SlabTransform first(16, 16, Comm::world(), Planning::estimated);
+    // The first transform registers the MPI part of FFTW, whose name is contained in all wisdom.
+    const fft::SlabTransform first(16, 16, Comm::world(), fft::Planning::estimated);
     fftw_forget_wisdom();
     const std::string none = wisdom();
-    const SlabTransform transform(384, 320, Comm::world(), planning);
+    const fft::SlabTransform transform(384, 320, Comm::world(), planning);
     CHECK(everywhere(wisdom() == none));
 }
 
-TEST_CASE("of two programs that learn at once the second takes the first one's plans", "[mpi]") {
+TEST_CASE("of two programs measuring at the same time the second uses the plans of the first",
+          "[mpi]") {
     const Comm world = Comm::world();
     std::string theirs;
     {
-        // Theirs knows a second length, so that it cannot be taken for ours.
+        // Their file contains another length, so that it differs from ours.
         const NewCache cache;
         CountedPlans plans;
-        plan_measured(world, "line", [&](unsigned flags) {
+        fft::plan_measured(world, "line", [&](unsigned flags) {
             return plans.maker(350)(flags) && plans.maker(360)(flags);
         });
-        theirs = world.broadcast(content(*wisdom_file("line")));
+        theirs = world.broadcast(content(*fft::wisdom_file("line")));
     }
     const NewCache cache;
     CountedPlans ours;
-    plan_measured(world, "line", [&](unsigned flags) {
+    fft::plan_measured(world, "line", [&](unsigned flags) {
         const bool made = ours.maker()(flags);
-        if (!(flags & FFTW_WISDOM_ONLY)) write(*wisdom_file("line"), theirs); // they are done now
+        if (!(flags & FFTW_WISDOM_ONLY))
+            write(*fft::wisdom_file("line"), theirs); // the other program has finished
         return made;
     });
     CHECK(world.sum(ours.measured) == 1.0);
     CHECK(world.sum(ours.estimated) == 0.0);
-    CHECK(everywhere(content(*wisdom_file("line")) == theirs));
+    CHECK(everywhere(content(*fft::wisdom_file("line")) == theirs));
 }
 
-TEST_CASE("without a cache plans are estimated, not measured", "[mpi]") {
-    // /dev/null is no folder, not even for root.
+TEST_CASE("estimates plans if there is no cache", "[mpi]") {
+    // /dev/null is not a folder, not even for root.
     const CacheAt cache(GENERATE("off", "/dev/null/cache"));
     const Comm world = Comm::world();
     CountedPlans plans;
-    plan_measured(world, "line", plans.maker());
+    fft::plan_measured(world, "line", plans.maker());
     CHECK(world.sum(plans.measured) == 0.0);
     CHECK(world.sum(plans.estimated) == world.size());
-    CHECK(everywhere(transformed(SlabTransform(384, 320, world, Planning::measured)) ==
-                     transformed(SlabTransform(384, 320, world))));
+    CHECK(everywhere(transformed(fft::SlabTransform(384, 320, world, fft::Planning::measured)) ==
+                     transformed(fft::SlabTransform(384, 320, world))));
 }
 
-TEST_CASE("a damaged file is replaced", "[mpi]") {
+TEST_CASE("replaces a damaged file", "[mpi]") {
     const NewCache cache;
     const Comm world = Comm::world();
     CountedPlans first, second, third;
-    plan_measured(world, "line", first.maker());
+    fft::plan_measured(world, "line", first.maker());
     const auto damage = GENERATE(0, 1, 2, 3, 4);
     if (world.is_root()) {
-        std::string text = content(*wisdom_file("line"));
-        const std::string senseless = "(fftw-3.3 nonsense\n";
+        std::string text = content(*fft::wisdom_file("line"));
+        const std::string invalid = "(fftw-3.3 nonsense\n";
         if (damage == 0) text = "";
         if (damage == 1) text.resize(text.size() / 2);
         if (damage == 2) text[text.size() / 2] ^= 1;
         if (damage == 3) text = std::string(5000, '\0');
-        if (damage == 4) text = senseless;
-        write(*wisdom_file("line"), text);
+        if (damage == 4) text = invalid;
+        write(*fft::wisdom_file("line"), text);
     }
-    plan_measured(world, "line", second.maker());
-    plan_measured(world, "line", third.maker());
+    fft::plan_measured(world, "line", second.maker());
+    fft::plan_measured(world, "line", third.maker());
     CHECK(world.sum(second.measured) == 1.0);
     CHECK(world.sum(third.measured) == 0.0);
     CHECK(world.sum(second.estimated + third.estimated) == 0.0);

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A headless chromium, driven through the DevTools protocol over a pipe: no package beyond it.
 
     with Browser() as browser:
@@ -13,7 +14,7 @@ import subprocess
 import tempfile
 import time
 
-TIMEOUT_s = 60.0  # of one answer: a loaded machine takes seconds to start a browser
+TIMEOUT_s = 480.0  # of one response; a busy machine may take minutes to start a browser
 
 
 def find():
@@ -53,7 +54,7 @@ class Browser:
         self.profile.cleanup()
 
     def message(self, until):
-        """The next message; they end with a zero byte."""
+        """The next message; messages end with a zero byte."""
         while b"\0" not in self.buffer:
             ready, _, _ = select.select([self.into], [], [], max(0.0, until - time.monotonic()))
             part = os.read(self.into, 1 << 20) if ready else b""
@@ -64,7 +65,7 @@ class Browser:
         return json.loads(first)
 
     def send(self, method, session=None, **parameters):
-        """The answer to one command; events that come before it are kept."""
+        """The response to a command; events that arrive before it are kept."""
         self.number += 1
         command = {"id": self.number, "method": method, "params": parameters}
         if session:
@@ -111,7 +112,7 @@ class Page:
         return self.browser.send(method, self.session, **parameters)
 
     def run(self, script):
-        """The value of an expression; what it throws is raised."""
+        """The value of an expression; its exceptions are raised."""
         answer = self.send("Runtime.evaluate", expression=script, returnByValue=True,
                            awaitPromise=True)
         if "exceptionDetails" in answer:
@@ -119,15 +120,15 @@ class Page:
         return answer["result"].get("value")
 
     def press(self, key, code):
-        """One key, as a person presses it; Enter carries its text."""
+        """Presses a key; Enter includes its text."""
         text = {"text": "\r"} if key == "Enter" else {}
         for kind in ("keyDown", "keyUp"):
             self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key,
                       windowsVirtualKeyCode=code, **(text if kind == "keyDown" else {}))
 
     def errors(self):
-        """Exceptions of scripts and messages of console.error since the page was opened."""
-        self.run("1")  # what came before it has arrived
+        """Exceptions of scripts and messages of console.error since the page was loaded."""
+        self.run("1")  # all earlier events have arrived when this returns
         found = [str(e["params"]["exceptionDetails"]) for e in self.browser.events
                  if e.get("method") == "Runtime.exceptionThrown"]
         return found + [str(e["params"]["args"]) for e in self.browser.events
@@ -135,7 +136,7 @@ class Page:
                         and e["params"]["type"] == "error"]
 
     def requests(self):
-        """Addresses that the page asked for, itself and what it holds inside left out."""
+        """Addresses that the page requested, except its own address and data URLs."""
         self.run("1")
         urls = [e["params"]["request"]["url"] for e in self.browser.events
                 if e.get("method") == "Network.requestWillBeSent"]

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The figures of afferents on small synthetic cases: hand, rasters, chosen places, curves.
 
 Run: python3 tests/report/test_afferents.py    (unittest, numpy, h5py, matplotlib; seconds)
@@ -13,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, Folder  # noqa: E402
+from test_report import AM, Folder, fixed  # noqa: E402
 
 import fig_afferents  # noqa: E402
 import fig_hand  # noqa: E402
@@ -21,11 +22,11 @@ import load  # noqa: E402
 
 
 def add_afferents(path, counts, moves=True, felt="pins"):
-    """Three PC and two RA about two pins; afferent i fires counts[i] times, every 5 ms."""
+    """Adds three PC and two RA near two pins; afferent i fires counts[i] times, every 5 ms."""
     with h5py.File(path, "r+") as file:
-        case = file.attrs["case"]
-        file.attrs["case"] = (case + "[time]\nframes = 40\ninterval_s = 0.001\n[afferents]\n"
-                              f"where = \"palm\"\ninput = \"{felt}\"\n")
+        case = load.text(file.attrs["case"])
+        file.attrs.update(fixed({"case": case + "[time]\nframes = 40\ninterval_s = 0.001\n"
+                                         f"[afferents]\nwhere = \"palm\"\ninput = \"{felt}\"\n"}))
         group = file.create_group("afferents")
         x = 1e-3 * np.array([0.0, 1.0, 30.0, 0.0, 30.0])
         group["x"], group["y"], group["hand_x"], group["hand_y"] = x, 0 * x, x + 0.12, 0 * x + 0.01
@@ -59,14 +60,14 @@ class AfferentsTest(unittest.TestCase):
         (self.root / "report").mkdir(exist_ok=True)
         return {f.name for f in figures(load.load(self.folder.save()), self.root / "report")}
 
-    def test_spikes_go_to_the_afferent_that_fired_them(self):
+    def test_spikes_are_assigned_to_their_afferents(self):
         identity = self.add(100.0, [3, 0, 2, 0, 1])
         held = fig_hand.Afferents(self.folder.file(identity))
         self.assertEqual([len(s) for s in held.spikes], [3, 0, 2, 0, 1])
         np.testing.assert_allclose(held.spikes[2], [5.0, 10.0])
         self.assertEqual(list(held.of("RA")), [3, 4])
 
-    def test_each_case_has_its_hand_its_raster_and_its_places(self):
+    def test_each_case_has_a_hand_a_raster_and_places(self):
         self.add(100.0, [3, 0, 2, 0, 1])
         self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "places_1"})
 
@@ -75,35 +76,35 @@ class AfferentsTest(unittest.TestCase):
         self.add(200.0, [0, 0, 0, 0, 0])
         self.assertEqual(self.drawn(fig_hand.figures), {"hand_1", "raster_1", "hand_2", "places_2"})
 
-    def test_pins_that_move_nothing_are_not_drawn_as_if_they_did(self):
+    def test_pins_are_not_drawn_if_the_input_is_stress(self):
         for f, felt in ((100.0, "pins"), (200.0, "stress")):
             self.add(f, [3, 0, 2, 0, 1], moves=felt == "pins", felt=felt)
         (self.root / "report").mkdir(exist_ok=True)
         hands = [f for f in fig_hand.figures(load.load(self.folder.save()), self.root / "report")
                  if f.name.startswith("hand")]
-        self.assertEqual(["red crosses" in hand.caption for hand in hands], [True, False])
+        self.assertEqual(["Red crosses" in hand.caption for hand in hands], [True, False])
 
-    def test_a_raster_begins_with_the_nearest(self):
+    def test_a_raster_starts_with_the_nearest_afferent(self):
         identity = self.add(100.0, [3, 1, 2, 0, 1])
         held = fig_hand.Afferents(self.folder.file(identity))
         self.assertEqual(list(fig_hand.raster_rows(held, "PC")), [0, 2, 1])
 
-    def test_classes_that_fire_have_curves_over_the_swept_key(self):
+    def test_classes_that_fire_have_curves_against_the_swept_key(self):
         self.add(100.0, [3, 0, 2, 0, 0])
-        self.assertEqual(self.drawn(fig_afferents.figures), set())  # a point is no curve
+        self.assertEqual(self.drawn(fig_afferents.figures), set())  # one point is not drawn as a curve
         self.add(200.0, [3, 0, 2, 0, 0])
         self.assertEqual(self.drawn(fig_afferents.figures), {"afferents_PC"})
 
-    def test_a_case_without_afferents_has_none_of_these(self):
+    def test_a_case_without_afferents_has_no_such_figures(self):
         self.folder.add({AM: 100.0})
         self.folder.add({AM: 200.0})
         self.assertEqual(self.drawn(fig_hand.figures) | self.drawn(fig_afferents.figures), set())
 
-    def test_the_page_shows_them(self):
+    def test_the_page_contains_the_figures(self):
         self.add(100.0, [3, 0, 2, 0, 1])
         self.add(200.0, [3, 0, 2, 0, 1])
         page = self.folder.report()
-        self.assertIn("Where the hand feels it: 200", page)
+        self.assertIn("Firing afferents on the hand: 200", page)
         self.assertIn("PC afferents against AM frequency", page)
 
 

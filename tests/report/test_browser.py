@@ -1,7 +1,8 @@
-"""Opens a report in a headless chromium at desktop and phone width, and uses it.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests a report in a headless chromium at the widths of a desktop and a phone.
 
 Run: python3 tests/report/test_browser.py    (unittest, h5py, matplotlib, chromium; seconds)
-Without chromium it is skipped, and says so; in scripts/test, which installs chromium, it fails.
+Without chromium these tests are skipped; in scripts/test, which installs chromium, they fail.
 """
 import math
 import os
@@ -25,7 +26,7 @@ INDEX = """Array.from(document.querySelectorAll("table.sortable th"),
 
 
 def need_chromium():
-    """Skips without chromium, and fails where it must be there."""
+    """Skips the tests without chromium, or fails if chromium is required."""
     if browser.find():
         return
     missing = "chromium is missing: scripts/setup --tests installs it"
@@ -75,7 +76,7 @@ class BrowserTest(unittest.TestCase):
         return folder.path / "report" / "index.html"
 
     def shows(self, path, figure):
-        """The page fits with this figure on it, at both widths."""
+        """Asserts that the page contains this figure and fits at both widths."""
         for width in (1280, 390):
             with self.subTest(width=width):
                 page = self.open(width, path=path)
@@ -94,13 +95,13 @@ class BrowserTest(unittest.TestCase):
             return folder
         self.shows(self.folder_of(square), "intensity")
 
-    def test_errors_of_a_script_would_be_seen(self):
+    def test_errors_of_a_script_are_detected(self):
         page = self.open(1280)
         page.run("void setTimeout(() => { throw new Error('wrong') }, 0)")
         page.run("new Promise(done => setTimeout(done, 50))")
         self.assertEqual(len(page.errors()), 1)
 
-    def test_a_heading_sorts_numbers_as_numbers_and_empty_cells_last(self):
+    def test_a_heading_sorts_numbers_by_value_and_empty_cells_last(self):
         for width in (1280, 390):
             with self.subTest(width=width):
                 page = self.open(width)
@@ -117,7 +118,7 @@ class BrowserTest(unittest.TestCase):
                                  ["0.24", "0.25", "0.26", "0.27", "–", "–"])
                 self.assertEqual(page.errors(), [])
 
-    def test_the_keyboard_sorts_and_the_order_is_told(self):
+    def test_the_keyboard_sorts_and_the_order_is_announced(self):
         page = self.open(1280)
         am = page.run(INDEX.format(AM))
         state = HEAD.format(am) + '.parentElement.getAttribute("aria-sort")'
@@ -147,7 +148,7 @@ class BrowserTest(unittest.TestCase):
                     self.assertLess(before, after)  # the focus moves along x
                 self.assertEqual(page.errors(), [])
 
-    def test_play_moves_it_and_pause_stops(self):
+    def test_play_moves_the_slider_and_pause_stops_it(self):
         page = self.open(1280)
         page.run('document.querySelector(".play").click()')
         self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")

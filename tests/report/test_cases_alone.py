@@ -1,4 +1,5 @@
-"""The report on folders of which only the case files are left.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report of folders that contain only case files.
 
 Run: python3 tests/report/test_cases_alone.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
@@ -10,14 +11,14 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, FWHM, Folder, Page, case_id, sweep  # noqa: E402
+from test_report import AM, FWHM, Folder, Page, case_id, reduce, sweep  # noqa: E402
 
 import load  # noqa: E402
 import report  # noqa: E402
 
 
 class CasesAloneTest(unittest.TestCase):
-    """`whole` is a sweep, `copy` a folder with its `cases` and nothing else."""
+    """`whole` is a complete sweep, `copy` a folder with only its `cases`."""
 
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory()
@@ -29,6 +30,7 @@ class CasesAloneTest(unittest.TestCase):
     def cases_alone(self, folder):
         folder.save()
         shutil.copytree(self.whole / "cases", self.copy / "cases")
+        reduce(self.copy)
         return load.load(self.whole), load.load(self.copy)
 
     def assert_same(self, first, second):
@@ -38,7 +40,7 @@ class CasesAloneTest(unittest.TestCase):
             self.assertEqual([getattr(c, name) for c in first.cases],
                              [getattr(c, name) for c in second.cases], name)
 
-    def test_the_same_page_and_figures_come_from_the_case_files(self):
+    def test_case_files_give_the_same_page_and_figures(self):
         folder = sweep(self.whole, job='[job]\nname = "s"\n# <& job>\n')
         self.assert_same(*self.cases_alone(folder))
         expected = Page(folder.report())
@@ -52,7 +54,7 @@ class CasesAloneTest(unittest.TestCase):
                              {p.name for p in (self.whole / "report").glob(pattern)})
         self.assertIn("# <& job>", page.data)
 
-    def test_axes_and_order_are_those_of_the_job(self):
+    def test_axes_and_order_follow_the_job(self):
         kind = "load.modulation.kind"
         job = (f'[job]\nname = "s"\n[table]\nx = "{AM}"\n[sweep]\n"{kind}" = ["STP", "AM-STM"]\n'
                f'"{AM}" = [100, 200]\n')
@@ -62,13 +64,13 @@ class CasesAloneTest(unittest.TestCase):
                 folder.add({kind: word, AM: f}, snapshot=False)
         self.assert_same(*self.cases_alone(folder))
 
-    def test_a_key_that_goes_with_x_is_no_series(self):
+    def test_a_key_that_follows_x_is_not_a_series(self):
         folder = Folder(self.whole, swept=[AM, FWHM], job='[job]\nname = "s"\n')
         for f in (100.0, 200.0):
             folder.add({AM: f, FWHM: f / 50.0}, snapshot=False)
         self.assert_same(*self.cases_alone(folder))
 
-    def test_a_damaged_file_is_told(self):
+    def test_a_damaged_file_is_reported(self):
         folder = sweep(self.whole)
         bad = folder.file(case_id(2))
         bad.write_bytes(bad.read_bytes()[:3000])

@@ -1,4 +1,5 @@
-"""Tests what the figures of a report are drawn from: axes of a sweep, heat maps, spectrograms.
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests the data of figures: axes of a sweep, heat maps, spectrograms.
 
 Run: python3 tests/report/test_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
@@ -35,7 +36,7 @@ SPACING = "domain.spacing_mm"
 
 
 def grid(root, frequencies=(100.0, 200.0, 400.0), widths=(2.0, 3.0, 6.0), speeds=(5.0,), **content):
-    """A sweep of three keys; the spacing follows the speed."""
+    """A sweep of three keys, whose spacing follows the speed."""
     keys = [AM, FWHM, SPEED, SPACING]
     folder = Folder(root, series=keys[1:], swept=keys)
     for f in frequencies:
@@ -52,11 +53,11 @@ class FolderTest(unittest.TestCase):
         self.addCleanup(self.temporary.cleanup)
         self.root = Path(self.temporary.name)
 
-    def test_a_key_that_follows_another_is_no_axis(self):
+    def test_a_key_that_follows_another_is_not_an_axis(self):
         sweep = load.load(grid(self.root, speeds=(5.0, 7.0)).save())
         self.assertEqual(layout.axes(sweep), [AM, FWHM, SPEED])
 
-    def test_two_swept_keys_make_heat_maps_that_hold_every_case(self):
+    def test_heat_maps_of_two_swept_keys_contain_every_case(self):
         folder = grid(self.root)
         failed = folder.add({AM: 800.0, FWHM: 2.0, SPEED: 5.0, SPACING: 1.0}, written=False)
         folder.fail(failed, "not finite")
@@ -69,31 +70,31 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(values.shape, (3, 4))
         self.assertEqual(values[1, 2], 1e-3 * 400.0 + 3.0 + 50.0)  # row: 3 mm, column: 400 Hz
         self.assertEqual(np.argwhere(broken).tolist(), [[0, 3]])
-        self.assertTrue(np.isnan(values[1, 3]) and not broken[1, 3])  # was not swept
+        self.assertTrue(np.isnan(values[1, 3]) and not broken[1, 3])  # not swept
         self.assertIn("Crossed: 1 without a result", page.data)
-        self.assertIn("Hatched: 2 without this reading", page.data)
+        self.assertIn("Hatched: 2 without a value", page.data)
 
     def names(self):
         return [p.name for p in (self.root / "report").iterdir()]
 
     def draw(self, folder, *modules):
-        """The sweep, with the figures of these modules alone: a whole report takes seconds."""
+        """Draws only the figures of these modules, since a complete report takes seconds."""
         sweep = load.load(folder.save())
         (self.root / "report").mkdir()
         for module in modules:
             module.figures(sweep, self.root / "report")
         return sweep
 
-    def test_three_swept_keys_make_small_multiples(self):
+    def test_three_swept_keys_are_drawn_as_small_multiples(self):
         folder = grid(self.root, speeds=(3.0, 5.0, 7.0, 9.0))
         sweep = self.draw(folder, fig_multiples, fig_measures)
         self.assertIn("multiples_eta_period_1.pdf", self.names())
-        self.assertNotIn("eta.png", self.names())  # twelve curves in one panel
+        self.assertNotIn("eta.png", self.names())  # would have twelve curves in one panel
         x, y, others = fig_heat.plane(sweep)
         self.assertEqual((x, y, others), (AM, SPEED, [FWHM]))
         self.assertEqual(fig_heat.panels(sweep, others), ([(2.0,), (3.0,), (6.0,)], 3))
 
-    def test_words_are_an_axis_of_a_heat_map(self):
+    def test_strings_can_be_an_axis_of_a_heat_map(self):
         kind = "load.modulation.kind"
         folder = Folder(self.root, x=AM, series=[kind], swept=[AM, kind])
         for f in (100.0, 200.0, 400.0):
@@ -102,9 +103,9 @@ class FolderTest(unittest.TestCase):
         sweep = self.draw(folder, fig_heat, fig_measures)
         self.assertEqual(layout.values_of(sweep, kind), ["STM", "AM-STM", "SM-STM"])
         self.assertIn("heat_eta_period_1.png", self.names())
-        self.assertIn("eta.png", self.names())  # three curves fit one panel, too
+        self.assertIn("eta.png", self.names())  # three curves also fit into one panel
 
-    def test_of_a_large_sweep_a_few_cases_have_panels(self):
+    def test_a_large_sweep_has_panels_of_a_few_cases(self):
         values = [50.0 * n for n in range(1, 16)]
         sweep = load.load(grid(self.root, values, (1.0, 2.0, 3.0, 4.0), snapshot=False).save())
         some = layout.few(sweep)
@@ -115,7 +116,7 @@ class FolderTest(unittest.TestCase):
         self.assertIs(layout.few(some), some)
         self.assertEqual(layout.group_keys(some), layout.group_keys(sweep))
 
-    def test_what_is_drawn_has_a_map_of_its_mean_intensity_with_its_lines(self):
+    def test_a_drawn_shape_has_a_map_of_its_mean_intensity(self):
         folder = Folder(self.root)
         lines = [[(0.01, 0.0), (0.0, 0.01)], [(-0.01, 0.0), (0.0, -0.01), (0.01, 0.0)]]
         folder.add({AM: 100.0}, drawn=lines, scalars={"sharpness_1": 0.75})
@@ -127,7 +128,7 @@ class FolderTest(unittest.TestCase):
                          [[list(point) for point in line] for line in lines])
         self.assertIn(">sharpness_<wbr>1<", table.table(sweep))
 
-    def test_a_line_that_is_run_once_has_no_map_of_its_mean_intensity(self):
+    def test_a_straight_line_has_no_map_of_its_mean_intensity(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars={"sharpness_1": 0.75})
         with h5py.File(folder.file(case_id(1)), "r+") as file:
@@ -139,12 +140,12 @@ class FolderTest(unittest.TestCase):
         self.assertNotIn("intensity.png", self.names())
         self.assertNotIn("sharpness", table.table(sweep))
 
-    def test_every_frame_makes_a_slider(self):
+    def test_frames_are_shown_with_a_slider(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, frames=True)
         self.assertIn("input", Page(folder.report()).tags)
 
-    def test_a_curve_of_velocity_stands_in_where_displacement_has_no_peak(self):
+    def test_velocity_is_drawn_if_displacement_has_no_peak(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
         for f in (100.0, 200.0):
             folder.add({AM: f, FWHM: 3.0}, scalars={"peak_frequency_Hz": math.nan,
@@ -153,7 +154,7 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(fig_frequency.peaks(sweep), [("velocity_peak_frequency_Hz", "du/dt")])
         self.assertIn("spectra_velocity.png", self.names())
 
-    def test_curves_have_columns_and_one_reference_stands_above_them(self):
+    def test_each_curve_has_a_column_below_the_common_reference(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
         reference = case_id(7)
         for width in (2.0, 6.0):
@@ -166,7 +167,7 @@ class FolderTest(unittest.TestCase):
         ids = [c and int(c.id, 16) for c in cells]
         self.assertEqual(ids, [7, None, 1, 4, 2, 5, 3, 6])
 
-    def test_references_that_are_read_otherwise_move_alike(self):
+    def test_references_that_differ_only_in_measurement_are_drawn_once(self):
         after = "measure.settled_after_ms"
         folder = Folder(self.root, swept=[AM, after])
         for f, ms, reference in ((100.0, 4.0, 3), (200.0, 5.0, 4)):
@@ -178,7 +179,7 @@ class FolderTest(unittest.TestCase):
         self.assertEqual([(title, len(cases)) for title, cases, _ in rows], [("", 2)])
         self.assertEqual(layout.case_label(sweep, rows[0][2]), "plain STM")
 
-    def test_of_many_values_some_have_lines(self):
+    def test_some_of_many_values_have_lines(self):
         folder = Folder(self.root)
         for n in range(1, 19):
             folder.add({AM: 50.0 * n}, snapshot=False)
@@ -186,7 +187,7 @@ class FolderTest(unittest.TestCase):
         shown = layout.x_values(some)
         self.assertEqual((len(shown), shown[0], shown[-1]), (6, 50.0, 900.0))
 
-    def test_a_focus_that_sways_leads_its_reference_by_its_swing(self):
+    def test_speed_modulation_leads_the_reference_by_its_amplitude(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, case_id(2))
         folder.add({}, is_reference=True, kind="STM")
@@ -198,7 +199,7 @@ class FolderTest(unittest.TestCase):
                                    2.0 * np.sin(1e3 * case.series["time"]), atol=1e-12)
         self.assertIsNone(fig_drive.lead_mm(sweep, reference))
 
-    def test_frames_are_thinned_until_the_page_can_hold_them(self):
+    def test_frames_are_thinned_until_they_fit_on_the_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, frames=True)
         sweep = load.load(folder.save())
@@ -207,21 +208,21 @@ class FolderTest(unittest.TestCase):
         shots, _, _ = player.thinned(player.chosen(sweep))
         self.assertLess(len(shots[0]), 40)
         self.assertGreater(len(shots[0]), 1)
-        self.assertEqual((shots[0][0].t_s, shots[0][-1].t_s), (1e-4, 4e-3))  # first and last stay
+        self.assertEqual((shots[0][0].t_s, shots[0][-1].t_s), (1e-4, 4e-3))  # the first and the last are kept
 
 
 class SpectrogramTest(unittest.TestCase):
-    def test_a_tone_stands_at_its_frequency_with_its_amplitude(self):
+    def test_a_tone_has_its_frequency_and_amplitude(self):
         time = 5e-5 * np.arange(1, 1001)
         times, frequency, amplitude = fig_spectrogram.spectrogram(
             3e-6 * np.sin(2 * np.pi * 400.0 * time), 5e-5, 300)
-        inside = times > 0.02  # windows that do not reach back before the beginning
+        inside = times > 0.02  # windows that start within the run
         for column in amplitude[:, inside].T:
             top = column.argmax()
-            self.assertLess(abs(frequency[top] - 400.0), 17.0)  # one step of frequency, 1/60 ms
-            self.assertAlmostEqual(column[top] / 3e-6, 1.0, delta=0.02)  # between two steps: 1.4 %
+            self.assertLess(abs(frequency[top] - 400.0), 17.0)  # resolution of 1/60 ms
+            self.assertAlmostEqual(column[top] / 3e-6, 1.0, delta=0.02)  # 1.4 % between two frequencies
 
-    def test_a_moment_is_the_middle_of_its_window(self):
+    def test_the_time_of_a_window_is_its_middle(self):
         u = np.zeros(400)
         u[200] = 1.0
         times, _, amplitude = fig_spectrogram.spectrogram(u, 1e-4, 80)
@@ -230,18 +231,27 @@ class SpectrogramTest(unittest.TestCase):
 
 
 class BandTest(unittest.TestCase):
-    def test_a_band_holds_the_tone_within_it(self):
-        time = 5e-5 * np.arange(1, 2001)
-        u = np.sin(2 * np.pi * 200.0 * time) + 2.0 * np.sin(2 * np.pi * 700.0 * time)
-        share = fig_frequency.energy_share(u, 5e-5, 100.0, 500.0)
-        self.assertAlmostEqual(share, 1.0 / 5.0, delta=0.01)  # what leaks: width/distance = 1 %
+    def sweep(self, **measure):
+        case = load.Case(case_id(1), {}, False, "", Path("none"), status="complete",
+                         physics={"measure": measure})
+        case.scalars = {"share_100_500_1": 0.2}
+        return load.Sweep(Path("none"), "n", "t", [], "", [], [case], "", [])
 
-    def test_silence_has_no_share(self):
-        self.assertTrue(math.isnan(fig_frequency.energy_share(np.zeros(100), 5e-5, 40.0, 400.0)))
+    def test_bands_are_columns_of_the_table(self):
+        sweep = self.sweep(bands_Hz=[100.0, 500.0, 500.0, 1000.0])
+        shares = fig_frequency.bands(sweep)
+        self.assertEqual([band.column for band in shares], ["share_100_500_1", "share_500_1000_1"])
+        self.assertEqual(shares[0].velocity, "velocity_share_100_500_1")
+        self.assertTrue(fig_frequency.has_values(sweep, shares[0].column))
+        self.assertFalse(fig_frequency.has_values(sweep, shares[1].column))
+
+    def test_the_perceptible_band_is_drawn_if_the_job_has_no_bands(self):
+        self.assertEqual([band.column for band in fig_frequency.bands(self.sweep())],
+                         ["rms_40_400_um"])
 
 
 class WordsTest(unittest.TestCase):
-    def test_inline_tables_are_words(self):
+    def test_inline_tables_are_formatted_as_text(self):
         for value, expected in (
                 ('{ shape = "circle", radius_mm = 15 }', "circle, radius 15 mm"),
                 ('{ shape = "polygon", sides = 4, side_mm = 30 }', "square, side 30 mm"),
@@ -257,7 +267,7 @@ class WordsTest(unittest.TestCase):
         for value, expected in (("[[1, 0]]", "1 focus"), ("[[1, 0], [-1, 0]]", "2 foci")):
             self.assertEqual(words.value_text("load.modulation.foci_mm", value), expected)
 
-    def test_frequencies_that_are_swept_together_are_the_modulations(self):
+    def test_frequencies_that_are_swept_together_have_a_common_name(self):
         sm = AM.replace("am_", "sm_")
         for second, expected in ((200.0, "modulation frequency"), (300.0, "AM frequency")):
             with self.subTest(second=second), tempfile.TemporaryDirectory() as root:

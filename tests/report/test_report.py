@@ -1,12 +1,17 @@
 #!/usr/bin/env python3
-"""The report on small synthetic folders: whole, failed, damaged and empty cases.
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report of small synthetic folders with complete, failed, damaged and empty cases.
 
 Run: python3 tests/report/test_report.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
+import contextlib
 import html
+import io
 import json
 import math
+import os
 import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -17,17 +22,18 @@ import h5py
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
 sys.path.insert(0, str(ROOT / "analysis" / "report"))
 
 import layout  # noqa: E402
 import load  # noqa: E402
 import report  # noqa: E402
 import style  # noqa: E402
-import table  # noqa: E402
 import wake  # noqa: E402
 import words  # noqa: E402
+from summary import summary  # noqa: E402
 
-style.DPI = 30  # what is drawn is the same, and quicker
+style.DPI = 30  # draws faster
 AM = "load.modulation.am_frequency_Hz"
 FWHM = "load.footprint.fwhm_mm"
 PHYSICS = """
@@ -52,19 +58,34 @@ def case_id(number):
     return f"{number:016x}"
 
 
+def fixed(attributes):
+    """Texts of fixed length, as the program writes them."""
+    return {name: np.bytes_(value.encode() or b"\0") if isinstance(value, str) else value
+            for name, value in attributes.items()}
+
+
+def reduce(folder):
+    """The report draws what `shearwake reduce` wrote. Exit code 4: cases are missing or damaged."""
+    done = subprocess.run([PROGRAM, "reduce", str(folder)], check=False, capture_output=True,
+                          text=True, env={**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1",
+                                          "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"})
+    if done.returncode not in (0, 4):
+        raise AssertionError(done.stdout + done.stderr)
+
+
 def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot=True,
                frames=False, drawn=None, facts=None):
-    """A case file in the layout of src/sweep/case_content.cpp, a few samples wide."""
+    """A case file in the layout of src/pipeline/case_content.cpp, a few samples wide."""
     time = 1e-4 * np.arange(1, 41)
     wave = 1.0 + 0.5 * np.sin(2 * np.pi * 500 * time)
     with h5py.File(path, "w") as file:
-        file.attrs.update({
+        file.attrs.update(fixed({
             "title": "t", "Conventions": "CF-1.8", "case_id": identity, "settings": "{}",
             "case": PHYSICS.format(kind=kind), "is_reference": "no", "reference_id": "", "job": "",
             "program": "shearwake 0.1.0", "git_id": "abc", "compiler": "g++", "host": "laptop",
             "build_type": "Release", "mpi_version": "m", "fftw_version": "f", "hdf5_version": "h",
             "ranks": 2, "wall_s": 0.5, "started": "2026-01-02T03:04:05Z",
-            "ended": "2026-01-02T03:04:06Z", "status": "complete", **(facts or {})})
+            "ended": "2026-01-02T03:04:06Z", "status": "complete", **(facts or {})}))
         file["time"], file["depth"] = time, [0.0]
         file["focus_x"], file["focus_y"] = 7.0 * time, 0.0 * time
         file["force"] = wave
@@ -73,7 +94,7 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
         for name, value in {**SCALARS, **(scalars or {})}.items():
             file[name] = float(value)
             if name in (notes or {}):
-                file[name].attrs["note"] = notes[name]
+                file[name].attrs.update(fixed({"note": notes[name]}))
         traces = file.create_group("traces")
         traces["x"], traces["y"], traces["trace"] = [0.0], [0.0], [0.0]
         traces["time"], traces["u_z"] = time, 1e-6 * wave[None, :]
@@ -92,7 +113,7 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
 
 
 def draw(file, time, lines):
-    """A focus that runs around, and the mean of what it does along the lines, (x, y) in m."""
+    """Adds a focus that moves on a circle, and a mean intensity with the drawn lines, (x, y) in m."""
     del file["focus_x"], file["focus_y"]
     file["focus_x"], file["focus_y"] = 0.01 * np.cos(2e3 * time), 0.01 * np.sin(2e3 * time)
     mean = file.create_group("mean")
@@ -130,22 +151,24 @@ class Folder:
 
     def fail(self, identity, reason):
         with open(self.path / "journal.jsonl", "a") as journal:
-            journal.write(json.dumps({"event": "failed", "id": identity, "reason": reason}) + "\n")
+            journal.write(json.dumps({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
+                                      "reason": reason}) + "\n")
             journal.write('{"event":"fini')
 
     def save(self):
         (self.path / "plan.json").write_text(json.dumps(self.plan))
+        reduce(self.path)
         return self.path
 
     def report(self):
-        path, problems = report.write_report(self.save())
+        path, _, problems, _ = report.write_report(self.save())
         if problems:
             raise AssertionError(problems)
         return path.read_text(encoding="utf-8")
 
 
 class Page(HTMLParser):
-    """Elements that are opened and closed in order; resources, cells and the words between."""
+    """Parses a page: checks the nesting of elements and collects resources, cells and text."""
 
     VOID = {"meta", "img", "wbr", "br", "link", "input"}
 
@@ -187,7 +210,7 @@ class Page(HTMLParser):
 
 
 def sweep(root, **options):
-    """Three frequencies and their reference, none of them troubled."""
+    """Three frequencies and their reference, all complete."""
     folder = Folder(root, **options)
     reference = case_id(4)
     for number, f in enumerate([100.0, 200.0, 400.0]):
@@ -199,7 +222,7 @@ def sweep(root, **options):
 
 
 class WholeSweepTest(unittest.TestCase):
-    """One sweep, drawn once."""
+    """A sweep that is drawn once for all tests."""
 
     TITLE = '<script>alert("1")</script> & more'
 
@@ -211,7 +234,7 @@ class WholeSweepTest(unittest.TestCase):
         cls.text = cls.folder.report()
         cls.page = Page(cls.text)
 
-    def test_every_figure_is_a_picture_and_inside_the_page(self):
+    def test_every_figure_is_a_file_and_part_of_the_page(self):
         names = {"eta", "gain", "strength", "ipr_abs", "participation", "ipr", "frequency",
                  "drive", "eta_time", "ipr_abs_time", "ipr_time", "surface", "spectra",
                  "spectra_relative", "spectrograms"}
@@ -222,22 +245,22 @@ class WholeSweepTest(unittest.TestCase):
             self.assertTrue(image["src"].startswith("data:image/png;base64,"))
             self.assertTrue(image["alt"])
 
-    def test_the_page_fetches_nothing(self):
+    def test_the_page_loads_nothing_from_elsewhere(self):
         for resource in self.page.resources:
             self.assertTrue(resource.startswith(("data:", "#")), resource[:80])
         self.assertNotIn("http", re.sub(r"base64,[A-Za-z0-9+/=]*", "", self.text))
         self.assertNotIn("@import", self.text)
 
-    def test_words_of_the_user_are_escaped(self):
+    def test_text_of_the_user_is_escaped(self):
         self.assertNotIn("<script>alert", self.text)
-        self.assertEqual(self.page.tags.count("script"), 2)  # the slider's pictures, page.js
+        self.assertEqual(self.page.tags.count("script"), 2)  # pictures of the slider, and page.js
         self.assertIn(self.TITLE, self.page.data)
         self.assertIn("# <& job>", self.page.data)
 
-    def test_the_table_holds_the_numbers_of_the_files(self):
-        for column in table.MEASURES:
-            if column in table.RATIOS:
-                continue
+    def test_the_table_contains_the_numbers_of_the_files(self):
+        for column in SCALARS:
+            if column not in [cell["text"] for cell in self.page.rows[0]]:
+                continue  # of the CSV table alone
             for row, cell in zip(self.folder.cases, self.page.column(column)):
                 with h5py.File(self.folder.file(row["id"])) as file:
                     self.assertEqual(cell["title"], f"{file[column][()]:.9g}")
@@ -248,12 +271,12 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_the_summary_names_the_best_case(self):
         gap = "\N{NO-BREAK SPACE}"
-        self.assertIn(f"highest at AM frequency 400{gap}Hz: 0.27 against 0.24, 13 % more",
-                      self.page.data)
+        self.assertIn(f"AM-STM at AM frequency 400{gap}Hz focuses best: its efficiency η (eta_period_1) is "
+                      "0.27, 13 % more than the 0.24 of plain STM.", self.page.data)
         self.assertIn(f"0.43 (AM frequency 400{gap}Hz) to 0.5", self.page.data)
         self.assertIn("4 cases (of them 1 reference): 4 complete.", self.page.data)
 
-    def test_how_it_was_computed_is_told(self):
+    def test_the_page_states_its_provenance(self):
         for fact in ("shearwake 0.1.0", "abc", "laptop", "2026-01-02 03:04:05 UTC"):
             self.assertIn(fact, self.page.data)
 
@@ -264,7 +287,7 @@ class ReportTest(unittest.TestCase):
         self.addCleanup(self.temporary.cleanup)
         self.root = Path(self.temporary.name)
 
-    def test_troubled_cases_are_listed_and_break_no_figure(self):
+    def test_incomplete_cases_are_listed_and_do_not_affect_figures(self):
         folder = sweep(self.root)
         failed = folder.add({AM: 600.0}, case_id(4), written=False)
         damaged = folder.add({AM: 800.0}, case_id(4))
@@ -282,27 +305,27 @@ class ReportTest(unittest.TestCase):
                          ["complete"] * 4 + ["failed", "damaged", "missing", "damaged", "complete"])
         self.assertEqual(page.column("eta_period_1")[-1]["text"], "–")
         self.assertIn("eta_period_1: no period <fits>", page.data)
-        self.assertIn("1 of 4 cases have no period reading", page.data)
+        self.assertIn("1 of 4 cases have no mean over periods", page.data)
         self.assertIn("4 cases without a result", page.data)
         self.assertIn(html.escape("the field is <not> finite"), text)
-        self.assertIn("it holds another case", page.data)
+        self.assertIn("it contains another case", page.data)
         self.assertIn("not computed", page.data)
         self.assertEqual(len(page.images), 15)
 
-    def test_all_measures_empty_still_make_a_page(self):
+    def test_a_case_without_measures_has_a_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars=dict.fromkeys(SCALARS, math.nan), snapshot=False)
         images = len(Page(folder.report()).images)
-        self.assertEqual(images, 7)  # bands, drive, three over time, spectra, spectrograms
+        self.assertEqual(images, 6)  # drive, three over time, spectra, spectrograms
 
-    def test_a_lone_case_has_no_curves(self):
+    def test_a_single_case_has_no_curves(self):
         folder = Folder(self.root, x="", swept=())
         folder.add({})
         page = Page(folder.report())
         self.assertEqual(len(page.images), 7)
-        self.assertIn("Nothing is swept", page.data)
+        self.assertIn("The job sweeps no key", page.data)
 
-    def test_x_may_be_words(self):
+    def test_x_may_be_a_string(self):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
@@ -319,7 +342,7 @@ class ReportTest(unittest.TestCase):
         groups = layout.groups(load.load(self.root))
         self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
-        self.assertEqual(len(page.images), 15)  # a snapshot for each series
+        self.assertEqual(len(page.images), 15)  # one snapshot per series
 
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)
@@ -327,14 +350,57 @@ class ReportTest(unittest.TestCase):
             folder.add({AM: 50.0 * f}, snapshot=f < 3)
         self.assertEqual(len(Page(folder.report()).images), 13)
 
-    def test_no_whole_case_is_said(self):
+    def summary(self, values, references=(0.2,), **settings):
+        """The summary of cases with these efficiencies, of each of the references."""
+        folder = Folder(self.root, **settings)
+        number = len(values) * len(references)
+        for place, reference in enumerate(references):
+            for n, value in enumerate(values):
+                folder.add({AM: 100.0 * (n + 1), FWHM: 2.0 + place}, case_id(number + 1 + place),
+                           scalars={"eta_period_1": value * reference / references[0]})
+        for place, reference in enumerate(references):
+            folder.add({FWHM: 2.0 + place}, is_reference=True, kind="STM", scalars={"eta_period_1": reference})
+        return summary(load.load(folder.save())).replace("\N{NO-BREAK SPACE}", " ")
+
+    def test_the_summary_states_a_large_gain_as_a_factor(self):
+        self.assertIn("AM-STM at AM frequency 200 Hz focuses best: its efficiency η (eta_period_1) is 0.5, "
+                      "2.5 times the 0.2 of plain STM.", self.summary([0.3, 0.5]))
+
+    def test_the_summary_reports_that_no_case_is_better_than_the_reference(self):
+        self.assertIn("No case focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz: its "
+                      "efficiency η (eta_period_1) is 0.15, 25 % less than the 0.2 of plain STM.",
+                      self.summary([0.15, 0.1]))
+
+    def test_the_summary_compares_each_case_with_its_own_reference(self):
+        text = self.summary([0.3, 0.5], (0.2, 0.4), series=[FWHM], swept=[AM, FWHM])
+        self.assertIn("AM-STM at AM frequency 200 Hz, focus FWHM 2 mm improves most on plain STM under the same "
+                      "conditions", text)
+        self.assertIn("0.5, 2.5 times the 0.2 of plain STM.", text)
+
+    def test_the_summary_names_the_body_of_a_key(self):
+        folder = Folder(self.root, x="medium.body[1].depth_mm", swept=["medium.body[1].depth_mm"])
+        for depth, value in ((5.0, 0.3), (8.0, 0.4)):
+            folder.add({"medium.body[1].depth_mm": depth}, scalars={"eta_period_1": value})
+        self.assertIn("The efficiency η (eta_period_1) is highest, 0.4, at depth of body 1 = 8\N{NO-BREAK SPACE}mm.",
+                      summary(load.load(folder.save())))
+
+    def test_the_command_prints_the_result(self):
+        folder = sweep(self.root)
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            self.assertEqual(report.main([str(folder.save())]), 0)
+        lines = printed.getvalue().splitlines()
+        self.assertRegex(lines[0], "^result: AM-STM at .* focuses best")
+        self.assertEqual(lines[1], f"report: {folder.path / 'report' / 'index.html'}")
+
+    def test_a_sweep_without_complete_cases_has_a_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, written=False)
         page = Page(folder.report())
-        self.assertIn("No case is whole yet", page.data)
+        self.assertIn("No case is complete yet", page.data)
         self.assertFalse(page.images)
 
-    def test_a_folder_without_plan_and_cases_is_refused(self):
+    def test_a_folder_without_plan_and_cases_is_rejected(self):
         self.assertEqual(report.main([str(self.root)]), report.ENVIRONMENT)
 
 
@@ -355,16 +421,16 @@ class WordsTest(unittest.TestCase):
 
 
 class WakeTest(unittest.TestCase):
-    def test_a_path_that_has_ended_stays_where_it_last_pressed(self):
+    def test_a_path_that_has_ended_stays_at_its_last_position(self):
         case = load.Case(case_id(1), {}, False, "", Path("none"))
         case.series = {"time": np.arange(6.0), "focus_x": np.arange(6.0), "focus_y": np.zeros(6),
-                       "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM are no end
+                       "force": np.array([1.0, 0.0, 1.0, 0.0, 0.0, 0.0])}  # zeros of AM do not end the load
         focus, direction, path = wake.focus_at(case, 5.0)
         self.assertEqual((focus[0], direction[0], len(path)), (2e3, 1.0, 3))
         self.assertFalse(wake.is_over(case, 1.0) or wake.is_over(case, 3.0))
         self.assertTrue(wake.is_over(case, 4.0))
 
-    def test_fronts_open_behind_the_focus_at_the_angle(self):
+    def test_mach_lines_open_behind_the_focus_at_their_angle(self):
         focus, direction = np.array([5.0, 1.0]), np.array([0.6, 0.8])
         for line in wake.fronts(focus, direction, 40.0, 7.0):
             back = line[1] - line[0]

@@ -1,7 +1,8 @@
 #!/bin/bash
-# A whole Slurm 22.05 (Debian 12) on one host, without systemd and control groups, for the tests.
-# Needs slurm-wlm and munge, and root. Usage: sandbox.sh start|stop FOLDER PORT [NODES] [CPUS]
-# Listens on 127.0.0.1 alone, on PORT (controller) and the NODES ports from PORT + 1 on.
+# SPDX-License-Identifier: BSD-3-Clause
+# Starts or stops a complete Slurm 22.05 (Debian 12) on one host, without systemd and control groups, for tests.
+# Requires slurm-wlm, munge and root. Usage: sandbox.sh start|stop FOLDER PORT [NODES] [CPUS]
+# Listens only on 127.0.0.1, at PORT (controller) and the NODES ports from PORT + 1 on.
 set -eu
 command=$1 base=$2 port=${3:-16817} nodes=${4:-1} cpus=${5:-4}
 host=$(hostname -s)
@@ -15,7 +16,7 @@ configure() {
         chmod 1777 "$base/tmp/n$n"
     done
     [ -s "$base/munge/munge.key" ] || (umask 077 && head -c 128 /dev/urandom >"$base/munge/munge.key")
-    # cred_expire: a job that is requeued waits so many seconds, two minutes without.
+    # cred_expire: a requeued job waits this number of seconds instead of two minutes.
     cat >"$SLURM_CONF" <<EOF
 ClusterName=sandbox
 SlurmctldHost=$host(127.0.0.1)

@@ -1,5 +1,6 @@
-"""jobs/slurm/ and scripts/submit under a real Slurm on this host: an array, a single allocation that
-is warned of its time limit and starts itself again, one that is cancelled."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""jobs/slurm/ and scripts/submit with Slurm on this host: an array, an allocation that is signalled before its
+time limit and requeues itself, and an allocation that is cancelled."""
 import os
 import re
 import shutil
@@ -14,7 +15,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
 
-from program import LONG, PROGRAM, ROOT, case_files, environment, journal, plan, started  # noqa: E402
+from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, journal,  # noqa: E402
+                     plan, started)
 
 HERE = Path(__file__).resolve().parent
 MISSING = [name for name in ("sbatch", "srun", "slurmctld", "slurmd", "munged", "squeue", "scontrol")
@@ -22,7 +24,7 @@ MISSING = [name for name in ("sbatch", "srun", "slurmctld", "slurmd", "munged", 
 
 
 def free_ports(count):
-    """The first of so many free ports in a row."""
+    """The first port of a sequence of free ports."""
     for port in range(21000 + os.getpid() % 5000, 60000, 16):
         sockets = [socket.socket() for _ in range(count)]
         try:
@@ -51,7 +53,7 @@ class Slurm(unittest.TestCase):
         folder = tempfile.TemporaryDirectory(prefix="shearwake-slurm-")
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
-        cls.folder.chmod(0o755)  # munge asks who may reach its socket
+        cls.folder.chmod(0o755)  # munge requires that others can reach its socket
         base = cls.folder / "slurm"
         cls.env = {**environment(), "SLURM_CONF": str(base / "etc" / "slurm.conf"), "SHEARWAKE": str(PROGRAM),
                    "PATH": os.environ["PATH"] + ":/usr/sbin:/usr/bin"}
@@ -72,25 +74,25 @@ class Slurm(unittest.TestCase):
     @classmethod
     def command(cls, words, expect=0):
         done = subprocess.run(list(map(str, words)), cwd=cls.folder, env=cls.env, capture_output=True,
-                              encoding="utf-8", check=False, timeout=60)
+                              encoding="utf-8", check=False, timeout=PATIENCE_s)
         assert done.returncode == expect, f"{words}:\n{done.stdout}{done.stderr}"
         return done.stdout
 
     def submit(self, out, *words):
-        """The numbers of the job that computes and of the one that reduces."""
+        """The ids of the job that computes and of the job that reduces."""
         said = self.command([ROOT / "scripts" / "submit", "job.toml", "--out", out, "--no-report",
                              "--run=--ranks-per-case 1", *words])
-        computes, reduces = re.search(r"submitted: (\d+) computes, (\d+) reduces", said).groups()
+        computes, reduces = re.search(r"submitted: job (\d+) computes, job (\d+) reduces", said).groups()
         return computes, reduces
 
-    def wait_for(self, condition, what, timeout_s=90):
+    def wait_for(self, condition, what, timeout_s=PATIENCE_s):
         end = time.monotonic() + timeout_s
         while not condition():
-            self.assertLess(time.monotonic(), end, f"waited in vain for {what}\n{self.told()}")
+            self.assertLess(time.monotonic(), end, f"waited in vain for {what}\n{self.messages()}")
             time.sleep(0.1)
 
-    def told(self):
-        """What the queue and all logs say, for a failure."""
+    def messages(self):
+        """The queue and all logs, for the message of a failure."""
         logs = "\n".join(f"{path}:\n{path.read_text(encoding='utf-8', errors='replace')[-1500:]}"
                          for path in self.folder.rglob("slurm/*.log"))
         return self.command(["squeue"]) + logs
@@ -117,14 +119,14 @@ class Slurm(unittest.TestCase):
                     found.append(int(entry.name))
         return found
 
-    def test_all_of_it(self):
-        """One test, since the time limit takes half a minute, in which the others are done."""
+    def test_array_time_limit_and_cancellation(self):
+        """A single test, since waiting for the time limit takes half a minute, during which the other jobs run."""
         limited, array, cancelled = (self.folder / name for name in ("limited", "array", "cancelled"))
-        # A limit of a minute; Slurm looks every half minute whether to warn, and does so up to half a
-        # minute earlier.
+        # The time limit is a minute. Slurm checks every half minute whether to send the signal, and sends it up
+        # to half a minute early.
         warned, its_table = self.submit(limited, "--ranks", 2, "--time", "1", "--warning", 29)
         self.wait_for(lambda: case_files(limited), "the first case of the limited job")
-        # Held, so that the warning comes in mid-run whatever the machine's speed.
+        # The run is suspended, so that the signal arrives during the run irrespective of the speed of the machine.
         held = self.ranks_of(limited)
         self.assertEqual(len(held), 2)
         for pid in held:

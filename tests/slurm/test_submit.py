@@ -1,4 +1,6 @@
-"""What scripts/submit refuses and writes, without a Slurm."""
+# SPDX-License-Identifier: BSD-3-Clause
+"""scripts/submit without Slurm: the batch scripts that it writes and the options that it rejects."""
+import shlex
 import shutil
 import subprocess
 import sys
@@ -11,29 +13,29 @@ from program import PROGRAM, ROOT, ProgramTest, environment  # noqa: E402
 
 
 class Submit(ProgramTest):
-    def submit(self, *words, program=PROGRAM, expect=0):
+    def submit(self, *options, program=PROGRAM, expect=0):
         self.write_job()
-        done = subprocess.run([ROOT / "scripts" / "submit", "job.toml", "--dry-run", *words], cwd=self.folder,
+        done = subprocess.run([ROOT / "scripts" / "submit", "job.toml", "--dry-run", *options], cwd=self.folder,
                               env={**environment(), "SHEARWAKE": str(program)}, capture_output=True,
                               encoding="utf-8", check=False)
         self.assertEqual(done.returncode, expect, done.stdout + done.stderr)
         return done.stdout + done.stderr
 
-    def test_times_that_leave_nothing_to_compute_in_are_refused(self):
+    def test_times_too_short_to_compute_are_rejected(self):
         for words in (["--warning", "0"], ["--warning", "-5"], ["--time", "0"], ["--time", "0:00"],
                       ["--time", "1-"], ["--time", "4", "--warning", "120"],
                       ["--time", "1:30", "--warning", "45"]):
             with self.subTest(words=words):
                 said = self.submit(*words, expect=2)
-                self.assertRegex(said, "--(time|warning) wants")
+                self.assertRegex(said, "--(time|warning) must be")
         self.assertFalse(self.out.exists())
         for words in (["--time", "1-0"], ["--time", "0-1:30"], ["--time", "4:01", "--warning", "120"]):
             self.submit(*words)
 
-    def test_without_a_program_it_says_so_in_a_line(self):
+    def test_a_missing_program_is_reported_in_one_line(self):
         said = self.submit(program=self.folder / "nowhere" / "shearwake", expect=6)
         self.assertEqual(len(said.splitlines()), 1, said)
-        self.says(said, "there is no program", "SHEARWAKE")
+        self.says(said, "the program", "does not exist", "SHEARWAKE")
 
     def test_jobs_keep_their_program_when_another_one_is_built(self):
         built = self.folder / "shearwake"
@@ -48,6 +50,24 @@ class Submit(ProgramTest):
         self.submit(program=built)
         self.assertNotIn(f"{copy} run", script.read_text(encoding="utf-8"))
         self.assertTrue(copy.exists())
+
+    def test_control_characters_and_leading_dashes_in_names_are_rejected(self):
+        for words in (["--out", "a\ntouch /tmp/written"], ["--out", "a\x1b[2J"], ["--run=--quiet\ntrue"],
+                      ["--", "--account=a\nb"]):
+            with self.subTest(words=words):
+                said = self.submit(*words, expect=2)
+                self.says(said, "control character")
+                self.assertNotIn("Traceback", said)
+        for out in ("-rf", "some/-rf"):
+            self.says(self.submit(f"--out={out}", expect=2), "starts with a dash")
+        self.assertEqual(sorted(p.name for p in self.folder.iterdir()), ["job.toml"])
+
+    def test_names_of_the_template_in_a_path_are_not_replaced(self):
+        for out in ("@NAME@", "@JOB@ @OUT@", "it's \"here\" $HOME `id`"):
+            self.submit("--out", out)
+            script = (self.folder / out / "slurm" / "single.sh").read_text(encoding="utf-8")
+            subprocess.run(["sh", "-n"], input=script, encoding="utf-8", check=True)
+            self.says(script, shlex.quote(str((self.folder / out).resolve())))
 
 
 if __name__ == "__main__":

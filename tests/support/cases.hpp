@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "case/case.hpp"
 #include "engines/engine.hpp"
-#include "model/case.hpp"
-#include "sweep/surface_recorder.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "pipeline/surface_recorder.hpp"
 
 #include <cmath>
 #include <map>
@@ -11,7 +13,7 @@
 
 namespace shearwake::test {
 
-/// The layer of PHYSICS section 6: rho 1000, c_s 5, viscosity 1 Pa s.
+/// The reference layer of docs/developer/physics.md, section 6: 1000 kg/m^3, c_s = 5 m/s, 1 Pa s.
 inline Layer tissue(double c_p_m_s = 50.0, double viscosity_Pa_s = 1.0) {
     Layer layer{.name = "tissue",
                 .thickness_m = 0.0,
@@ -27,7 +29,7 @@ inline Medium half_space(const Layer& layer) {
     return {{layer}, Base::half_space};
 }
 
-/// A focus of 1 Pa and 3 mm that starts at x = -49 mm at t = 0 and does not end within the run.
+/// A focus of 1 Pa and 3 mm that starts at x = -49 mm at t = 0 and moves until the end of the run.
 inline Case moving_focus(const Medium& medium, const Motion& motion) {
     Case c;
     c.medium = medium;
@@ -42,11 +44,11 @@ inline Case moving_focus(const Medium& medium, const Motion& motion) {
     return c;
 }
 
-/// Every frame of a run on this rank's slab.
-class FrameStore : public Observer {
+/// Stores every frame of a run on this rank's slab.
+class FrameStore : public engines::Observer {
 public:
-    void begin(const Slab& slab) override { slab_ = slab; }
-    void frame(const Frame& frame) override {
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void frame(const engines::Frame& frame) override {
         std::vector<double> values;
         for (std::ptrdiff_t i = 0; i < frame.u_z_m.rows(); ++i) {
             const auto row = frame.u_z_m.row(i);
@@ -54,31 +56,33 @@ public:
         }
         frames_[{frame.depth, frame.number}] = std::move(values);
     }
-    const Slab& slab() const { return slab_; }
+    const engines::Slab& slab() const { return slab_; }
     const std::vector<double>& at(std::ptrdiff_t number, std::size_t depth = 0) const {
         return frames_.at({depth, number});
     }
 
 private:
-    Slab slab_;
+    engines::Slab slab_;
     std::map<std::pair<std::size_t, std::ptrdiff_t>, std::vector<double>> frames_;
 };
 
-/// All frames of a case on this rank alone.
+/// All frames of a case, computed on this rank alone.
 inline FrameStore frames_of(const Case& c) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     FrameStore store;
-    make_engine(c.solver)->run(c, alone, store);
+    engines::make_engine(c.solver)->run(c, alone, store);
     return store;
 }
 
-/// The columns of the table for a case, computed on a team.
-inline std::map<std::string, double> columns_of(const Case& c, Engine& engine, const Comm& team) {
-    SurfaceRecorder recorder(c, team, nullptr, {});
+/// The columns of the table for a case, computed on a team. Collective.
+inline std::map<std::string, double> columns_of(const Case& c, engines::Engine& engine,
+                                                const Comm& team) {
+    pipeline::SurfaceRecorder recorder(c, team, nullptr, {});
     engine.run(c, team, recorder);
     recorder.finish();
     std::map<std::string, double> values;
-    for (const Column& column : summarise(c, recorder.depths(), recorder.traces(), recorder.mach()))
+    for (const measures::Column& column :
+         measures::summarise(c, recorder.depths(), recorder.traces(), recorder.mach()))
         values[column.name] = column.value;
     return values;
 }

@@ -1,33 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/checkpoint.hpp"
-#include "io/checkpoint_file.hpp"
+#include "storage/checkpoint/checkpoint_file.hpp"
 
 namespace shearwake::test {
 
-/// What an engine tells, into a real file and back.
-class StateToFile : public StateWriter {
+/// Write the state of an engine to a checkpoint file and read it back.
+class StateToFile : public engines::StateWriter {
 public:
-    explicit StateToFile(CheckpointFileWriter& file) : file_(file) {}
-    void put(const std::string& name, const StateRows& r, const double* values) override {
-        file_.put(name, RowRange{r.total, r.start, r.count, r.row_length}, values);
+    explicit StateToFile(storage::CheckpointFileWriter& file) : file_(file) {}
+    void put(const std::string& name, const engines::StateRows& r, const double* values) override {
+        file_.put(name, storage::RowRange{r.total, r.start, r.count, r.row_length}, values);
     }
     void put(const std::string& name, double value) override { file_.put(name, value); }
 
 private:
-    CheckpointFileWriter& file_;
+    storage::CheckpointFileWriter& file_;
 };
 
-class StateFromFile : public StateReader {
+class StateFromFile : public engines::StateReader {
 public:
-    explicit StateFromFile(const CheckpointFileReader& file) : file_(file) {}
-    void get(const std::string& name, const StateRows& r, double* values) override {
-        file_.get(name, RowRange{r.total, r.start, r.count, r.row_length}, values);
+    explicit StateFromFile(const storage::CheckpointFileReader& file) : file_(file) {}
+    void get(const std::string& name, const engines::StateRows& r, double* values) override {
+        file_.get(name, storage::RowRange{r.total, r.start, r.count, r.row_length}, values);
     }
     double get(const std::string& name) override { return file_.get(name); }
 
 private:
-    const CheckpointFileReader& file_;
+    const storage::CheckpointFileReader& file_;
 };
 
 } // namespace shearwake::test

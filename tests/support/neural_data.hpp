@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "neural/respond.hpp"
@@ -10,11 +11,11 @@
 #include <utility>
 #include <vector>
 
-// The trains of tests/data/neural and the traces that made them; its README.md says what they are.
+// The spike trains of tests/data/neural and the traces that caused them, see the README.md there.
 
 namespace shearwake::test {
 
-/// The rows of a CSV file, comments and the heading left out.
+/// The rows of a CSV file without comments and heading.
 inline std::vector<std::vector<std::string>> csv_rows(const std::string& file) {
     std::ifstream in(std::string(TEST_DATA) + "/neural/" + file);
     std::vector<std::vector<std::string>> rows;
@@ -43,7 +44,7 @@ inline double sine(double frequency_Hz, double t_s) {
     return std::sin(2.0 * std::numbers::pi * frequency_Hz * t_s);
 }
 
-/// Below one pin of radius 1 mm at the origin.
+/// A stimulus by one pin of radius 1 mm at the origin.
 inline neural::PinStimulus single_stimulus(const std::string& name) {
     neural::PinStimulus s{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 5000.0};
     if (name == "sine200_50um_fs20k") s.rate_Hz = 20000.0;
@@ -63,7 +64,7 @@ inline neural::PinStimulus single_stimulus(const std::string& name) {
     return s;
 }
 
-/// 1 s of a carrier of 40 kHz, or of its envelope, below a pin of radius 1 mm in the palm.
+/// One second of a carrier of 40 kHz, or of its envelope, by a pin of radius 1 mm on the palm.
 inline neural::PinStimulus palm_stimulus(const std::string& modulation, const std::string& trace) {
     const bool is_envelope = trace == "envelope5k";
     neural::PinStimulus s{

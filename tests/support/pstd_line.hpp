@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "support/pstd_recording.hpp"
@@ -6,7 +7,7 @@
 
 namespace shearwake::test {
 
-/// Nodes along z, uniform along x and y, without a layer: one-dimensional waves.
+/// A line of nodes along z, uniform in x and y and without absorbing layer: one-dimensional waves.
 inline pstd::Setup pstd_line(std::ptrdiff_t points, double dz_m, double dt_s,
                              const std::function<pstd::NodeMaterial(std::ptrdiff_t)>& at_z) {
     pstd::Setup s;

@@ -1,22 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/pstd/stepper.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 
 namespace shearwake::pstd {
 
-/// Nodes low ... low + counts - 1 along each axis: a plane, a volume, a line, a point.
+/// The nodes from low to low + counts - 1 along each axis: a volume, plane, line or point.
 struct Box {
-    Node low = {}, counts = {1, 1, 1};
+    pstd::Node low = {}, counts = {1, 1, 1};
     std::size_t size() const { return static_cast<std::size_t>(counts[0] * counts[1] * counts[2]); }
 };
 
-/// A field's totals at its own staggered places, at the nodes' storage indices: of a list of nodes,
-/// and of a box, [x][y][z]. On every rank. Collective.
+/// Totals of a field at its own staggered positions, identified by the indices of nodes: for a list
+/// of nodes, and for a box in the order [x][y][z]. Returned on every rank. Collective.
 template <class Real>
-std::vector<double> values_at(const Stepper<Real>& stepper, Field field,
-                              std::span<const Node> nodes, const Comm& team) {
+std::vector<double> values_at(const pstd::Stepper<Real>& stepper, pstd::Field field,
+                              std::span<const pstd::Node> nodes, const Comm& team) {
     std::vector<double> values;
-    for (const Node& n : nodes)
+    for (const pstd::Node& n : nodes)
         values.push_back(stepper.slabs().has(n[0])
                              ? static_cast<double>(stepper.total(
                                    field)[static_cast<std::size_t>(stepper.slabs().offset(n))])
@@ -26,9 +27,9 @@ std::vector<double> values_at(const Stepper<Real>& stepper, Field field,
 }
 
 template <class Real>
-std::vector<double> values_in(const Stepper<Real>& stepper, Field field, const Box& box,
+std::vector<double> values_in(const pstd::Stepper<Real>& stepper, pstd::Field field, const Box& box,
                               const Comm& team) {
-    std::vector<Node> nodes;
+    std::vector<pstd::Node> nodes;
     for (std::ptrdiff_t x = 0; x < box.counts[0]; ++x)
         for (std::ptrdiff_t y = 0; y < box.counts[1]; ++y)
             for (std::ptrdiff_t z = 0; z < box.counts[2]; ++z)

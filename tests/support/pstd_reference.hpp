@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/pstd/source.hpp"
-#include "engines/pstd/stepper.hpp"
-#include "io/h5.hpp"
-#include "io/number_block.hpp"
+#include "engines/pstd/scheme/source.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
+#include "storage/hdf5/h5.hpp"
+#include "storage/hdf5/number_block.hpp"
 
 #include <cmath>
 #include <filesystem>
@@ -11,9 +12,9 @@
 
 namespace shearwake::test {
 
-/// Runs of k-Wave's pstdElastic3D (GNU Octave, double precision): 48 x 40 x 32 nodes of 1 mm, c_p
-/// 20 m/s, c_s 5 m/s, 1000 kg/m^3; a Gaussian plane source of u_z with Ricker's pulse at z index
-/// 13. All four are of a uniform lossless solid.
+/// Runs of k-Wave's pstdElastic3D (GNU Octave, double precision): 48 x 40 x 32 nodes of 1 mm, c_p =
+/// 20 m/s, c_s = 5 m/s, 1000 kg/m^3, with a Gaussian plane source of u_z and a Ricker pulse at z
+/// index 13. All four runs use a uniform lossless solid.
 struct KwaveRun {
     const char* name;
     pstd::SourceMode mode;
@@ -24,20 +25,21 @@ constexpr std::ptrdiff_t kwave_nx = 48, kwave_ny = 40, kwave_nz = 32, kwave_step
 
 inline const std::vector<KwaveRun>& kwave_runs() {
     using pstd::SourceMode;
-    static const std::vector<KwaveRun> runs = {{"a_additive_pml10", SourceMode::additive, 2.0},
-                                               {"a_additive_pmloff", SourceMode::additive, 0.0},
-                                               {"c_dirichlet_pml10", SourceMode::dirichlet, 2.0},
-                                               {"c_dirichlet_pmloff", SourceMode::dirichlet, 0.0}};
+    static const std::vector<KwaveRun> runs = {
+        {"a_additive_pml10", pstd::SourceMode::additive, 2.0},
+        {"a_additive_pmloff", pstd::SourceMode::additive, 0.0},
+        {"c_dirichlet_pml10", pstd::SourceMode::dirichlet, 2.0},
+        {"c_dirichlet_pmloff", pstd::SourceMode::dirichlet, 0.0}};
     return runs;
 }
 
-/// A file of a run: arrays by name.
+/// The arrays of the file of a run, by name.
 class KwaveFile {
 public:
     explicit KwaveFile(const std::filesystem::path& path)
         : file_(h5::open_file(path, h5::Access::read)) {}
     std::vector<double> values(const char* name) const {
-        return read_numbers(file_.raw(), name).values;
+        return storage::read_numbers(file_.raw(), name).values;
     }
     std::vector<std::ptrdiff_t> integers(const char* name) const {
         std::vector<std::ptrdiff_t> numbers;
@@ -52,18 +54,18 @@ private:
 
 inline pstd::Setup kwave_setup(const KwaveFile& file, const KwaveRun& run) {
     using namespace pstd;
-    Setup s;
+    pstd::Setup s;
     s.grid = {{kwave_nx, kwave_ny, kwave_nz}, {1e-3, 1e-3, 1e-3}, 1e-5};
     s.pml.strength_1 = {run.pml_strength, run.pml_strength, run.pml_strength};
-    s.material = [](Node) { return NodeMaterial{1000.0, 20.0, 5.0}; };
-    Source source{.field = Field::uz, .mode = run.mode};
+    s.material = [](pstd::Node) { return pstd::NodeMaterial{1000.0, 20.0, 5.0}; };
+    pstd::Source source{.field = pstd::Field::uz, .mode = run.mode};
     for (std::ptrdiff_t x = 0; x < kwave_nx; ++x)
         for (std::ptrdiff_t y = 0; y < kwave_ny; ++y)
             source.nodes.push_back({x, y, kwave_source_z});
     std::vector<double> pattern_m_s = file.values("source_G");
     for (double& p : pattern_m_s)
         p *= 1e-3;
-    s.sources.push_back(separable_source(source, pattern_m_s, file.values("source_R")));
+    s.sources.push_back(pstd::separable_source(source, pattern_m_s, file.values("source_R")));
     return s;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "parallel/agree.hpp"
@@ -8,7 +9,7 @@
 
 namespace shearwake::test {
 
-/// A folder that all ranks know and that goes with the test.
+/// A folder whose path all ranks have and which is deleted at the end of the test. Collective.
 class SharedFolder {
 public:
     explicit SharedFolder(const Comm& world) : world_(world) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "support/cases.hpp"
@@ -8,7 +9,7 @@
 
 namespace shearwake::test {
 
-/// The same case, computed by engine `spectral` in steps of this length.
+/// The case with the engine "spectral" and this time step.
 inline Case with_step(Case c, double step_s) {
     SpectralOptions options;
     if (const auto* given = std::get_if<SpectralOptions>(&c.solver)) options = *given;
@@ -17,8 +18,8 @@ inline Case with_step(Case c, double step_s) {
     return c;
 }
 
-/// A 3 mm focus at 7 m/s over 7 mm of tissue on a rigid base. It goes out after 3 ms, and what it
-/// has left goes round in the periodic domain.
+/// A 3 mm focus at 7 m/s over 7 mm of tissue on a rigid base. It is switched off after 3 ms; the
+/// remaining waves keep travelling through the periodic domain.
 inline Case small_tissue(double viscosity_Pa_s = 0.5) {
     Case c = moving_focus({}, ConstantSpeed{7.0});
     Layer layer = tissue(1500.0, viscosity_Pa_s);
@@ -31,20 +32,22 @@ inline Case small_tissue(double viscosity_Pa_s = 0.5) {
     return c;
 }
 
-/// A lump under the path of `small_tissue`, so far of nothing else than what is around.
+/// An ellipsoid under the path of `small_tissue`, initially with the properties of its
+/// surroundings.
 inline Body small_body() {
     return {
         .name = "body", .shape = Ellipsoid{{5e-3, 3.5e-3, 1.5e-3}}, .centre_m = {2e-3, 2e-3, 3e-3}};
 }
 
-/// And how many times stiffer in shear.
+/// The ellipsoid with `contrast` times the shear stiffness of its surroundings.
 inline Body small_body(double contrast) {
     Body body = small_body();
     body.c_s_m_s = 5.0 * std::sqrt(contrast);
     return body;
 }
 
-/// A 4 mm layer with a lump of so many times its shear stiffness (1: none), in steps of 50 us.
+/// A 4 mm layer with an ellipsoid of `contrast` times its shear stiffness (1: none), in steps of 50
+/// us.
 inline Case thin_layer(double contrast) {
     Case c = moving_focus(half_space(tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.medium.base = Base::rigid;
@@ -55,7 +58,7 @@ inline Case thin_layer(double contrast) {
                             .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
                             .centre_m = {1e-3, 2e-3, 2e-3},
                             .c_s_m_s = 5.0 * std::sqrt(contrast)}};
-    c.domain = {18, 14, 1e-3, 0.0}; // on 5 ranks slabs differ
+    c.domain = {18, 14, 1e-3, 0.0}; // slabs of different sizes on 5 ranks
     c.time = {4, 100e-6};
     c.solver = SpectralOptions{.time_step_s = 50e-6};
     return c;
@@ -74,7 +77,7 @@ inline std::vector<double> last_frame(const Case& c) {
     return frames_of(c).at(c.time.frames - 1);
 }
 
-/// Infinity if one is not finite.
+/// The largest magnitude; infinity if a value is not finite.
 inline double largest(const std::vector<double>& values) {
     double result = 0.0;
     for (const double value : values)

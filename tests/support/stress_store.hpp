@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/registry/make_engine.hpp"
 
 #include <map>
 #include <utility>
@@ -8,12 +10,12 @@
 
 namespace shearwake::test {
 
-/// The stress that an engine gives to receptors, on this rank's slab.
-class StressStore : public Observer {
+/// Stores the stress that an engine passes to receptors, on this rank's slab.
+class StressStore : public engines::Observer {
 public:
-    void begin(const Slab& slab) override { slab_ = slab; }
-    void frame(const Frame& /*frame*/) override {}
-    void stress(const StressFrame& frame) override {
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void frame(const engines::Frame& /*frame*/) override {}
+    void stress(const engines::StressFrame& frame) override {
         std::vector<double> values;
         for (std::ptrdiff_t i = 0; i < frame.compression_Pa.rows(); ++i) {
             const auto row = frame.compression_Pa.row(i);
@@ -21,21 +23,21 @@ public:
         }
         stresses_[{frame.depth, frame.number}] = std::move(values);
     }
-    const Slab& slab() const { return slab_; }
+    const engines::Slab& slab() const { return slab_; }
     std::size_t planes() const { return stresses_.size(); }
     const std::vector<double>& at(std::ptrdiff_t number, std::size_t depth) const {
         return stresses_.at({depth, number});
     }
 
 private:
-    Slab slab_;
+    engines::Slab slab_;
     std::map<std::pair<std::size_t, std::ptrdiff_t>, std::vector<double>> stresses_;
 };
 
-/// All of a case's, on this rank alone.
+/// All receptor stresses of a case, computed on this rank alone.
 inline StressStore stresses_of(const Case& c) {
     StressStore store;
-    make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
     return store;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <atomic>
@@ -7,7 +8,7 @@
 
 namespace shearwake::test {
 
-/// A new folder that goes with the test.
+/// A new folder that is deleted at the end of the test.
 class TemporaryFolder {
 public:
     TemporaryFolder() {

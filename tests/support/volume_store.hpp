@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "support/cases.hpp"
@@ -8,11 +9,11 @@
 
 namespace shearwake::test {
 
-/// Every plane of the volumes of a run, on this rank's slab.
+/// Stores every plane of the volumes of a run, on this rank's slab.
 class VolumeStore : public FrameStore {
 public:
     void volume_levels(const std::vector<double>& z_m) override { z_m_ = z_m; }
-    void volume(const VolumePlane& plane) override {
+    void volume(const engines::VolumePlane& plane) override {
         std::vector<double>& values =
             planes_[{plane.snapshot, plane.field, plane.component, plane.level}];
         values.clear();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 
 namespace shearwake::test {
 
-/// The larger of the two; infinity when the new one is not finite, which std::max would pass over.
+/// The larger value, or infinity if the new value is not finite, which std::max would ignore.
 inline double worse(double worst, double value) {
     return std::isfinite(value) ? std::max(worst, value) : std::numeric_limits<double>::infinity();
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -17,7 +18,7 @@ double relative_l2(const std::vector<double>& a, const std::vector<double>& b) {
     return std::sqrt(difference / size);
 }
 
-/// An array's focus that runs along a slanted line, over 12 mm of tissue.
+/// The focus of an array that moves along a slanted line, over 12 mm of tissue.
 Case moving_array(double update_rate_Hz) {
     Layer layer = tissue(1500.0);
     layer.thickness_m = 12e-3;
@@ -30,7 +31,7 @@ Case moving_array(double update_rate_Hz) {
     return c;
 }
 
-/// The largest pressure of the array that focuses where the case's load ends.
+/// The largest pressure of an array that focuses at the end of the case's path.
 std::vector<double> last_frame(Case c, SolverOptions solver) {
     c.solver = solver;
     return frames_of(c).at(c.time.frames - 1);
@@ -38,26 +39,29 @@ std::vector<double> last_frame(Case c, SolverOptions solver) {
 
 } // namespace
 
-TEST_CASE("both engines move an array's focus alike", "[verify]") {
+TEST_CASE("engines layered and spectral agree for a moving array focus", "[verify]") {
     const Case c = moving_array(0.0);
     const auto layered = last_frame(c, LayeredOptions{});
-    // Of second order in its step: 0.1 % is what a Gaussian focus of 3 mm has at 25 us.
+    // Second order in the step of the spectral engine: 0.1 % as for a Gaussian focus of 3 mm at 25
+    // us.
     CHECK(relative_l2(last_frame(c, SpectralOptions{}), layered) < 2e-3);
 }
 
-TEST_CASE("an update rate of 16 kHz is hardly felt", "[verify]") {
+TEST_CASE("an update rate of 16 kHz changes the field by less than 5 %", "[verify]") {
     const auto always = last_frame(moving_array(0.0), LayeredOptions{});
-    const auto held = last_frame(moving_array(16e3), LayeredOptions{});
-    // The focus is late by half an update in the mean, 0.22 mm of a wake 10 mm wide.
-    CHECK(relative_l2(held, always) < 0.05);
-    CHECK(relative_l2(held, always) > 1e-4);
+    const auto updated = last_frame(moving_array(16e3), LayeredOptions{});
+    // The focus is late by half an update interval on average, 0.22 mm of a wake that is 10 mm
+    // wide.
+    CHECK(relative_l2(updated, always) < 0.05);
+    CHECK(relative_l2(updated, always) > 1e-4);
 }
 
-TEST_CASE("foci at a time move the skin as the mean of each alone", "[verify]") {
+TEST_CASE("field of simultaneous foci equals the mean of the single foci", "[verify]") {
     const auto engine = GENERATE(0, 1);
-    const SolverOptions solver =
-        engine == 0 ? SolverOptions(LayeredOptions{})
-                    : SolverOptions(SpectralOptions{.time_step_s = 62.5e-6}); // one for all loads
+    // The spectral engine uses the same step for all loads.
+    const SolverOptions solver = engine == 0
+                                     ? SolverOptions(LayeredOptions{})
+                                     : SolverOptions(SpectralOptions{.time_step_s = 62.5e-6});
     Case c = moving_array(0.0);
     c.load.footprint = GaussianFootprint{9e-3};
     const std::vector<Vec2> offsets = {{-12e-3, 0.0}, {9e-3, 15e-3}};
@@ -72,5 +76,5 @@ TEST_CASE("foci at a time move the skin as the mean of each alone", "[verify]") 
         for (std::size_t i = 0; i < mean.size(); ++i)
             mean[i] += 0.5 * frame[i];
     }
-    CHECK(relative_l2(both, mean) < 1e-10); // the same sums in another order
+    CHECK(relative_l2(both, mean) < 1e-10); // the same sums in a different order
 }

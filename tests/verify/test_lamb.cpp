@@ -1,4 +1,5 @@
-// Known answers over a half-space: Lamb's problem and the steady moving load.
+// SPDX-License-Identifier: BSD-3-Clause
+// Verification over a half-space: Lamb's problem and the steadily moving load.
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -40,14 +41,15 @@ double integrate(double a, double b, int panels, const auto& f) {
     return sum;
 }
 
-/// The same under a Gaussian of 1 Pa peak at distance r: the point answer from all distances rho,
-/// weighted by the Gaussian's mean over the circle of radius rho about the receiver,
+/// The solution for a Gaussian of 1 Pa peak at distance r: the point solution at all distances rho,
+/// weighted by the mean of the Gaussian over the circle of radius rho around the receiver,
 ///     2 pi exp(-(r^2 + rho^2) / 2 sigma^2) I0(r rho / sigma^2).
 double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
     const double mu = static_shear_modulus(layer), ct = layer.c_s_m_s * t;
     const double gamma = 0.5 * std::sqrt(3.0 + std::sqrt(3.0));
-    const auto ring = [&](double rho) { // Gaussian times 2 pi rho, over rho of the point answer
-        // exp(-x) I0(x), by its asymptotic series where I0 alone would overflow.
+    // Gaussian times 2 pi rho, as a function of rho of the point solution.
+    const auto ring = [&](double rho) {
+        // exp(-x) I0(x), by the asymptotic series where I0 alone would overflow.
         const double x = r * rho / (sigma * sigma);
         const double bessel =
             x < 50.0 ? std::exp(-x) * std::cyl_bessel_i(0.0, x)
@@ -57,7 +59,8 @@ double lamb_gaussian(double r, double t, double sigma, const Layer& layer) {
     const auto plain = [&](double rho) { return -pekeris_g(ct / rho) * ring(rho); };
     const double reach = r + 9.0 * sigma;
     double sum = integrate(0.0, std::min(reach, ct / gamma), 400, plain);
-    // From the Rayleigh arrival on: rho = ct / gamma + s^2 takes the root out of the denominator.
+    // From the Rayleigh arrival on, rho = ct / gamma + s^2 removes the square root from the
+    // denominator.
     const double r1 = ct / gamma, r2 = ct, r3 = ct * std::sqrt(3.0);
     const auto rooted = [&](double s) { return 2.0 * s * plain(r1 + s * s); };
     if (reach > r1) sum += integrate(0.0, std::sqrt(std::min(reach, r2) - r1), 400, rooted);
@@ -80,9 +83,10 @@ Case point_load(const Layer& layer, double fwhm_m) {
 
 } // namespace
 
-TEST_CASE("Lamb's problem: a step load meets the closed form of Pekeris", "[verify]") {
-    // 160 mm wide: the first image's P wave (8.7 m/s) needs 17 ms to the receiver. The focus (2 mm)
-    // is carried by four points, its spectrum at the grid's Nyquist wavenumber is 1e-6.
+TEST_CASE("Lamb's problem: response to a step load equals the closed form of Pekeris", "[verify]") {
+    // The domain is 160 mm wide: the P wave of the first image (8.7 m/s) needs 17 ms to the
+    // receiver. The focus of 2 mm is resolved by four points; its spectrum at the Nyquist
+    // wavenumber is 1e-6.
     const Layer layer = poisson_solid();
     const double fwhm = 2e-3, sigma = fwhm / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
     const Case c = point_load(layer, fwhm);
@@ -95,30 +99,31 @@ TEST_CASE("Lamb's problem: a step load meets the closed form of Pekeris", "[veri
         const auto n = static_cast<std::ptrdiff_t>(std::llround(tau * r / 5.0 / 12.5e-6)) - 1;
         const double exact = lamb_gaussian(r, c.time.frame_s(n), sigma, layer);
         CAPTURE(tau, exact, receiver(n));
-        CHECK(std::abs(receiver(n) / exact - 1.0) < 0.01); // the requirement
+        CHECK(std::abs(receiver(n) / exact - 1.0) < 0.01); // required
     }
-    // Static limit (1 - nu) F / (2 pi mu r), with the footprint's size: at 3 sigma and more from a
-    // Gaussian the mean of 1/r over it is 1/r (1 + sigma^2 / 2 r^2 + ...).
+    // Static limit (1 - nu) F / (2 pi mu r), corrected for the size of the footprint: at a distance
+    // of 3 sigma or more the mean of 1/r over a Gaussian is 1/r (1 + sigma^2 / 2 r^2 + ...).
     const double force = 2.0 * pi * sigma * sigma;
     const double still = 0.75 * force / (2.0 * pi * static_shear_modulus(layer) * r) *
                          (1.0 + 0.5 * std::pow(sigma / r, 2) + 9.0 / 8.0 * std::pow(sigma / r, 4));
-    CHECK(std::abs(receiver(479) / still - 1.0) < 0.003); // the requirement
+    CHECK(std::abs(receiver(479) / still - 1.0) < 0.003); // required
 }
 
-TEST_CASE("the closed form with finite size tends to the point load's", "[verify]") {
-    // The reference itself: for a narrow Gaussian it must give force times the point answer.
+TEST_CASE("closed form for a finite size converges to that of a point load", "[verify]") {
+    // Verification of the reference: a narrow Gaussian must yield the force times the point
+    // solution.
     const Layer layer = poisson_solid();
     const double sigma = 2e-5, r = 10e-3, force = 2.0 * pi * sigma * sigma;
     for (const double tau : {0.7, 0.9, 1.5, 3.0}) {
         const double scale = force / (32.0 * pi * static_shear_modulus(layer) * r);
-        // Of the size of the static answer, 12: sigma / r is 0.002, and g is smooth here.
+        // Relative to the static solution, 12: sigma / r is 0.002, and g is smooth here.
         CHECK(std::abs(lamb_gaussian(r, tau * r / 5.0, sigma, layer) / scale + pekeris_g(tau)) <
               12.0 * 1e-4);
     }
 }
 
-TEST_CASE("at rest the depths under a load meet Boussinesq's answer", "[verify]") {
-    // 12 ms after a step the waves have left (60 mm). On the axis, under a Gaussian:
+TEST_CASE("static displacement at depth equals Boussinesq's solution", "[verify]") {
+    // 12 ms after a step the waves have travelled away (60 mm). On the axis below a Gaussian:
     //     u_z(z) = integral of p(rho) [z^2 / R^2 + 2 (1 - nu)] / (4 pi mu R) 2 pi rho d rho.
     const Layer layer = poisson_solid();
     const double fwhm = 2e-3, sigma = fwhm / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
@@ -136,27 +141,28 @@ TEST_CASE("at rest the depths under a load meet Boussinesq's answer", "[verify]"
         });
         const double computed = frames.at(479, d)[static_cast<std::size_t>(160 * 320 + 160)];
         CAPTURE(z, exact, computed);
-        // What the step leaves behind falls as a power of the time (0.5 % at 6 ms, 8 mm).
+        // The remaining transient of the step decreases as a power of time (0.5 % at 6 ms, 8 mm).
         CHECK(std::abs(computed / exact - 1.0) < 0.003);
     }
 }
 
-TEST_CASE("a steady load below the Rayleigh speed meets the closed form", "[verify]") {
-    // Lateral profile of a 3 mm focus at 3 m/s: the point answer of PHYSICS section 7 under the
-    // Gaussian. nu = 0.25: by 14 ms the images' P waves (8.7 m/s, 121 mm) have not arrived.
+TEST_CASE("response to a steady load below the Rayleigh speed equals the closed form", "[verify]") {
+    // Lateral profile of a 3 mm focus at 3 m/s: the point solution of docs/developer/physics.md,
+    // section 7, convolved with the Gaussian. nu = 0.25: the P waves of the images (8.7 m/s, 121
+    // mm) have not arrived by 14 ms.
     const double v = 3.0;
     Case c = test::moving_focus(test::half_space(poisson_solid()), ConstantSpeed{v});
     c.domain = {320, 320, 0.75e-3, 0.0};
     c.time = {280, 50e-6};
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {
-        -42e-3, 0.0}; // at 14 ms the focus is on the grid point at 0
+        -42e-3, 0.0}; // at 14 ms the focus is at the grid point at 0
     const auto frames = test::frames_of(c);
 
     const Layer& layer = c.medium.layers[0];
     const double mu = static_shear_modulus(layer);
     const double sigma = 3e-3 / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
-    // r u_z of a point load of 1 N at angle theta from the direction of motion.
+    // r u_z of a point load of 1 N at the angle theta to the direction of motion.
     const auto angular = [&](double theta) {
         const double ms2 = std::pow(v * std::sin(theta) / layer.c_s_m_s, 2);
         const double mp2 = std::pow(v * std::sin(theta) / layer.c_p_m_s, 2);
@@ -165,12 +171,13 @@ TEST_CASE("a steady load below the Rayleigh speed meets the closed form", "[veri
         const double rayleigh = 4.0 * std::sqrt((1.0 - mp2) * (1.0 - ms2)) - std::pow(2.0 - ms2, 2);
         return ms2 * std::sqrt(1.0 - mp2) / rayleigh / (2.0 * pi * mu);
     };
-    // Polar coordinates about the receiver (0, y): the 1/r of the point answer cancels the
+    // Polar coordinates around the receiver (0, y): the 1/r of the point solution cancels the
     // Jacobian.
     const auto exact = [&](double y) {
         return integrate(0.0, 2.0 * pi, 60, [&](double phi) {
-            // The load element lies at distance rho in direction phi; the receiver is seen from it
-            // in the opposite direction, of which only the sine's size matters.
+            // The load element is at the distance rho in the direction phi from the receiver. The
+            // direction from the load element to the receiver is the opposite one; only the
+            // magnitude of its sine matters.
             return angular(phi) * integrate(0.0, y + 9.0 * sigma, 40, [&](double rho) {
                        const double dx = rho * std::cos(phi), dy = y + rho * std::sin(phi);
                        return std::exp(-(dx * dx + dy * dy) / (2.0 * sigma * sigma));
@@ -182,6 +189,6 @@ TEST_CASE("a steady load below the Rayleigh speed meets the closed form", "[veri
         const double y = static_cast<double>(j) * 0.75e-3;
         const double computed = surface[static_cast<std::size_t>(160 * 320 + 160 + j)];
         CAPTURE(y, computed, exact(y));
-        CHECK(std::abs(computed / exact(y) - 1.0) < 0.03); // the requirement
+        CHECK(std::abs(computed / exact(y) - 1.0) < 0.03); // required
     }
 }

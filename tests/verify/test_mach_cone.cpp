@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace shearwake;
 
-TEST_CASE("the wake of a fast focus opens at the Rayleigh wave's Mach angle", "[verify]") {
-    // Lossless; sin theta = c_R / v with the c_R of the same medium.
+TEST_CASE("wake of a fast focus has the Mach angle of the Rayleigh wave", "[verify]") {
+    // Lossless; sin theta = c_R / v with the Rayleigh speed c_R of the same medium.
     const double speed = GENERATE(7.0, 8.0, 10.0);
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.0)), ConstantSpeed{speed});
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
@@ -14,10 +15,10 @@ TEST_CASE("the wake of a fast focus opens at the Rayleigh wave's Mach angle", "[
     c.time = {280, 50e-6};
     LayeredOptions options;
     c.solver = options;
-    const auto engine = make_engine(c.solver);
+    const auto engine = engines::make_engine(c.solver);
     const Comm alone = Comm::world().split(Comm::world().rank());
     const auto columns = test::columns_of(c, *engine, alone);
     const double theory = std::asin(rayleigh_speed_m_s(c.medium.layers[0]) / speed) * 180.0 / M_PI;
     CHECK(columns.at("mach_angle_theory_deg") == Approx(theory).epsilon(1e-12));
-    CHECK(std::abs(columns.at("mach_angle_deg") - theory) < 1.0); // the requirement
+    CHECK(std::abs(columns.at("mach_angle_deg") - theory) < 1.0); // required
 }

@@ -1,10 +1,11 @@
-// The neurons against trains and intermediate values that TouchSim (Python) gave, noise and delay
-// off. SHEARWAKE_NEURAL_REFERENCE names the folder of its two files; without it nothing is checked
-// here, and tests/unit/neural holds what is small enough to carry.
-#include "io/h5.hpp"
-#include "io/number_block.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+// Verifies the neurons against spike trains and intermediate values of TouchSim (Python), without
+// noise and delay. SHEARWAKE_NEURAL_REFERENCE specifies the folder of its two files, without which
+// these tests are skipped; tests/unit/neural contains the small reference data.
 #include "neural/respond.hpp"
-#include "neural/skin_stress.hpp"
+#include "neural/skin/skin_stress.hpp"
+#include "storage/hdf5/h5.hpp"
+#include "storage/hdf5/number_block.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -24,14 +25,14 @@ std::optional<h5::Id> reference(const std::string& name) {
 }
 
 Lines lines_of(const h5::Id& file, const std::string& path) {
-    NumberBlock block = read_numbers(file.raw(), path);
+    storage::NumberBlock block = storage::read_numbers(file.raw(), path);
     Lines lines(block.shape.at(0), block.shape.at(1));
     lines.values = std::move(block.values);
     return lines;
 }
 
 std::vector<double> values_of(const h5::Id& file, const std::string& path) {
-    return read_numbers(file.raw(), path).values;
+    return storage::read_numbers(file.raw(), path).values;
 }
 
 PinStimulus stimulus_of(const h5::Id& file, const std::string& path) {
@@ -70,7 +71,7 @@ std::vector<Spikes> spikes_of(const h5::Id& file, const std::string& path) {
     return spikes;
 }
 
-/// The largest difference over the largest reference of each line; the worst of all lines.
+/// The difference of each line relative to its largest reference value, maximum over the lines.
 double worst_over_row_maximum(const Lines& ours, const Lines& theirs) {
     REQUIRE(ours.count == theirs.count);
     REQUIRE(ours.samples == theirs.samples);
@@ -80,14 +81,15 @@ double worst_over_row_maximum(const Lines& ours, const Lines& theirs) {
         for (std::size_t k = 0; k < ours.samples; ++k) {
             largest = std::max(largest, std::abs(theirs.line(i)[k]));
             const double off = std::abs(ours.line(i)[k] - theirs.line(i)[k]);
-            difference = off <= difference ? difference : off; // keeps what is not a number
+            // Also keeps values that are not a number.
+            difference = off <= difference ? difference : off;
         }
         if (difference > 0.0) worst = std::max(worst, difference / largest);
     }
     return worst;
 }
 
-/// Each afferent's lane of what `of_eight` makes of every eight of them.
+/// Applies `of_eight` to groups of eight afferents and returns one line per afferent.
 template <class OfEight>
 Lines lanes_of(std::span<const Afferent> afferents, std::size_t samples, const OfEight& of_eight) {
     Lines lines(afferents.size(), samples);
@@ -97,12 +99,12 @@ Lines lanes_of(std::span<const Afferent> afferents, std::size_t samples, const O
         const Line line = of_eight(eight);
         for (std::size_t i = 0; i < eight.size(); ++i)
             for (std::size_t k = 0; k < line.size(); ++k)
-                lines.line(begin + i)[k] = line[k][i];
+                lines.line(begin + i)[k] = line[k][static_cast<std::ptrdiff_t>(i)];
     }
     return lines;
 }
 
-// Both sides are double precision; what is left is the rounding of sums and transforms.
+// Both programs use double precision; the difference is the rounding of sums and transforms.
 constexpr double rounding = 1e-10;
 
 const char* const all_stimuli[] = {"sine200_50um", "sine20_300um",           "sine60_100um",
@@ -110,10 +112,10 @@ const char* const all_stimuli[] = {"sine200_50um", "sine20_300um",           "si
 
 } // namespace
 
-TEST_CASE("every stage of all 17 neurons is that of TouchSim to 1e-10", "[neural]") {
+TEST_CASE("all stages of all 17 neurons equal TouchSim within 1e-10", "[neural]") {
     const auto file = reference("shared_1_single_afferents.h5");
     if (!file) {
-        WARN("not checked: SHEARWAKE_NEURAL_REFERENCE names no folder");
+        WARN("skipped: SHEARWAKE_NEURAL_REFERENCE is not set");
         return;
     }
     const std::string name = GENERATE(from_range(std::begin(all_stimuli), std::end(all_stimuli)));
@@ -138,7 +140,8 @@ TEST_CASE("every stage of all 17 neurons is that of TouchSim to 1e-10", "[neural
     const Lines stress = lanes_of(std::span(one_a_class).first(1), source.samples(),
                                   [&](auto eight) { return drive(eight).static_MPa; });
     const Lines their_stress = lines_of(*file, name + "/static_5k");
-    // Neurons of RA and PC give it no weight, so it is not computed for them: scaled from SA1's.
+    // Neurons of RA and PC have weight 0 for it, so it is not computed for them; it is scaled from
+    // that of SA1.
     Lines scaled(3, stress.samples);
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < stress.samples; ++k)
@@ -171,7 +174,8 @@ TEST_CASE("every stage of all 17 neurons is that of TouchSim to 1e-10", "[neural
     CHECK(worst_over_row_maximum(raw, lines_of(*file, name + "/current_raw")) < rounding);
 }
 
-TEST_CASE("all 17 neurons fire at TouchSim's samples", "[neural]") {
+TEST_CASE("all 17 neurons fire at the same samples as in the reference files of TouchSim",
+          "[neural]") {
     const auto file = reference("shared_1_single_afferents.h5");
     if (!file) return;
     const std::string name = GENERATE(from_range(std::begin(all_stimuli), std::end(all_stimuli)));
@@ -179,7 +183,8 @@ TEST_CASE("all 17 neurons fire at TouchSim's samples", "[neural]") {
     CHECK(respond(stimulus_of(*file, name), afferents_of(*file), {}) == spikes_of(*file, name));
 }
 
-TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neural]") {
+TEST_CASE("985 Pacinian afferents of the palm fire at the same samples as in TouchSim",
+          "[neural]") {
     const auto file = reference("shared_2_am_carrier_palm.h5");
     if (!file) return;
     const std::string modulation = GENERATE("unmod", "am200");
@@ -198,16 +203,16 @@ TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neu
         return same;
     };
     CHECK(fires_alike({}, "/flat") == afferents.size());
-    // Spikes of all, as the specification of the model tells them for these traces.
-    const std::map<std::string, std::size_t> told = {
+    // Total numbers of spikes for these traces in the specification of the model.
+    const std::map<std::string, std::size_t> expected = {
         {"unmod/signed", 289},     {"am200/signed", 156},       {"unmod/halfwave", 171},
         {"am200/halfwave", 11678}, {"unmod/square", 209},       {"am200/square", 19983},
         {"unmod/envelope5k", 0},   {"am200/envelope5k", 19582}, {"am200/square_pad20ms", 19237}};
-    if (told.contains(name)) {
+    if (expected.contains(name)) {
         std::size_t spikes = 0;
         for (const Spikes& train : respond(stimulus, afferents, {}))
             spikes += train.size();
-        CHECK(spikes == told.at(name));
+        CHECK(spikes == expected.at(name));
     }
 
     const PinSource source(stimulus);
@@ -221,7 +226,7 @@ TEST_CASE("985 Pacinian afferents of the palm fire at TouchSim's samples", "[neu
           rounding);
 
     if (H5Lexists(file->raw(), (name + "/hand").c_str(), H5P_DEFAULT) <= 0) return;
-    std::map<std::pair<double, double>, double> ways_mm; // from the one pin
+    std::map<std::pair<double, double>, double> ways_mm; // from the single pin
     const auto stored_mm = values_of(*file, "hand_distance_mm");
     for (std::size_t i = 0; i < afferents.size(); ++i)
         ways_mm[{afferents[i].at_mm.x, afferents[i].at_mm.y}] = stored_mm[i];

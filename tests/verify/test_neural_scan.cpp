@@ -1,9 +1,11 @@
-// jobs/fig2.7.toml: every place is felt when the focus comes by.
-#include "engines/engine.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+// jobs/fig2.7.toml: receptors respond when the focus passes.
 #include "config/job.hpp"
-#include "io/files.hpp"
-#include "sweep/afferent_result.hpp"
-#include "sweep/surface_recorder.hpp"
+#include "engines/engine.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "pipeline/afferent_result.hpp"
+#include "pipeline/surface_recorder.hpp"
+#include "storage/files.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -21,18 +23,20 @@ const std::vector<double>& values(const VariableGroup& group, const std::string&
 
 } // namespace
 
-TEST_CASE("first spikes along a scan are as far apart as the focus takes", "[neural]") {
+TEST_CASE("first spikes along a scan are delayed by the travel time of the focus", "[neural]") {
     const std::filesystem::path folder = JOBS_DIRECTORY;
-    const Job job = read_job(read_file(folder / "fig2.7.toml"), "fig2.7.toml", {}, nullptr,
-                             [&](const std::string& file) { return read_file(folder / file); });
+    const config::Job job = config::read_job(
+        storage::read_file(folder / "fig2.7.toml"), "fig2.7.toml", {}, nullptr,
+        [&](const std::string& file) { return storage::read_file(folder / file); });
     REQUIRE(job.plan.cases.size() == 1);
     const PlannedCase& planned = job.plan.cases.front();
     const Case& c = planned.physics;
     const Comm alone = Comm::world().split(Comm::world().rank());
-    SurfaceRecorder recorder(c, alone, nullptr, {});
-    make_engine(c.solver)->run(c, alone, recorder);
+    pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
+    engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
-    const AfferentResult result = felt(felt_motion(planned, recorder), *c.afferents, alone);
+    const pipeline::AfferentResult result =
+        pipeline::felt(pipeline::felt_motion(planned, recorder), *c.afferents, alone);
 
     const VariableGroup& group = result.groups.at(0);
     const auto &counts = values(group, "spike_count"), &times_s = values(group, "spike_time"),
@@ -49,12 +53,13 @@ TEST_CASE("first spikes along a scan are as far apart as the focus takes", "[neu
     for (std::size_t place = 1; place < places; ++place)
         for (std::size_t n = 0; n < neurons; ++n) {
             const std::size_t i = place * neurons + n;
-            // Other Pacinian neurons feel waves that run ahead of the focus.
+            // Other Pacinian neurons respond to waves that precede the focus.
             const bool insensitive =
                 kinds[i] == static_cast<double>(AfferentClass::PC) && rows[i] == 2.0;
             if (kinds[i] != static_cast<double>(AfferentClass::RA) && !insensitive) continue;
             CAPTURE(place, n);
-            // A sample of the neurons is 0.2 ms, 3 %; the waves of other places add to each.
+            // One sample of the neurons is 0.2 ms, 3 %; waves from other positions contribute to
+            // each spike time.
             CHECK(first_s[i] - first_s[i - neurons] == Approx(expected_s).epsilon(0.10));
         }
 }

@@ -1,4 +1,5 @@
-// The stress that the engine gives to receptors, below a focus that has rested long enough.
+// SPDX-License-Identifier: BSD-3-Clause
+// The stress that the engine passes to receptors, below a focus that has been at rest long enough.
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -7,9 +8,9 @@
 
 using namespace shearwake;
 
-TEST_CASE("the stress below a resting focus is that of a static load on a half-space", "[neural]") {
+TEST_CASE("stress below a resting focus equals that of a static load on a half-space", "[neural]") {
     Case c;
-    Layer skin = test::tissue(1500.0, 10.0); // thick enough to come to rest
+    Layer skin = test::tissue(1500.0, 10.0); // thick and viscous enough to come to rest
     c.medium = test::half_space(skin);
     c.load.peak_Pa = 100.0;
     c.load.footprint = GaussianFootprint{6e-3};
@@ -22,9 +23,9 @@ TEST_CASE("the stress below a resting focus is that of a static load on a half-s
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     const Comm alone = Comm::world().split(Comm::world().rank());
-    SurfaceRecorder recorder(c, alone, nullptr, {});
+    pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
     recorder.keep_stress({{}, {}, {}, {3e-3, 0.0}, {1.0, 0.0}}, {0, 1, 2, 2, 2});
-    make_engine(c.solver)->run(c, alone, recorder);
+    engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
 
     // sigma_zz(z) = peak int s^2 k exp(-s^2 k^2/2) (1 + k z) exp(-k z) dk on the axis.
@@ -38,10 +39,10 @@ TEST_CASE("the stress below a resting focus is that of a static load on a half-s
         return 100.0 * sum;
     };
     const auto& stresses = recorder.stresses_Pa();
-    // The load of the periodic images: pi s^2 2 / (96 mm)^2 = 0.4 % of the peak; the grid's cubic
-    // interpolation is exact at its points.
+    // The load of the periodic images contributes pi s^2 2 / (96 mm)^2 = 0.4 % of the peak. Cubic
+    // interpolation is exact at grid points.
     for (std::size_t i = 0; i < 3; ++i)
         CHECK(stresses[i].u_m.back() == Approx(expected_Pa(stress_depths_m(c)[i])).epsilon(0.01));
     CHECK(stresses[3].u_m.back() < 0.8 * stresses[2].u_m.back());
-    CHECK(stresses[4].u_m.back() == 0.0); // a metre away nothing is simulated
+    CHECK(stresses[4].u_m.back() == 0.0); // outside of the domain the stress is 0
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -14,7 +15,8 @@ struct NodeFluid {
     double density_kg_m3, c_p_m_s;
 };
 
-/// A focus that rests, is pushed and let go, over soft tissue of c_p/c_s = 10, for 4 ms.
+/// A focus at a fixed position that is switched on and off, over soft tissue of c_p/c_s = 10, for 4
+/// ms.
 Case resting_focus(const SolverOptions& solver, double fwhm_m, double spacing_m) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 1.0)), ConstantSpeed{1.0});
     c.load.footprint = GaussianFootprint{fwhm_m};
@@ -44,13 +46,13 @@ double apart(const test::FrameStore& a, const test::FrameStore& b, std::ptrdiff_
 using Complex = std::complex<double>;
 using Response = std::function<Complex(double k, Complex omega)>; // W/p at z = 0
 
-/// sqrt(k^2 - omega^2/c^2), of the half that dies away.
+/// sqrt(k^2 - omega^2/c^2), the root of the decaying solution.
 Complex decay(double k, Complex omega, Complex c2) {
     const Complex root = std::sqrt(k * k - omega * omega / c2);
     return root.real() < 0.0 ? -root : root;
 }
 
-/// A sheet of force in a full space: half of it on each side, where U = 0 by symmetry.
+/// A sheet of force in a full space: one half acts on each side, where U = 0 by symmetry.
 Complex full_space(const Layer& layer, double k, Complex omega) {
     const double rho = layer.density_kg_m3;
     const Complex alpha = decay(k, omega, p_wave_modulus(layer, omega) / rho),
@@ -58,8 +60,8 @@ Complex full_space(const Layer& layer, double k, Complex omega) {
     return (k * k / beta - alpha) / (2.0 * rho * omega * omega);
 }
 
-/// The half-space of PHYSICS, and a fluid above that moves along: its pressure is rho omega^2 W /
-/// alpha of the fluid.
+/// The half-space of docs/developer/physics.md with a fluid above that moves along with it; the
+/// pressure of the fluid is rho omega^2 W / alpha with the fluid's alpha.
 Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Complex omega) {
     const double rho = layer.density_kg_m3;
     const Complex mu = shear_modulus(layer, omega), ks2 = rho * omega * omega / mu;
@@ -72,8 +74,8 @@ Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Comple
     return free / (1.0 - free * pushed);
 }
 
-/// u_z at the centre of a resting focus at each frame: the periodic domain's modes, and a complex
-/// frequency within which nothing wraps around in time.
+/// u_z at the centre of a resting focus for each frame: a sum over the modes of the periodic
+/// domain, at complex frequencies that prevent periodicity in time.
 std::vector<double> centre_of(const Case& c, const Response& response) {
     const std::ptrdiff_t count = 256, n = c.domain.nx;
     const double period_s = 2.0 * c.time.duration_s(), dt_s = period_s / count,
@@ -127,19 +129,19 @@ double error_of(const PstdOptions& options, double fwhm_m, double spacing_m) {
 
 } // namespace
 
-TEST_CASE("engine pstd moves the skin as the exact engine does", "[pstd]") {
-    // Measured with nothing above the skin, on these grids: 1.7 % and 0.7 %.
+TEST_CASE("engine pstd converges to the exact engine", "[pstd]") {
+    // Measured without a medium above the skin, on these grids: 1.7 % and 0.7 %.
     const double coarse = error_of(PstdOptions{}, 6e-3, 1.5e-3);
     const double fine = error_of(PstdOptions{}, 9e-3, 1.5e-3);
     INFO("relative L2 difference of the surface field " << coarse << " and " << fine
-                                                        << " at 4 and 6 points a width");
+                                                        << " at 4 and 6 points per width");
     CHECK(coarse < 0.025);
     CHECK(fine < 0.01);
-    // Better than the first order that is told of it.
+    // Better than the first order that the engine reports.
     CHECK(std::log(coarse / fine) / std::log(6.0 / 4.0) > 1.0);
 }
 
-TEST_CASE("engine pstd moves a full space, and skin below a fluid, as their closed forms say",
+TEST_CASE("engine pstd equals the closed forms for a full space and for skin below a fluid",
           "[pstd]") {
     const Layer tissue = test::tissue(50.0, 1.0);
     PstdOptions options;
@@ -153,14 +155,16 @@ TEST_CASE("engine pstd moves a full space, and skin below a fluid, as their clos
         return below_fluid(tissue, {800.0, 30.0}, k, omega);
     });
     INFO("relative L2 difference at the centre " << full << " and " << wet);
-    // Measured: 0.3 % and 4.8 %. Between skin and fluid u_x jumps, and the derivatives ring there:
-    // 6.8 / 5.4 / 4.8 / 4.0 % at 3 / 4.5 / 6 / 9 points a width, 1.2 / 0.5 / 0.3 / 0.1 % without.
+    // Measured: 0.3 % and 4.8 %. u_x is discontinuous between skin and fluid, where the derivatives
+    // oscillate: 6.8 / 5.4 / 4.8 / 4.0 % at 3 / 4.5 / 6 / 9 points per width; 1.2 / 0.5 / 0.3 / 0.1
+    // % without the fluid.
     CHECK(full < 0.005);
     CHECK(wet < 0.06);
 }
 
-TEST_CASE("engine pstd takes a fluid inside as engine spectral takes the softest solid", "[pstd]") {
-    // A sheet of fluid 5 points thick across the whole domain, 9 mm below the skin.
+TEST_CASE("engine pstd with an internal fluid agrees with engine spectral with the softest solid",
+          "[pstd]") {
+    // A sheet of fluid of 5 points thickness across the domain, 9 mm below the skin.
     const auto surface = [](const SolverOptions& solver, std::optional<double> c_s_m_s) {
         Case c = resting_focus(solver, 9e-3, 1.5e-3);
         if (c_s_m_s)
@@ -175,10 +179,10 @@ TEST_CASE("engine pstd takes a fluid inside as engine spectral takes the softest
     const auto without = surface(PstdOptions{}, {}), fluid = surface(PstdOptions{}, 0.0);
     const auto soft = surface(SpectralOptions{.time_step_s = 50e-6}, 0.2);
     const double changed = apart(fluid, without, 16), off = apart(fluid, soft, 16);
-    INFO("the sheet changes the surface field by " << changed << ", the engines are " << off
-                                                   << " apart");
+    INFO("the sheet changes the surface field by " << changed << ", the engines differ by " << off);
     CHECK(changed > 0.1);
-    // Seen: 1.8 %, of which the skin takes 0.7 % without a sheet. Its faces end between nodes for
-    // one engine and are averaged over elements by the other, which has a wave of 0.2 m/s in it.
+    // Observed: 1.8 %, of which 0.7 % also occur without a sheet. Its faces end between nodes for
+    // one engine and are averaged over elements by the other one, which has a wave of 0.2 m/s in
+    // the sheet.
     CHECK(off < 0.03);
 }

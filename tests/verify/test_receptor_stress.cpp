@@ -1,5 +1,6 @@
-// The stress that engine `spectral` gives to receptors: against the exact engine, against the
-// volumes it keeps, and by the balance of forces.
+// SPDX-License-Identifier: BSD-3-Clause
+// The stress of engine "spectral" at receptors, compared with the exact engine, with the volumes of
+// the same engine, and with the balance of forces.
 #include "support/spectral_cases.hpp"
 #include "support/stress_store.hpp"
 #include "support/volume_store.hpp"
@@ -12,11 +13,11 @@ using test::with_step;
 
 namespace {
 
-constexpr std::size_t receptors = 3; // 0.3, 1.6 and 2 mm deep
+constexpr std::size_t receptors = 3; // at depths of 0.3, 1.6 and 2 mm
 
-/// A 3 mm focus at 7 m/s over skin of 1.2 mm and 7 mm of softer tissue on a rigid base. It rises
-/// gently: at once, compressional waves go up and down and ring in the stress, which steps of some
-/// 10 us do not resolve.
+/// A 3 mm focus at 7 m/s over skin of 1.2 mm and 7 mm of softer tissue on a rigid base. It is
+/// switched on gradually; otherwise compressional waves travel up and down and oscillate in the
+/// stress, which steps of about 10 us do not resolve.
 Case skin_case() {
     Case c = test::small_tissue();
     Layer skin = c.medium.layers[0];
@@ -32,7 +33,7 @@ Case skin_case() {
     return c;
 }
 
-/// The worst of the depths' relative L2 differences at the last frame.
+/// The maximum over the depths of the relative L2 differences of the last frame.
 double difference(const Case& c, const test::StressStore& a, const test::StressStore& b) {
     double worst = 0.0;
     for (std::size_t depth = 0; depth < receptors; ++depth)
@@ -48,13 +49,13 @@ test::StressStore exact(Case c) {
 
 } // namespace
 
-TEST_CASE("the stress at receptors is that of the exact engine", "[verify][neural]") {
+TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]") {
     Case c = skin_case(), layers = c;
     SECTION("in layers") {}
     SECTION("in a half-space") {
         c.medium.base = layers.medium.base = Base::half_space;
     }
-    SECTION("in a body that fills a layer: materials are those of cells") {
+    SECTION("in a body that fills a layer") {
         c.medium.layers[0].c_s_m_s = 5.0;
         c.medium.bodies = {{.name = "slab",
                             .shape = Box{{1.0, 1.0, 1.2e-3}},
@@ -65,7 +66,7 @@ TEST_CASE("the stress at receptors is that of the exact engine", "[verify][neura
     CHECK(found < 2e-3);
 }
 
-TEST_CASE("the stress at receptors converges as the step is halved", "[verify][neural]") {
+TEST_CASE("receptor stress converges with second order in the step", "[verify][neural]") {
     const Case c = skin_case();
     const test::StressStore reference = exact(c);
     double step_s = 100e-6;
@@ -74,16 +75,16 @@ TEST_CASE("the stress at receptors converges as the step is halved", "[verify][n
         step_s /= 2.0;
         const double halved = difference(c, test::stresses_of(with_step(c, step_s)), reference);
         CAPTURE(step_s, error, halved);
-        CHECK(std::log2(error / halved) > 1.8); // of second order, less 0.2
+        CHECK(std::log2(error / halved) > 1.8); // second order minus 0.2
         error = halved;
     }
 }
 
-TEST_CASE("the stress at receptors is that of the volumes there", "[verify][neural]") {
+TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verify][neural]") {
     Case c = test::small_tissue();
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
-    c.medium.layers.assign(4, c.medium.layers[0]); // elements end where receptors are
+    c.medium.layers.assign(4, c.medium.layers[0]); // element boundaries at the receptors
     const double thickness_m[] = {0.3e-3, 1.3e-3, 0.4e-3, 5e-3};
     for (std::size_t i = 0; i < 4; ++i)
         c.medium.layers[i].thickness_m = thickness_m[i];
@@ -96,7 +97,7 @@ TEST_CASE("the stress at receptors is that of the volumes there", "[verify][neur
     c.record.volume_fields = {VolumeField::stress};
     c = with_step(c, 50e-6);
     test::VolumeStore volumes;
-    make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), volumes);
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), volumes);
     const test::StressStore found = test::stresses_of(c);
     constexpr std::size_t zz = 2;
     for (std::size_t depth = 0; depth < receptors; ++depth) {
@@ -111,15 +112,16 @@ TEST_CASE("the stress at receptors is that of the volumes there", "[verify][neur
         for (double& value : compression)
             value = -value;
         CAPTURE(depth);
-        CHECK(test::largest(compression) > 0.2); // of 1 Pa
-        // The same sums in another order; lambda/mu = 1e5 lifts their rounding.
+        CHECK(test::largest(compression) > 0.2); // relative to 1 Pa
+        // The same sums in a different order; lambda/mu = 1e5 amplifies their rounding.
         CHECK(relative_l2(found.at(9, depth), compression) < 1e-8);
     }
 }
 
-TEST_CASE("the mean stress at rest is the mean load at any depth, around a body too",
+TEST_CASE("static mean stress equals the mean load at any depth including around a body",
           "[verify][neural]") {
-    // Over the plane, d sigma_zz / dz = rho d2 u_z / dt2, whatever the stiffness: at rest nothing.
+    // Averaged over the plane, d sigma_zz / dz = rho d2 u_z / dt2 for any stiffness, which is zero
+    // at rest.
     Case c = test::small_tissue(5.0);
     c.medium.bodies = {test::small_body(16.0)};
     c.medium.bodies[0].centre_m.z = 2e-3;
@@ -135,8 +137,8 @@ TEST_CASE("the mean stress at rest is the mean load at any depth, around a body 
     const double load_Pa = M_PI * 9e-6 / (4.0 * std::log(2.0)) / area_m2; // a Gaussian of 1 Pa
     for (std::size_t depth = 0; depth < receptors; ++depth) {
         CAPTURE(depth);
-        // Above the body but for the rounding; where its curved face cuts elements of 0.5 mm, 0.4 %
-        // is seen, and 1.7 % of those twice as long.
+        // Only rounding errors above the body. Where its curved face cuts elements of 0.5 mm, 0.4 %
+        // are observed, and 1.7 % with elements twice as long.
         CHECK(test::mean(found.at(c.time.frames - 1, depth)) ==
               Approx(load_Pa).epsilon(depth == 0 ? 1e-6 : 0.01));
     }

@@ -1,6 +1,7 @@
-// The table of eta and focal rms that was computed independently with the closed-form half-space:
-// rho 1000, c_s 5, c_p 50, 1 Pa s; FWHM 3 mm, r_f 3 mm; 192 x 144 mm at 0.75 mm; frames every
-// 62.5 us; whole periods in 4 < t <= 14 ms.
+// SPDX-License-Identifier: BSD-3-Clause
+// Compares with a table of eta and focal rms that was computed independently with the closed form
+// of the half-space: 1000 kg/m^3, c_s = 5 m/s, c_p = 50 m/s, 1 Pa s; FWHM 3 mm, r_f 3 mm; 192 x 144
+// mm at 0.75 mm; frames every 62.5 us; complete periods in 4 < t <= 14 ms.
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -23,18 +24,19 @@ constexpr Entry sm_stm[] = {{100.0, 0.094, 0.1967, 132.1},
                             {800.0, 0.144, 0.1665, 120.3}};
 constexpr Entry stm = {0.0, 0.141, 0.1671, 120.7};
 
-/// Focal rms as the table has it: root of the time mean of sum_focal u^2, in samples, nm per Pa.
+/// Focal rms as defined in the table: root of the time mean of sum_focal u^2 over the samples, nm
+/// per Pa.
 double focal_rms_nm(const std::map<std::string, double>& columns) {
     const double samples_in_disc = M_PI * 3e-3 * 3e-3 / (0.75e-3 * 0.75e-3);
     return 1e3 * columns.at("focal_rms_um") * std::sqrt(samples_in_disc);
 }
 
-void check_entry(const Case& c, const Entry& entry, double reference_rms_nm, Engine& engine,
-                 const Comm& team) {
+void check_entry(const Case& c, const Entry& entry, double reference_rms_nm,
+                 engines::Engine& engine, const Comm& team) {
     CAPTURE(c.load.modulation.kind, entry.frequency_Hz);
     const auto columns = test::columns_of(c, engine, team);
     CHECK(columns.at("eta_period_1") == Approx(entry.eta_period).epsilon(0.01));
-    // The instants are printed with three digits: half a digit of .048 is 1 % by itself.
+    // The table has three digits: half a digit of .048 is 1 %.
     CHECK(columns.at("eta_at_1") == Approx(entry.eta_at).epsilon(0.03));
     CHECK(focal_rms_nm(columns) / reference_rms_nm ==
           Approx(entry.focal_rms_nm / stm.focal_rms_nm).epsilon(0.01));
@@ -42,11 +44,11 @@ void check_entry(const Case& c, const Entry& entry, double reference_rms_nm, Eng
 
 } // namespace
 
-TEST_CASE("the independent table of AM-STM and SM-STM readings is met", "[verify]") {
+TEST_CASE("reproduces an independent table of AM-STM and SM-STM values", "[verify]") {
     const Medium medium = test::half_space(test::tissue());
     const Comm alone = Comm::world().split(Comm::world().rank());
     const Case plain = test::moving_focus(medium, ConstantSpeed{7.0});
-    const auto engine = make_engine(plain.solver);
+    const auto engine = engines::make_engine(plain.solver);
 
     const auto reference = test::columns_of(plain, *engine, alone);
     const double rms_nm = focal_rms_nm(reference);

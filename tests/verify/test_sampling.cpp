@@ -1,7 +1,8 @@
-// What the numbers owe to sampling: carrier, grid, time.
+// SPDX-License-Identifier: BSD-3-Clause
+// Effects of sampling on the results: carrier, grid and time.
 #include "config/job.hpp"
-#include "io/files.hpp"
 #include "measures/spectrum.hpp"
+#include "storage/files.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -30,7 +31,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 } // namespace
 
 TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
-    // Frames fine enough to carry 40 kHz, so that nothing folds down; spectra of the whole run.
+    // Frames resolve 40 kHz, so that there is no aliasing; spectra of the complete run.
     Case averaged = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     auto& travel = std::get<Travel>(averaged.load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-21e-3, 0.0};
@@ -45,44 +46,46 @@ TEST_CASE("averaged and resolved carrier agree below 2 kHz", "[verify]") {
     std::vector<double> frequencies;
     for (double f = 0.0; f <= 2000.0; f += 20.0)
         frequencies.push_back(f);
-    const auto a = amplitude_spectrum(u_averaged, 5e-6, frequencies);
-    const auto b = amplitude_spectrum(u_resolved, 5e-6, frequencies);
-    CHECK(difference(b, a) < 0.01); // the requirement
-    // And the carrier is really there: what the two differ by is a line at 40 kHz.
+    const auto a = measures::amplitude_spectrum(u_averaged, 5e-6, frequencies);
+    const auto b = measures::amplitude_spectrum(u_resolved, 5e-6, frequencies);
+    CHECK(difference(b, a) < 0.01); // required
+    // The carrier is present: the difference is a line at 40 kHz.
     std::vector<double> rest;
     for (std::size_t i = 0; i < u_resolved.size(); ++i)
         rest.push_back(u_resolved[i] - u_averaged[i]);
     const std::vector<double> around = {36e3, 40e3, 44e3};
-    const auto line = amplitude_spectrum(rest, 5e-6, around);
+    const auto line = measures::amplitude_spectrum(rest, 5e-6, around);
     CHECK(line[1] > 10.0 * line[0]);
     CHECK(line[1] > 10.0 * line[2]);
 }
 
-TEST_CASE("the quickstart job is converged: half the spacing, twice the samples", "[verify]") {
-    const std::string text = read_file(JOBS_DIRECTORY "/quickstart.toml");
-    const std::vector<Override> coarse = {
+TEST_CASE("quickstart job is converged in spacing and time", "[verify]") {
+    const std::string text = storage::read_file(JOBS_DIRECTORY "/quickstart.toml");
+    const std::vector<config::Override> coarse = {
         {"sweep", "{\"load.modulation.am_frequency_Hz\" = [200]}"}};
-    std::vector<Override> fine = coarse;
+    std::vector<config::Override> fine = coarse;
     fine.push_back({"domain.spacing_mm", "0.375"});
     fine.push_back({"time.output_interval_us", "25"});
-    const Job before = read_job(text, "quickstart.toml", coarse);
-    const Job after = read_job(text, "quickstart.toml", fine);
+    const config::Job before = config::read_job(text, "quickstart.toml", coarse);
+    const config::Job after = config::read_job(text, "quickstart.toml", fine);
     REQUIRE(before.plan.cases.size() == 2); // and the reference
     const Comm alone = Comm::world().split(Comm::world().rank());
     for (std::size_t i = 0; i < 2; ++i) {
         const Case &a = before.plan.cases[i].physics, &b = after.plan.cases[i].physics;
         REQUIRE(b.domain.nx == 2 * a.domain.nx);
         REQUIRE(b.time.frames == 2 * a.time.frames);
-        const double eta_a = test::columns_of(a, *make_engine(a.solver), alone).at("eta_period_1");
-        const double eta_b = test::columns_of(b, *make_engine(b.solver), alone).at("eta_period_1");
+        const double eta_a =
+            test::columns_of(a, *engines::make_engine(a.solver), alone).at("eta_period_1");
+        const double eta_b =
+            test::columns_of(b, *engines::make_engine(b.solver), alone).at("eta_period_1");
         CAPTURE(before.plan.cases[i].is_reference);
-        CHECK(eta_b == Approx(eta_a).epsilon(0.005)); // the requirement
+        CHECK(eta_b == Approx(eta_a).epsilon(0.005)); // required
     }
 }
 
-TEST_CASE("the field converges with the load's time step at fourth order", "[verify]") {
+TEST_CASE("field converges with fourth order in the time step of the load", "[verify]") {
     // The load is a step at t = 0; Gregory's weights integrate it to fourth order. Surface at 4 ms,
-    // against a step sixteen times finer.
+    // compared with a step sixteen times shorter.
     const auto surface = [](double step_s) {
         Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
         std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape)
@@ -99,7 +102,7 @@ TEST_CASE("the field converges with the load's time step at fourth order", "[ver
     const double at_25 = difference(surface(25e-6), exact);
     const double at_12 = difference(surface(12.5e-6), exact);
     CAPTURE(at_50, at_25, at_12);
-    CHECK(at_50 < 1e-4); // at the step that jobs use; 5e-6 is seen
+    CHECK(at_50 < 1e-4); // at the step of the jobs; observed 5e-6
     CHECK(std::log2(at_50 / at_25) > 3.9);
     CHECK(std::log2(at_25 / at_12) > 3.9);
 }

@@ -1,5 +1,6 @@
-// Engine `spectral` against the exact engine, in the medium of its requirements: c_p 1500, c_s 5,
-// 12 mm on a rigid base, 0.5 Pa s, a 3 mm focus at 7 m/s switched on at t = 0.
+// SPDX-License-Identifier: BSD-3-Clause
+// Engine "spectral" compared with the exact engine for the required medium: c_p = 1500 m/s, c_s = 5
+// m/s, 12 mm on a rigid base, 0.5 Pa s, a 3 mm focus at 7 m/s switched on at t = 0.
 #include "support/spectral_cases.hpp"
 #include "support/volume_store.hpp"
 
@@ -24,7 +25,7 @@ Case required_case() {
     return c;
 }
 
-/// Relative L2 difference of the fields at 4 ms, at the surface and at depth.
+/// Relative L2 differences of the fields at 4 ms, at the surface and at depth.
 std::pair<double, double> difference(const Case& c, const Case& exact) {
     const auto a = test::frames_of(c), b = test::frames_of(exact);
     double result[2];
@@ -48,22 +49,23 @@ Case exact_of(Case c) {
 
 } // namespace
 
-TEST_CASE("spectral meets layered within 0.1 % at a step of 25 us", "[verify]") {
+TEST_CASE("engine spectral agrees with layered within 0.1 % at a step of 25 us", "[verify]") {
     const Case c = required_case();
     const auto [surface, below] = difference(with_step(c, 25e-6), exact_of(c));
     CAPTURE(surface, below);
-    CHECK(surface < 1e-3); // the requirement; 1.2e-4 is seen
+    CHECK(surface < 1e-3); // required; observed 1.2e-4
     CHECK(below < 1e-3);
 }
 
-TEST_CASE("spectral converges to layered as the step is halved", "[verify]") {
-    // Shear is of fourth order, compressional and viscous forces of second: what is left is second.
+TEST_CASE("engine spectral converges to layered with second order in the step", "[verify]") {
+    // Shear is of fourth order, compressional and viscous forces of second order, which limits the
+    // total.
     Case c = required_case();
     double step_s = 100e-6;
-    SECTION("switched on at once") {}
-    SECTION("risen gently, to shorter steps") {
-        // At once, compressional waves go up and down as well, 31 kHz that steps of some 10 us
-        // do not resolve: 6e-6 of the field.
+    SECTION("switched on instantly") {}
+    SECTION("switched on gradually, with shorter steps") {
+        // If switched on instantly, compressional waves travel up and down, too: 31 kHz, which
+        // steps of about 10 us do not resolve, 6e-6 of the field.
         c.load.modulation.envelope = {{RampGain{3e-3}}};
         step_s = 50e-6;
     }
@@ -73,13 +75,13 @@ TEST_CASE("spectral converges to layered as the step is halved", "[verify]") {
         step_s /= 2.0;
         const double halved = difference(with_step(c, step_s), exact).first;
         CAPTURE(step_s, error, halved);
-        CHECK(std::log2(error / halved) > 1.8);    // the requirement: the order less 0.2
-        if (step_s == 50e-6) CHECK(halved < 3e-3); // the requirement; 1e-3 is seen
+        CHECK(std::log2(error / halved) > 1.8);    // required: the order minus 0.2
+        if (step_s == 50e-6) CHECK(halved < 3e-3); // required; observed 1e-3
         error = halved;
     }
 }
 
-TEST_CASE("a load that goes out between two steps costs no order", "[verify]") {
+TEST_CASE("switching off the load between two steps preserves the order", "[verify]") {
     Case c = required_case();
     auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
     travel.path = Curve({-11e-3, 0.0}, {8.3e-3, 0.0}); // 2.757 ms
@@ -88,11 +90,11 @@ TEST_CASE("a load that goes out between two steps costs no order", "[verify]") {
     const double at_25 = difference(with_step(c, 25e-6), exact).first;
     const double at_12 = difference(with_step(c, 12.5e-6), exact).first;
     CAPTURE(at_25, at_12);
-    CHECK(at_25 < 1e-3); // as while it lasts
+    CHECK(at_25 < 1e-3); // as for a continuing load
     CHECK(std::log2(at_25 / at_12) > 1.8);
 }
 
-TEST_CASE("spectral is stable at any step and in layers of any contrast", "[verify]") {
+TEST_CASE("engine spectral is stable at any step and for layers of any contrast", "[verify]") {
     Case c = required_case();
     c.medium.layers.insert(c.medium.layers.begin(), c.medium.layers[0]);
     c.medium.layers[0].thickness_m = 0.5e-3;
@@ -104,10 +106,10 @@ TEST_CASE("spectral is stable at any step and in layers of any contrast", "[veri
         largest = std::max(largest, std::abs(u));
     for (const double u : exact.at(39))
         reference = std::max(reference, std::abs(u));
-    CHECK(largest < 2.0 * reference); // an unstable mode would be orders of magnitude above
+    CHECK(largest < 2.0 * reference); // an unstable mode would be larger by orders of magnitude
 }
 
-TEST_CASE("spectral meets layered where layers differ a hundredfold", "[verify]") {
+TEST_CASE("engine spectral agrees with layered for stiffness ratios of one hundred", "[verify]") {
     Case c = required_case();
     Layer stiff = c.medium.layers[0], soft = stiff;
     stiff.c_s_m_s = 50.0;
@@ -122,37 +124,39 @@ TEST_CASE("spectral meets layered where layers differ a hundredfold", "[verify]"
         soft.thickness_m = 3e-3;
         c.medium.layers = {soft, stiff, soft};
     }
-    CHECK(surface() < 0.01); // the requirement
+    CHECK(surface() < 0.01); // required
 }
 
-TEST_CASE("spectral gives the table of layered on the quickstart's medium", "[verify]") {
+TEST_CASE("engine spectral reproduces the table of layered for the medium of the quickstart",
+          "[verify]") {
     Case c = required_case();
     c.load.modulation.envelope = {{SineGain{.frequency_Hz = 400.0}}};
     c.measure.depths_m = {0.0};
     const Comm alone = Comm::world().split(Comm::world().rank());
     const Case spectral = with_step(c, 25e-6), layered = exact_of(c);
-    const auto a = test::columns_of(spectral, *make_engine(spectral.solver), alone);
-    const auto b = test::columns_of(layered, *make_engine(layered.solver), alone);
+    const auto a = test::columns_of(spectral, *engines::make_engine(spectral.solver), alone);
+    const auto b = test::columns_of(layered, *engines::make_engine(layered.solver), alone);
     for (const char* name : {"eta_period_1", "ipr_abs_period_mm2", "participation_period_mm2",
                              "focal_rms_um", "peak_um"}) {
         CAPTURE(name);
-        CHECK(a.at(name) == Approx(b.at(name)).epsilon(0.01)); // the requirement
+        CHECK(a.at(name) == Approx(b.at(name)).epsilon(0.01)); // required
     }
 }
 
-TEST_CASE("a volume snapshot continues the surface and keeps its volume", "[verify]") {
+TEST_CASE("a volume snapshot is continuous with the surface and free of divergence", "[verify]") {
     Case c = with_step(required_case(), 25e-6);
     c.record.volumes_s = {c.time.frame_s(29)};
     c.record.volume_fields = {VolumeField::u};
     const Comm alone = Comm::world().split(Comm::world().rank());
     test::VolumeStore store;
-    make_engine(c.solver)->run(c, alone, store);
+    engines::make_engine(c.solver)->run(c, alone, store);
     CHECK(store.at(0, 0, 2, 0) ==
           store.FrameStore::at(29)); // the same transform of the same numbers
     CHECK(store.z_m().front() == 0.0);
     CHECK(store.z_m().back() == Approx(12e-3));
 
-    // c_p is 300 c_s: div u is nothing beside its parts, but for the differences taken here.
+    // c_p is 300 c_s: div u is negligible compared with its terms, except for the error of the
+    // differences used here.
     const std::ptrdiff_t nx = c.domain.nx, ny = c.domain.ny;
     const auto at = [&](std::size_t component, std::size_t level, std::ptrdiff_t i,
                         std::ptrdiff_t j) {
@@ -174,7 +178,7 @@ TEST_CASE("a volume snapshot continues the surface and keeps its volume", "[veri
             }
         }
     }
-    // Central differences miss (k h)^2 / 6, 0.07 at the footprint's 1/e wavenumber of 0.86 / mm; a
-    // component of the wrong sign or place would leave about 1.
-    CHECK(std::sqrt(divergence / vertical) < 0.1); // 0.05 is seen
+    // Central differences have an error of (k h)^2 / 6, 0.07 at the 1/e wavenumber of the
+    // footprint, 0.86 / mm. A component of wrong sign or position would cause an error of about 1.
+    CHECK(std::sqrt(divergence / vertical) < 0.1); // observed 0.05
 }

@@ -1,5 +1,6 @@
-// Engine `spectral` where the medium varies laterally: against the exact engine where a body fills
-// a whole layer, against itself at shorter steps, and by its symmetries.
+// SPDX-License-Identifier: BSD-3-Clause
+// Engine "spectral" with lateral variation: compared with the exact engine for a body that fills a
+// layer, with itself at shorter steps, and with respect to its symmetries.
 #include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -39,7 +40,7 @@ Body ellipsoid(double contrast) {
             .c_s_m_s = 5.0 * std::sqrt(contrast)};
 }
 
-/// The whole second layer, as a body.
+/// A body that fills the second layer.
 Body slab(double contrast) {
     return {.name = "slab",
             .shape = Box{{1.0, 1.0, 3e-3}},
@@ -49,9 +50,9 @@ Body slab(double contrast) {
 
 } // namespace
 
-TEST_CASE("a body that fills a layer is that layer", "[verify]") {
+TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
     Case body = tissue_case(), layers = tissue_case();
-    SECTION("four times stiffer, one solve a step") {
+    SECTION("four times stiffer, one solve per step") {
         body = with_step(one_solve(body), 12.5e-6);
         body.medium.bodies = {slab(4.0)};
         layers.medium.layers[1].c_s_m_s = 10.0;
@@ -87,17 +88,17 @@ TEST_CASE("a body that fills a layer is that layer", "[verify]") {
     layers.solver = LayeredOptions{};
     const double difference = relative_l2(last_frame(body), last_frame(layers));
     CAPTURE(difference);
-    CHECK(difference < 2e-3); // the time error: a quarter of the step has a sixteenth of it
+    CHECK(difference < 2e-3); // time error: a quarter of the step has a sixteenth of it
 }
 
-TEST_CASE("elements end where bodies do", "[verify]") {
+TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
     Case c = tissue_case();
     c.medium.layers = {c.medium.layers[0]};
     c.medium.layers[0].thickness_m = 9e-3;
     c.domain.nx = 40, c.domain.ny = 36;
     std::get<Travel>(c.load.modulation.trajectory.parts[0]).path =
         Curve({-9e-3, 0.0}, {200e-3, 0.0});
-    SECTION("a box that fills the plane between two depths is a layer there") {
+    SECTION("a box that fills the plane between two depths is equivalent to a layer") {
         Case layers = c;
         layers.medium.layers.assign(3, layers.medium.layers[0]);
         layers.medium.layers[0].thickness_m = 2.3e-3;
@@ -109,9 +110,10 @@ TEST_CASE("elements end where bodies do", "[verify]") {
                             .shape = Box{{1.0, 1.0, 3.1e-3}},
                             .centre_m = {0.0, 0.0, 3.85e-3},
                             .c_s_m_s = 20.0}};
-        CHECK(relative_l2(last_frame(with_step(c, 12.5e-6)), last_frame(layers)) < 2e-3); // in time
+        // Time error.
+        CHECK(relative_l2(last_frame(with_step(c, 12.5e-6)), last_frame(layers)) < 2e-3);
     }
-    SECTION("a round one is cut finely enough") {
+    SECTION("a round body is resolved by sufficiently many elements") {
         c.medium.bodies = {{.name = "body",
                             .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
                             .centre_m = {2e-3, 0.0, 3e-3},
@@ -119,13 +121,13 @@ TEST_CASE("elements end where bodies do", "[verify]") {
         c = with_step(c, 25e-6);
         const auto chosen = last_frame(c);
         std::get<SpectralOptions>(c.solver).longest_element_m = 0.5e-3;
-        // Faces that curve through an element: 1.2 % is seen. Without ends at its top and bottom 3
-        // and 50 %.
+        // Curved faces within an element: observed 1.2 %. Without element boundaries at its top and
+        // bottom 3 and 50 %.
         CHECK(relative_l2(chosen, last_frame(c)) < 0.02);
     }
 }
 
-TEST_CASE("bone is held to a stiffness that waves cannot tell from it", "[verify]") {
+TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[verify]") {
     Case c = tissue_case();
     c.time.frames = 15;
     Body bone = ellipsoid(1.0);
@@ -133,16 +135,16 @@ TEST_CASE("bone is held to a stiffness that waves cannot tell from it", "[verify
     bone.c_p_m_s = 3517.0;
     bone.c_s_m_s = 1619.0;
     c.medium.bodies = {bone};
-    const Case held = with_step(c, 50e-6);
-    const auto frame = last_frame(held);
-    Case stiffer = held;
+    const Case capped = with_step(c, 50e-6);
+    const auto frame = last_frame(capped);
+    Case stiffer = capped;
     std::get<SpectralOptions>(stiffer.solver).contrast_cap = 4000.0; // four times the default
-    // What is reflected differs by 0.02: impedance ratios of 44 and 87 reflect 0.955 and 0.977 of a
-    // shear wave.
+    // The reflected amplitude differs by 0.02: impedance ratios of 44 and 87 reflect 0.955 and
+    // 0.977 of a shear wave.
     CHECK(relative_l2(frame, last_frame(stiffer)) < 0.02);
 }
 
-TEST_CASE("the mirror image of the problem gives the mirror image of the result", "[verify]") {
+TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {
     Case c = with_step(tissue_case(), 50e-6);
     auto& path = std::get<Travel>(c.load.modulation.trajectory.parts[0]).path;
     path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
@@ -159,31 +161,32 @@ TEST_CASE("the mirror image of the problem gives the mirror image of the result"
             };
             worst = std::max(worst, std::abs(frame[at(j)] - mirrored[at(c.domain.ny - j)]));
         }
-    CHECK(worst < 1e-10 * largest(frame)); // the requirement; sums in another order
+    CHECK(worst < 1e-10 * largest(frame)); // required; sums in a different order
 }
 
-TEST_CASE("source and receiver change places", "[verify]") {
-    // A footprint here and the mean under a footprint there, and the other way round.
+TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[verify]") {
+    // A footprint at one position and the mean under a footprint at another position, and vice
+    // versa.
     Case c = with_step(tissue_case(), 50e-6);
     std::get<SpectralOptions>(c.solver).residual = 1e-8;
     c.medium.bodies = {ellipsoid(16.0)};
     const Vec2 places[2] = {{-10e-3, 1e-3}, {9e-3, 6e-3}};
-    std::vector<double> heard[2]; // over the frames
+    std::vector<double> recorded[2]; // for all frames
     for (int i = 0; i < 2; ++i) {
         c.load.modulation.trajectory = {{Hold{places[i]}}};
         const test::FrameStore frames = test::frames_of(c);
         const Vec2 there = places[1 - i];
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
             const auto& frame = frames.at(n);
-            heard[i].push_back(0.0);
+            recorded[i].push_back(0.0);
             for (std::ptrdiff_t x = 0; x < c.domain.nx; ++x)
                 for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
-                    heard[i].back() += frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
-                                       pressure(c.load.footprint, c.domain.x_m(x) - there.x,
-                                                c.domain.y_m(y) - there.y);
+                    recorded[i].back() += frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
+                                          pressure(c.load.footprint, c.domain.x_m(x) - there.x,
+                                                   c.domain.y_m(y) - there.y);
         }
     }
-    // The operator is symmetric. The footprint, sampled where it is heard, differs from its band
-    // limited self where it is set by 1e-3 of its spectrum's peak at the edge.
-    CHECK(relative_l2(heard[0], heard[1]) < 1e-6); // the requirement, of the trace
+    // The operator is symmetric. The sampled footprint of the receiver differs from the
+    // band-limited one of the source by 1e-3 of the peak of its spectrum at the edge.
+    CHECK(relative_l2(recorded[0], recorded[1]) < 1e-6); // required for the trace
 }

@@ -1,5 +1,6 @@
-// Engine `spectral` with a body whose edge is smooth: its errors in depth and in the plane fall
-// faster than any power of the resolution.
+// SPDX-License-Identifier: BSD-3-Clause
+// Engine "spectral" with a body that has a smooth edge: its errors in depth and in the plane
+// decrease faster than any power of the resolution.
 #include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -9,7 +10,8 @@ using namespace shearwake;
 namespace {
 
 /// A column four times stiffer through all depths, smooth from its axis outward, under a wide
-/// focus. A load that rises at once would leave compressional waves that no grid resolves.
+/// focus. A load that is switched on instantly would cause compressional waves that no grid
+/// resolves.
 Case column_case() {
     Case c = test::small_tissue();
     c.medium.layers[0].thickness_m = 9e-3;
@@ -26,7 +28,8 @@ Case column_case() {
 }
 
 SpectralOptions one_solve(double step_s) {
-    SpectralOptions options; // no iterations, so nothing of their residual is in the differences
+    // Without iterations, so that the differences do not contain their residual.
+    SpectralOptions options;
     options.method = SpectralMethod::one_solve;
     options.time_step_s = step_s;
     return options;
@@ -34,11 +37,11 @@ SpectralOptions one_solve(double step_s) {
 
 } // namespace
 
-TEST_CASE("the error falls faster than any power of the elements' degree", "[verify]") {
+TEST_CASE("error decreases faster than any power of the element degree", "[verify]") {
     Case c = column_case();
     c.domain = {32, 24, 3e-3, 0.0};
-    // Steps so short that no element up to degree 9 needs stabilising: all have one time error,
-    // which the differences do not see.
+    // The steps are so short that no element up to degree 9 needs stabilisation. All runs have the
+    // same time error, which cancels in the differences.
     SpectralOptions options = one_solve(5e-6);
     options.longest_element_m = 2.25e-3; // four elements at every degree from 4 on
     const auto at_degree = [&](int degree) {
@@ -53,16 +56,16 @@ TEST_CASE("the error falls faster than any power of the elements' degree", "[ver
         CAPTURE(degree, coarser, error);
         if (degree > 4) {
             const double steeper = std::log(coarser / error) / std::log(degree / (degree - 1.0));
-            CHECK(steeper > power + 1.0);  // by 3 to 5 is seen, from 13 on
-            CHECK(coarser / error > 15.0); // 19 is seen
+            CHECK(steeper > power + 1.0);  // observed: by 3 to 5, from 13 on
+            CHECK(coarser / error > 15.0); // observed 19
             power = steeper;
         }
         coarser = error;
     }
-    CHECK(coarser < 1e-7); // 9e-9 is seen
+    CHECK(coarser < 1e-7); // observed 9e-9
 }
 
-TEST_CASE("the error falls faster than any power of the grid's spacing", "[verify]") {
+TEST_CASE("error decreases faster than any power of the grid spacing", "[verify]") {
     Case c = column_case();
     c.solver = one_solve(25e-6);
     const std::ptrdiff_t finest_n = 96;
@@ -93,6 +96,6 @@ TEST_CASE("the error falls faster than any power of the grid's spacing", "[verif
         coarser_n = n;
     }
     CHECK(coarser < 1e-3);
-    // A sharp face is averaged over cells, and the order is bounded.
+    // A sharp face is averaged over cells, which limits the order.
     CHECK(power > 5.0);
 }

@@ -1,6 +1,8 @@
-// The discrete energy of engine `spectral`: kept where nothing takes or gives, and no more than the
-// work of the load.
-#include "engines/spectral/stepper.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+// The discrete energy of engine "spectral" is conserved without load and losses, and never exceeds
+// the work of the load.
+#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -10,7 +12,7 @@ using namespace shearwake;
 
 namespace {
 
-/// Lossless, 9 mm in three layers, a 3 mm focus at 7 m/s that goes out after 2 ms of 12 ms.
+/// Lossless, 9 mm in three layers, a 3 mm focus at 7 m/s that is switched off after 2 of 12 ms.
 Case lossless_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.0);
@@ -31,12 +33,13 @@ Body ellipsoid(double contrast) {
             .c_s_m_s = 5.0 * std::sqrt(contrast)};
 }
 
-/// Advances a case on this rank alone; f(stepper) after each step.
+/// Advances a case on this rank alone and calls f(stepper) after each step.
 template <class F>
 void step_through(const Case& c, double step_s, const F& f) {
     const Comm alone = Comm::world().split(Comm::world().rank());
-    const SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    Stepper stepper(c, choose_mesh(c, std::get<SpectralOptions>(c.solver)), slabs, step_s, alone);
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    spectral::Stepper stepper(c, spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver)),
+                              slabs, step_s, alone);
     const auto steps = std::lround(c.time.duration_s() / step_s);
     while (stepper.step() < steps) {
         stepper.advance();
@@ -46,54 +49,55 @@ void step_through(const Case& c, double step_s, const F& f) {
 
 } // namespace
 
-TEST_CASE("the energy stays once the load is gone, where nothing is lost", "[verify]") {
+TEST_CASE("energy of a lossless medium is conserved after the load has ended", "[verify]") {
     Case c = lossless_case();
     SpectralOptions options{.time_step_s = 50e-6};
     SECTION("layers") {}
-    SECTION("a body, one solve a step") {
+    SECTION("a body, one solve per step") {
         options.method = SpectralMethod::one_solve;
         c.medium.bodies = {ellipsoid(4.0)};
     }
     SECTION("a stiff and dense body, iterations") {
-        options.residual = 1e-12; // its error is added in each of 200 steps
+        options.residual = 1e-12; // its error accumulates over 200 steps
         c.medium.bodies = {ellipsoid(16.0)};
         c.medium.bodies[0].density_kg_m3 = 1300.0;
     }
     c.solver = options;
     double after = 0.0, worst = 0.0, work = 0.0;
-    step_through(c, 50e-6, [&](Stepper& stepper) {
-        if (stepper.step() < 42) return; // the load's correction reaches one step beyond 2 ms
-        const EnergyBalance balance = stepper.energy();
+    step_through(c, 50e-6, [&](spectral::Stepper& stepper) {
+        if (stepper.step() < 42) return; // the correction of the load extends one step beyond 2 ms
+        const spectral::EnergyBalance balance = stepper.energy();
         if (stepper.step() == 42) after = balance.energy_J, work = balance.work_J;
         worst = std::max(worst, std::abs(balance.energy_J / after - 1.0));
     });
     CAPTURE(after, work, worst);
     CHECK(after > 0.0);
-    CHECK(worst < 1e-8);                        // the requirement
-    CHECK(after == Approx(work).epsilon(1e-8)); // and it is what the load has done
+    CHECK(worst < 1e-8);                        // required
+    CHECK(after == Approx(work).epsilon(1e-8)); // equals the work of the load
 }
 
-TEST_CASE("viscosity takes from the energy at every step", "[verify]") {
+TEST_CASE("viscosity reduces the energy at every step", "[verify]") {
     Case c = lossless_case();
     c.medium.layers[0].loss = KelvinVoigt{0.5};
     c.medium.bodies = {ellipsoid(4.0)};
     c.medium.bodies[0].viscosity_Pa_s = 2.0;
     c.solver = SpectralOptions{.time_step_s = 50e-6, .residual = 1e-10};
     double last = 0.0, first = 0.0, most_gain = 0.0;
-    step_through(c, 50e-6, [&](Stepper& stepper) {
-        const EnergyBalance balance = stepper.energy();
-        CHECK(balance.energy_J <= balance.work_J * (1.0 + 1e-8)); // the residual's
+    step_through(c, 50e-6, [&](spectral::Stepper& stepper) {
+        const spectral::EnergyBalance balance = stepper.energy();
+        CHECK(balance.energy_J <= balance.work_J * (1.0 + 1e-8)); // up to the residual
         if (stepper.step() == 42) first = balance.energy_J;
         if (stepper.step() > 42) most_gain = std::max(most_gain, balance.energy_J / last - 1.0);
         last = balance.energy_J;
     });
     CAPTURE(first, last);
-    CHECK(most_gain < 1e-9); // never rises, but for the residual
+    CHECK(most_gain < 1e-9); // never increases, up to the residual
     CHECK(last < 0.5 * first);
 }
 
-TEST_CASE("what loses nothing is stable at any step", "[verify]") {
-    // Between the step that is calm without help and those that are slow beside the grid's waves.
+TEST_CASE("a lossless medium is stable at any step", "[verify]") {
+    // From steps that need no stabilisation to steps that are long compared with the periods of the
+    // grid's waves.
     const double step_s = GENERATE(25e-6, 40e-6, 50e-6, 80e-6, 100e-6, 200e-6);
     const double c_s_m_s = GENERATE(5.0, 10.0);
     Case c = lossless_case();
@@ -105,10 +109,10 @@ TEST_CASE("what loses nothing is stable at any step", "[verify]") {
     c.time = {20, 200e-6};
     c.solver = SpectralOptions{.time_step_s = step_s};
     CAPTURE(step_s, c_s_m_s);
-    double largest = 0.0; // share of the work that moves or strains
-    CHECK_NOTHROW(step_through(c, step_s, [&](Stepper& stepper) {
-        const EnergyBalance balance = stepper.energy(); // throws where the field diverges
+    double largest = 0.0; // kinetic and elastic energy relative to the work
+    CHECK_NOTHROW(step_through(c, step_s, [&](spectral::Stepper& stepper) {
+        const spectral::EnergyBalance balance = stepper.energy(); // throws if the field diverges
         largest = std::max(largest, balance.energy_J / balance.work_J);
     }));
-    CHECK(largest == Approx(1.0).epsilon(1e-8)); // nothing else can give or take
+    CHECK(largest == Approx(1.0).epsilon(1e-8)); // no other source or sink of energy
 }

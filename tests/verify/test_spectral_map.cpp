@@ -1,4 +1,5 @@
-// Engine `spectral` with properties from a map: against the exact engine.
+// SPDX-License-Identifier: BSD-3-Clause
+// Engine "spectral" with properties from a map, compared with the exact engine.
 #include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -20,7 +21,7 @@ Case tissue_case() {
     return c;
 }
 
-/// 16 times the tissue's stiffness from 3.0 to 6.2 mm.
+/// 16 times the stiffness of the tissue from 3.0 to 6.2 mm.
 std::shared_ptr<MaterialMap> stiff_map() {
     auto map = std::make_shared<MaterialMap>();
     map->counts = {1, 1, 16};
@@ -33,7 +34,7 @@ std::shared_ptr<MaterialMap> stiff_map() {
 
 } // namespace
 
-TEST_CASE("a map of the whole plane between two depths is a layer there", "[verify]") {
+TEST_CASE("a map that fills the plane between two depths is equivalent to a layer", "[verify]") {
     Case c = tissue_case(), layers = c;
     c.medium.map = stiff_map();
     layers.medium.layers.assign(3, layers.medium.layers[0]);
@@ -44,10 +45,10 @@ TEST_CASE("a map of the whole plane between two depths is a layer there", "[veri
     layers.solver = LayeredOptions{};
     const double difference =
         test::relative_l2(test::last_frame(test::with_step(c, 12.5e-6)), test::last_frame(layers));
-    CHECK(difference < 2e-3); // in time; 2e-4 is seen
+    CHECK(difference < 2e-3); // time error; observed 2e-4
 }
 
-TEST_CASE("a map of a box is that box, as a body", "[verify]") {
+TEST_CASE("a map of a box is equivalent to a body", "[verify]") {
     Case c = tissue_case();
     c.solver = SpectralOptions{.time_step_s = 25e-6, .longest_element_m = 1.6e-3};
     Case body = c;
@@ -55,14 +56,14 @@ TEST_CASE("a map of a box is that box, as a body", "[verify]") {
                            .shape = Box{{8e-3, 7e-3, 3.2e-3}},
                            .centre_m = {1.5e-3, 0.0, 4.6e-3},
                            .c_s_m_s = 20.0}};
-    auto map = std::make_shared<MaterialMap>(); // voxels that end where the box does
+    auto map = std::make_shared<MaterialMap>(); // voxels that end at the faces of the box
     map->counts = {8, 7, 16};
     map->origin_m = {-2e-3, -3e-3, 3.1e-3};
     map->spacing_m = {1e-3, 1e-3, 0.2e-3};
     map->c_s_m_s.assign(8 * 7 * 16, 20.0);
     map->content_hash = hash_of(*map);
     c.medium.map = map;
-    // Elements as short as these are the same for both, and so is all that follows; a map of any
-    // shape has at least two of them, a box one: without this 4e-4 is seen.
+    // Short elements are the same for both, and so are all results. Without this limit a map has at
+    // least two elements over its height, a box one, and the observed difference is 4e-4.
     CHECK(test::relative_l2(test::last_frame(c), test::last_frame(body)) < 1e-12);
 }

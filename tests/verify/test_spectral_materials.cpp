@@ -1,4 +1,6 @@
-// Engine `spectral` with bodies of every kind of material: stable, and accurate at its usual step.
+// SPDX-License-Identifier: BSD-3-Clause
+// Engine "spectral" with bodies of every kind of material: stability, and accuracy at the usual
+// step.
 #include "support/spectral_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -10,7 +12,7 @@ namespace {
 struct Kind {
     std::string name;
     Body body;
-    double limit; // of the error at 25 us: the requirement
+    double limit; // required limit of the error at 25 us
 };
 
 Body with(std::optional<double> Body::*property, double value) {
@@ -35,7 +37,7 @@ const std::vector<Kind>& kinds() {
     return all;
 }
 
-/// 10^5 times stiffer than the tissue; held to what the engine bears.
+/// 10^5 times stiffer than the tissue; capped by the engine.
 Kind bone() {
     Body body = test::small_body();
     body.density_kg_m3 = 1900.0;
@@ -50,15 +52,15 @@ Case with_body(Case c, const Kind& kind) {
     return c;
 }
 
-/// With a residual that leaves nothing but the time error to compare with.
+/// With a residual so small that only the time error remains.
 Case reference(Case c) {
     std::get<SpectralOptions>(c.solver).residual = 1e-6;
     return test::with_step(c, 3.125e-6);
 }
 
 void check_stable(const Kind& kind, double step_s) {
-    // Without loss around it nothing hides a mode that grows. After 3 ms no force is at work, so
-    // energy does not grow either; what is left spreads over domain and depth.
+    // Without losses nothing hides a growing mode. After 3 ms the load has ended, so that the
+    // energy does not increase; the motion spreads over domain and depth.
     Case c = with_body(test::small_tissue(0.0), kind);
     c.time.frames = 140;
     const auto frames = test::frames_of(test::with_step(c, step_s));
@@ -68,9 +70,9 @@ void check_stable(const Kind& kind, double step_s) {
     for (std::ptrdiff_t n = 110; n < 140; ++n)
         at_the_end = test::worse(at_the_end, test::largest(frames.at(n)));
     CAPTURE(kind.name, step_s, while_pressed, at_the_end);
-    CHECK(while_pressed < 60e-9); // the focus alone makes 34 nm
-    CHECK(at_the_end <
-          0.8 * while_pressed); // 0.6 at most is seen; instability would grow by decades
+    CHECK(while_pressed < 60e-9); // the focus alone causes 34 nm
+    // Observed at most 0.6; an instability would grow by orders of magnitude.
+    CHECK(at_the_end < 0.8 * while_pressed);
 }
 
 bool changes_shear(const Kind& kind) {
@@ -79,7 +81,7 @@ bool changes_shear(const Kind& kind) {
 
 } // namespace
 
-TEST_CASE("bodies of any material are computed accurately at 25 us", "[verify]") {
+TEST_CASE("error with bodies of any material is within its limit at 25 us", "[verify]") {
     const Kind kind = kinds()[GENERATE(range(std::size_t{0}, std::size_t{10}))];
     const Case c = with_body(test::small_tissue(), kind);
     const auto fine = test::last_frame(reference(c));
@@ -89,23 +91,25 @@ TEST_CASE("bodies of any material are computed accurately at 25 us", "[verify]")
     const double seen = test::relative_l2(test::last_frame(without), fine);
     CAPTURE(kind.name, difference, seen);
     CHECK(difference < kind.limit);
-    // And it is the body that is seen; c_p hardly shows in shear, and has a test of its own.
+    // The body affects the field by more than the error. c_p hardly affects shear and has a
+    // separate test.
     if (changes_shear(kind)) CHECK(seen > 10.0 * difference);
 }
 
-TEST_CASE("bodies of any material stay stable for 14 ms", "[verify]") {
+TEST_CASE("field with bodies of any material is stable for 14 ms", "[verify]") {
     const Kind kind = GENERATE(from_range(kinds()));
     const double step_s = GENERATE(25e-6, 50e-6);
     check_stable(kind, step_s);
 }
 
-TEST_CASE("bone stays stable for 14 ms", "[verify]") {
+TEST_CASE("field with bone is stable for 14 ms", "[verify]") {
     check_stable(bone(), 50e-6);
 }
 
-TEST_CASE("a body's compressibility shows in the mean of the surface", "[verify]") {
-    // Shear moves no volume, so compression alone makes the mean: static, when the load rises
-    // gently, and a millionth of the peak, so the residual must be small.
+TEST_CASE("mean surface displacement reflects the compressibility of a body", "[verify]") {
+    // Shear preserves the volume, so that compression alone determines the mean. It is static if
+    // the load is switched on gradually, and a millionth of the peak, which requires a small
+    // residual.
     Case c = test::small_tissue();
     c.load.modulation.envelope = {{RampGain{1e-3}}};
     c.time.frames = 20;
@@ -124,15 +128,16 @@ TEST_CASE("a body's compressibility shows in the mean of the surface", "[verify]
     };
     const double usual = mean_at(25e-6), fine = mean_at(3.125e-6);
     CAPTURE(c_p_m_s, usual, fine);
-    CHECK(usual == Approx(fine).epsilon(0.01)); // the requirement; 1e-3 is seen
+    CHECK(usual == Approx(fine).epsilon(0.01)); // required; observed 1e-3
     const double without = compression_m(7e-3, 1500.0);
     CHECK(std::abs(fine / without - 1.0) > 0.05);
-    // A body that is 3 mm of the whole plane is a layer in a row of springs.
+    // A body that fills 3 mm of the plane corresponds to layers in series.
     c.medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
     c.medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
     c.medium.layers.assign(3, c.medium.layers[0]);
     c.medium.layers[0].thickness_m = c.medium.layers[2].thickness_m = 2e-3;
     c.medium.layers[1].thickness_m = 3e-3;
     const double row = compression_m(4e-3, 1500.0) + compression_m(3e-3, c_p_m_s);
-    CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005)); // the ramp's inertia; static otherwise
+    // Inertia during the ramp; otherwise static.
+    CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005));
 }

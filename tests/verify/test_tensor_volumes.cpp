@@ -1,6 +1,7 @@
-// Strain and stress in the volume, engine `spectral`.
-#include "engines/spectral/gauss_lobatto.hpp"
-#include "model/modulation.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+// Strain and stress volumes of engine "spectral".
+#include "engines/spectral/depth/gauss_lobatto.hpp"
+#include "load/modulation.hpp"
 #include "support/cases.hpp"
 #include "support/volume_store.hpp"
 
@@ -10,7 +11,7 @@ using namespace shearwake;
 
 namespace {
 
-/// A 3 mm focus of 1 Pa at 7 m/s over 8 mm of tissue, one element of 8 mm or two of 4 mm.
+/// A 3 mm focus of 1 Pa at 7 m/s over 8 mm of tissue, with one element of 8 mm or two of 4 mm.
 Case tissue_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
     c.medium.base = Base::rigid;
@@ -37,21 +38,22 @@ enum { xx, yy, zz, yz, xz, xy };
 
 test::VolumeStore volumes_of(const Case& c) {
     test::VolumeStore store;
-    make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
     return store;
 }
 
 } // namespace
 
-TEST_CASE("the stress at the surface is the load", "[verify]") {
+TEST_CASE("stress at the surface equals the load", "[verify]") {
     Case c = tissue_case();
     SECTION("of one layer") {}
-    SECTION("of one layer with a soft compression") {
+    SECTION("of one layer with low compressional stiffness") {
         c.medium.layers[0].c_p_m_s = 50.0;
     }
     SECTION("above a body") {
         c.medium.bodies = {bone(2.0)};
-        std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3; // none is cut at the surface
+        // No element at the surface is cut.
+        std::get<SpectralOptions>(c.solver).longest_element_m = 2e-3;
     }
     SECTION("above a stiff body, by iterations") {
         c.medium.bodies = {bone(100.0)};
@@ -74,25 +76,25 @@ TEST_CASE("the stress at the surface is the load", "[verify]") {
                 along += std::pow(component(xz), 2) + std::pow(component(yz), 2);
             }
         }
-        // A weak condition, met as the elements resolve the field: 0.1 % is seen in one layer, 0.6
-        // % above a body, which leaves the same forces to fewer levels. lambda div u without its
-        // mean over the steps rings by more than the load.
+        // This condition is satisfied weakly, to the degree that the elements resolve the field:
+        // observed 0.1 % for one layer and 0.6 % above a body, where fewer levels carry the same
+        // forces. lambda div u without the average over the steps oscillates by more than the load.
         CHECK(std::sqrt(beside / load) < 0.01);
         CHECK(std::sqrt(along / load) < 0.01);
     }
 }
 
-TEST_CASE("the strain is the gradient of the displacement", "[verify]") {
+TEST_CASE("strain equals the gradient of the displacement", "[verify]") {
     Case c = tissue_case();
     c.load.footprint = GaussianFootprint{4.5e-3};
     double tolerance = 0.0;
     SECTION("in a layer") {
-        // The differences miss (k h)^6 / 140: 0.1 % at 1.3 / mm, where the footprint's spectrum has
-        // fallen to 5 %; 0.05 % is seen.
+        // The differences have an error of (k h)^6 / 140: 0.1 % at 1.3 / mm, where the spectrum of
+        // the footprint has fallen to 5 %; observed 0.05 %.
         tolerance = 0.002;
     }
     SECTION("with a body") {
-        // Beside its sharp face the field varies from cell to cell: 3 % is seen.
+        // At its sharp face the field varies from cell to cell: observed 3 %.
         c.medium.bodies = {bone(4.0)};
         tolerance = 0.06;
     }
@@ -113,7 +115,7 @@ TEST_CASE("the strain is the gradient of the displacement", "[verify]") {
         return (45.0 * difference(1) - 9.0 * difference(2) + difference(3)) /
                (60.0 * c.domain.spacing_m);
     };
-    const GaussLobatto rule = gauss_lobatto(8);
+    const spectral::GaussLobatto rule = spectral::gauss_lobatto(8);
     const std::vector<double>& z_m = store.z_m();
     double error[6] = {}, size[6] = {};
     const auto compare = [&](int component, double found, double expected) {
@@ -129,7 +131,7 @@ TEST_CASE("the strain is the gradient of the displacement", "[verify]") {
                 compare(yy, at(strain, yy, l, i, j), dyy);
                 compare(xy, at(strain, xy, l, i, j), 0.5 * (dxy + dyx));
             }
-            // Over the first element: what the slopes along z add up to.
+            // Over the first element: the integrals of the slopes along z.
             double zz_m = 0.0, xz_m = 0.0, yz_m = 0.0;
             const double half_m = 0.5 * (z_m[8] - z_m[0]);
             for (std::size_t l = 0; l <= 8; ++l) {

@@ -1,5 +1,6 @@
-// The step that engine `spectral` chooses for an accuracy, measured against the exact engine.
-#include "engines/spectral/time_step.hpp"
+// SPDX-License-Identifier: BSD-3-Clause
+// The step that engine "spectral" chooses for an accuracy, verified against the exact engine.
+#include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -13,7 +14,7 @@ struct Scan {
     double am_Hz = 0.0, sm_Hz = 0.0, film_m_s = 0.0;
 };
 
-/// 4 ms over 12 mm on a rigid base, 16 x 12 footprints wide, three points a footprint.
+/// 4 ms over 12 mm on a rigid base, 16 x 12 footprints wide, three points per footprint.
 Case scan_case(const Scan& s) {
     Motion motion = ConstantSpeed{s.speed_m_s};
     if (s.sm_Hz > 0.0) motion = OscillatingSpeed{s.speed_m_s, 4.0, s.sm_Hz, 0.0};
@@ -50,7 +51,7 @@ double difference(const Case& c, const test::FrameStore& a, const test::FrameSto
 
 } // namespace
 
-TEST_CASE("the step chosen for an accuracy reaches it and not much more", "[verify]") {
+TEST_CASE("chosen step reaches the requested accuracy without being much too short", "[verify]") {
     const Scan scan =
         GENERATE(Scan{2e-3, 7.0, 5.0, 0.0}, Scan{2e-3, 1.0, 5.0, 0.5}, Scan{3e-3, 9.0, 5.0, 0.0},
                  Scan{3e-3, 7.0, 5.0, 0.5}, Scan{3e-3, 7.0, 5.0, 2.0}, Scan{3e-3, 7.0, 10.0, 0.0},
@@ -59,7 +60,8 @@ TEST_CASE("the step chosen for an accuracy reaches it and not much more", "[veri
                  Scan{3e-3, 7.0, 5.0, 0.5, 400.0}, Scan{3e-3, 5.0, 5.0, 0.5, 0.0, 200.0},
                  Scan{3e-3, 5.0, 5.0, 0.0, 0.0, 800.0}, Scan{3e-3, 7.0, 5.0, 0.5, 0.0, 0.0, 20.0});
     Case c = scan_case(scan);
-    c.solver = LayeredOptions{.time_step_s = 6.25e-6}; // 4e-6 of the field from half of that
+    // Error 4e-6 of the field compared with half of this step.
+    c.solver = LayeredOptions{.time_step_s = 6.25e-6};
     const auto exact = test::frames_of(c);
     for (const double accuracy : {1e-2, 1e-3}) {
         c.solver = SpectralOptions{.accuracy = accuracy};
@@ -67,13 +69,13 @@ TEST_CASE("the step chosen for an accuracy reaches it and not much more", "[veri
         CAPTURE(scan.fwhm_m, scan.speed_m_s, scan.c_s_m_s, scan.viscosity_Pa_s, scan.am_Hz);
         CAPTURE(scan.sm_Hz, scan.film_m_s, accuracy, error);
         CHECK(error < accuracy);
-        // 0.08 to 0.58 of it are seen: twofold for safety, and what the next longer step that
-        // divides the output interval would jump by.
+        // Observed 0.08 to 0.58 of the accuracy: a safety factor of two, and the next longer step
+        // that divides the output interval.
         CHECK(error > accuracy / 16.0);
     }
 }
 
-TEST_CASE("the step chosen for an accuracy reaches it beside a stiff body", "[verify]") {
+TEST_CASE("chosen step reaches the requested accuracy with a stiff body", "[verify]") {
     const auto [contrast, top_m] = GENERATE(table<double, double>({{4, 2e-3}, {16, 1e-3}}));
     Case c = scan_case({3e-3, 7.0, 5.0, 0.5});
     c.domain = {32, 24, 1e-3, 0.0};
@@ -82,15 +84,17 @@ TEST_CASE("the step chosen for an accuracy reaches it beside a stiff body", "[ve
                         .shape = Ellipsoid{{5e-3, 5e-3, 1.5e-3}},
                         .centre_m = {0.0, 0.0, top_m + 1.5e-3},
                         .c_s_m_s = 5.0 * std::sqrt(contrast)}};
-    // Elements short enough to be the same at any step: bodies are sampled at their nodes.
+    // Short elements are the same at any step, which matters because bodies are sampled at the
+    // nodes.
     SpectralOptions options{.longest_element_m = 1e-3, .residual = 1e-5, .accuracy = 1e-2};
     c.solver = options;
     const auto chosen = test::frames_of(c);
-    options.time_step_s = choose_time_step(c, options).step_s / 8.0;
-    options.method = SpectralMethod::iterative; // one solve a step would share its inertia
+    options.time_step_s = spectral::choose_time_step(c, options).step_s / 8.0;
+    // One solve per step would have the same added inertia.
+    options.method = SpectralMethod::iterative;
     c.solver = options;
     const double error = difference(c, chosen, test::frames_of(c));
     CAPTURE(contrast, error);
     CHECK(error < 1e-2);
-    CHECK(error > 1e-2 / 16.0); // 0.38 and 0.14 of it are seen
+    CHECK(error > 1e-2 / 16.0); // observed 0.38 and 0.14 of the accuracy
 }

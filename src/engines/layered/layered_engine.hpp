@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
@@ -5,28 +6,49 @@
 #include "fft/slab_transform.hpp"
 
 #include <memory>
+#include <optional>
 
-namespace shearwake {
+namespace shearwake::layered {
 
-/// Stratified media, exactly: Fourier in x, y and t, one small linear system per (k, omega).
-/// Frames come depth by depth, each depth in order of time.
-/// Kept between cases: the transfer table of the last medium and grid, the transforms of the grid.
-class LayeredEngine : public Engine {
+/// Number and length of the transforms from frequencies to frames of a rank, for one depth of a
+/// case.
+struct TimeLines {
+    std::ptrdiff_t count, length;
+};
+/// The transforms of the rank with this share of the grid. Not collective.
+/// Not collective.
+TimeLines time_lines(const Case& c, const fft::SlabShare& share);
+
+/// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
+/// per (k, omega), see docs/developer/physics.md. Passes the frames depth by depth and in order of
+/// time for each depth. Between cases it keeps the transfer table of the last medium and grid, and
+/// the transforms of the grid.
+class LayeredEngine : public engines::Engine {
 public:
-    Estimate estimate(const Case& c, int ranks) const override;
-    void run(const Case& c, const Comm& team, Observer& observer,
-             Checkpoints* checkpoints) override;
+    engines::Estimate estimate(const Case& c, int ranks) const override;
+    std::vector<engines::Calibration> calibrations() const override;
+    std::vector<Remark> limits(const Case& c) const override;
+    void run(const Case& c, const Comm& team, engines::Observer& observer,
+             engines::Checkpoints* checkpoints) override;
 
 private:
     void prepare(const Case& c, const Comm& team);
     void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
                     const Comm& team);
 
-    std::unique_ptr<TransferTable> table_, stress_table_; // the second where stress is asked for
-    std::unique_ptr<SlabTransform> slabs_;
+    /// Number of evaluations of H per frequency for the last estimated medium, which the cases of a
+    /// sweep often share.
+    struct Tried {
+        TransferKey curves;
+        double evaluations = 0.0;
+    };
+    mutable std::optional<Tried> tried_;
+    /// The second only for cases that request the stress.
+    std::unique_ptr<TransferTable> table_, stress_table_;
+    std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
-    // The largest batch so far: fresh pages for each case cost as much as its transforms.
-    AlignedVector<std::complex<double>> batch_;
+    // The largest batch so far. Allocating it for each case would cost as much as its transforms.
+    fft::AlignedVector<std::complex<double>> batch_;
 };
 
-} // namespace shearwake
+} // namespace shearwake::layered

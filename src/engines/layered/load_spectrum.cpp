@@ -1,16 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load_spectrum.hpp"
+
+#include "engines/layered/work_kinds.hpp"
+
+#include "simd/kernels.hpp"
+#include "fft/reals.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace shearwake {
+namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double two_pi = 2.0 * std::numbers::pi;
 
-/// Part of the hat function of width `step` about t that lies before `end`.
+/// The part before `end` of the integral of the hat function of half-width `step` around t.
 double covered(double t, double step, double end) {
     const double x = std::clamp((end - t) / step, -1.0, 1.0);
     return x < 0.0 ? 0.5 * (1.0 + x) * (1.0 + x) : 1.0 - 0.5 * (1.0 - x) * (1.0 - x);
@@ -22,7 +28,8 @@ double band_Hz(const Load& load) {
         carrier = resolved->frequency_Hz;
     const double scan = bandwidth_rad_m(load.footprint, 1e-6) *
                         greatest_speed_m_s(load.modulation.trajectory) / two_pi;
-    // A focus that is set anew so often jumps: a little of it lies above that rate.
+    // A focus that is updated at the rate of the array moves in jumps, which have content slightly
+    // above that rate.
     const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
     const double update = array && scan > 0.0 ? array->update_rate_Hz : 0.0;
     return scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier + update;
@@ -83,35 +90,32 @@ std::vector<double> roll_off(const TimeTransform& time) {
 
 LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
                            std::ptrdiff_t ky_count)
-    : nx_(c.domain.nx), ny_(c.domain.ny), samples_(time.samples), ky_start_(ky_start),
-      ky_count_(ky_count), dkx_rad_m_(two_pi / c.domain.extent_x_m()),
-      dky_rad_m_(two_pi / c.domain.extent_y_m()), pattern_(c.load, c.time.duration_s()),
-      forward_(time.samples, Direction::forward), roll_off_(roll_off(time)),
-      weighted_(static_cast<std::size_t>(time.samples)),
+    : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
+      samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
+      dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
+      pattern_(c.load, c.time.duration_s()), forward_(time.samples, fft::Direction::forward),
+      y_rests_(keeps_y(c, time)), weighted_(static_cast<std::size_t>(time.samples)),
       buffer_(static_cast<std::size_t>(time.samples)) {
+    for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
+        kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
     const auto n = static_cast<std::size_t>(samples_);
     const std::vector<double> weights = sample_weights(c, time);
     for (std::size_t i = 0; i < n; ++i) {
         const double t = static_cast<double>(i) * time.step_s;
         weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.load, t);
     }
-    // From the corner of the grid, where the transform has its origin.
+    // Positions relative to the corner of the grid, where the transform has its origin.
     std::vector<Vec2> origin = origins_of_samples(c, time);
     for (Vec2& place : origin)
         place = place - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
-    y_rests_ = !pattern_.changes() && std::all_of(origin.begin(), origin.end(),
-                                                  [&](Vec2 p) { return p.y == origin.front().y; });
 
     x_phases_.resize(static_cast<std::size_t>(nx_) * n);
     for (std::ptrdiff_t i = 0; i < nx_; ++i) {
         Complex* line = x_phases_.data() + static_cast<std::size_t>(i) * n;
-        const double kx = kx_rad_m(i);
+        const double kx = kx_rad_m_[static_cast<std::size_t>(i)];
         for (std::size_t t = 0; t < n; ++t)
             line[t] = weighted_[t] * std::polar(1.0, -kx * origin[t].x);
-        if (!y_rests_) continue;
-        forward_.execute(line);
-        for (std::size_t m = 0; m < n; ++m)
-            line[m] *= roll_off_[m];
+        if (y_rests_) forward_.execute(line);
     }
     const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
     for (std::size_t j = 0; j < modes; ++j)
@@ -120,14 +124,23 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
                 std::polar(1.0, -static_cast<double>(j) * dky_rad_m_ * origin[t].y));
 }
 
-double LoadSpectrum::kx_rad_m(std::ptrdiff_t kx) const {
-    return static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_;
+bool LoadSpectrum::keeps_y(const Case& c, const TimeTransform& time) {
+    LoadPattern pattern(c.load, c.time.duration_s());
+    if (pattern.changes()) return false;
+    const auto y_m = [&](std::ptrdiff_t sample) {
+        pattern.set(pattern.held_s(static_cast<double>(sample) * time.step_s));
+        return pattern.origin_m().y;
+    };
+    const double first_m = y_m(0);
+    for (std::ptrdiff_t i = 1; i < time.samples; ++i)
+        if (y_m(i) != first_m) return false;
+    return true;
 }
 
 /// Also computes the states of a changing pattern.
 std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTransform& time) {
     std::vector<Vec2> origins;
-    std::vector<double> held_s; // of the states
+    std::vector<double> held_s; // time at which each state begins
     for (std::ptrdiff_t i = 0; i < samples_; ++i) {
         const double at_s = pattern_.held_s(static_cast<double>(i) * time.step_s);
         if (!pattern_.changes()) {
@@ -170,14 +183,20 @@ std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTran
     return origins;
 }
 
-Complex LoadSpectrum::factor(std::ptrdiff_t kx, std::ptrdiff_t ky) const {
-    const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
-    if (pattern_.changes())
-        return std::abs(mode) <= last_kx_ && ky - ky_start_ < rows_there_ ? 1.0 : 0.0;
-    Complex spectrum;
-    const double k = kx_rad_m(kx);
-    pattern_.spectra(static_cast<double>(ky) * dky_rad_m_, {&k, 1}, {&spectrum, 1});
-    return spectrum;
+void LoadSpectrum::factors(std::ptrdiff_t ky, std::span<Complex> out) const {
+    if (pattern_.changes()) {
+        const bool is_row_there = ky - ky_start_ < rows_there_;
+        for (std::ptrdiff_t kx = 0; kx < nx_; ++kx) {
+            const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
+            out[static_cast<std::size_t>(kx)] =
+                is_row_there && std::abs(mode) <= last_kx_ ? 1.0 : 0.0;
+        }
+        return;
+    }
+    pattern_.spectra(static_cast<double>(ky) * dky_rad_m_, kx_rad_m_, out);
+    if (!y_rests_) return;
+    for (Complex& factor : out)
+        factor *= y_phases_[static_cast<std::size_t>(ky)];
 }
 
 double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count) {
@@ -194,15 +213,10 @@ double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptr
 std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
     const auto n = static_cast<std::size_t>(samples_);
     const Complex* x = x_phases_.data() + static_cast<std::size_t>(kx) * n;
-    if (y_rests_) {
-        const Complex phase = y_phases_[static_cast<std::size_t>(ky)];
-        for (std::size_t t = 0; t < n; ++t)
-            buffer_[t] = phase * x[t];
-        return buffer_;
-    }
+    if (y_rests_) return {x, n};
+    const engines::Timed timed(kinds::of_load);
     const Complex* y = y_phases_.data() + static_cast<std::size_t>(ky) * n;
-    for (std::size_t t = 0; t < n; ++t)
-        buffer_[t] = x[t] * y[t];
+    kernels_.multiply(fft::reals(x), fft::reals(y), samples_, fft::reals(buffer_.data()));
     if (pattern_.changes()) {
         const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
         const std::ptrdiff_t at = (ky - ky_start_) * (2 * last_kx_ + 1) + mode + last_kx_;
@@ -211,9 +225,7 @@ std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky
             buffer_[t] *= g[state_of_[t]];
     }
     forward_.execute(buffer_.data());
-    for (std::size_t m = 0; m < n; ++m)
-        buffer_[m] *= roll_off_[m];
     return buffer_;
 }
 
-} // namespace shearwake
+} // namespace shearwake::layered

@@ -1,26 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/radial_interpolant.hpp"
 
 #include "base/error.hpp"
+#include "engines/layered/kernels/response.hpp"
+#include "simd/kernels.hpp"
+#include "fft/reals.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
-namespace shearwake {
+namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr int n = RadialInterpolant::order;
-/// Below this share of the first component, a component's rounding errors are all there is to fit.
-constexpr double floor = 1e-6;
+/// A component that is smaller than this share of the first one consists of rounding errors alone.
+constexpr double negligible = 1e-6;
 
 struct ChebyshevRule {
     std::array<double, n> nodes; // on (-1, 1)
     std::array<std::array<double, n>, n> to_coefficients;
 };
 
-/// Nodes of the first kind and the discrete cosine transform that turns values into coefficients.
+/// Chebyshev nodes of the first kind and the discrete cosine transform from values to coefficients.
 ChebyshevRule make_rule() {
     ChebyshevRule rule;
     for (int i = 0; i < n; ++i) {
@@ -54,13 +59,15 @@ public:
             edges.push_back(to);
             return;
         }
-        if (half < narrowest_) throw CaseFailure("H(k, omega) cannot be resolved in k");
+        if (half < narrowest_)
+            throw CaseFailure("the transfer function H(k, omega) cannot be resolved in k");
         refine(from, centre, edges, coefficients);
         refine(centre, to, edges, coefficients);
     }
 
 private:
-    /// Coefficients of all components into panel_; whether their tails are short enough.
+    /// Computes the coefficients of all components in panel_. Returns whether the last ones are
+    /// small enough.
     bool resolved() {
         bool fine = true;
         double first = 0.0;
@@ -73,11 +80,12 @@ private:
                 panel_[c * n + j] = sum;
                 largest = std::max(largest, std::abs(sum));
             }
-            if (!std::isfinite(largest)) throw CaseFailure("H(k, omega) is not finite");
+            if (!std::isfinite(largest))
+                throw CaseFailure("the transfer function H(k, omega) is not finite");
             const double tail =
                 std::max(std::abs(panel_[c * n + n - 1]), std::abs(panel_[c * n + n - 2]));
             if (c == 0) first = largest;
-            fine = fine && tail <= tolerance_ * std::max(largest, floor * first);
+            fine = fine && tail <= tolerance_ * std::max(largest, negligible * first);
         }
         return fine;
     }
@@ -102,28 +110,20 @@ RadialInterpolant RadialInterpolant::fit(const Function& function, std::size_t c
 
 void RadialInterpolant::evaluate(std::size_t component, std::span<const double> ascending_k,
                                  Complex* out, std::ptrdiff_t stride) const {
+    const ResponseKernels& kernels = simd::kernels<ResponseKernels>();
+    std::vector<double> x; // arguments within one panel, mapped to (-1, 1)
     std::size_t panel = 0;
-    for (const double k : ascending_k) {
-        while (panel + 2 < edges_.size() && k > edges_[panel + 1])
+    for (auto k = ascending_k.begin(); k != ascending_k.end();) {
+        while (panel + 2 < edges_.size() && *k > edges_[panel + 1])
             ++panel;
         const double from = edges_[panel], to = edges_[panel + 1];
-        const double x = std::clamp((2.0 * k - from - to) / (to - from), -1.0, 1.0);
-        // sum c_j T_j(x), even and odd terms side by side: T_j by the recurrence in steps of two.
+        const bool is_last = panel + 2 == edges_.size();
+        x.clear();
+        for (; k != ascending_k.end() && (is_last || *k <= to); ++k)
+            x.push_back(std::clamp((2.0 * *k - from - to) / (to - from), -1.0, 1.0));
         const Complex* c = coefficients_.data() + (panel * components_ + component) * n;
-        const double t2 = 2.0 * (2.0 * x * x - 1.0); // T_{j+2} = 2 T_2 T_j - T_{j-2}
-        double even = 1.0, even_before = 0.5 * t2, odd = x, odd_before = x;
-        double re = 0.0, im = 0.0;
-        for (int j = 0; j < n; j += 2) {
-            re += c[j].real() * even + c[j + 1].real() * odd;
-            im += c[j].imag() * even + c[j + 1].imag() * odd;
-            const double even_next = t2 * even - even_before, odd_next = t2 * odd - odd_before;
-            even_before = even;
-            odd_before = odd;
-            even = even_next;
-            odd = odd_next;
-        }
-        *out = {re, im};
-        out += stride;
+        kernels.chebyshev(fft::reals(c), n, x.data(), std::ssize(x), fft::reals(out), stride);
+        out += std::ssize(x) * stride;
     }
 }
 
@@ -146,4 +146,4 @@ RadialInterpolant RadialInterpolant::unpacked(std::span<const Complex> packed,
     return result;
 }
 
-} // namespace shearwake
+} // namespace shearwake::layered

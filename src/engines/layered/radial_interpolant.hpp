@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include <complex>
@@ -5,12 +6,13 @@
 #include <span>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::layered {
 
-/// A complex vector-valued function of k on [0, k_max] as Chebyshev panels: degree 15 on each, cut
-/// in half until the last two coefficients are below `tolerance` times the panel's largest one (or
-/// times 1e-6 of the first component's, the surface's, where that is more).
-/// Poles and branch points near the real axis cost panels, never accuracy.
+/// Piecewise Chebyshev approximation of a complex vector-valued function of k on [0, k_max]. Panels
+/// of degree 15 are bisected until the last two coefficients of each component are below
+/// `tolerance` times the largest one of the panel (or times 1e-6 of the first component, the
+/// surface, if that is larger). Poles and branch points near the real axis increase the number of
+/// panels but do not reduce the accuracy. No member function is collective.
 class RadialInterpolant {
 public:
     static constexpr int order = 16; // coefficients per panel
@@ -18,18 +20,19 @@ public:
     using Function = std::function<void(double k, std::span<std::complex<double>> out)>;
 
     RadialInterpolant() = default;
-    /// `components`: length of the function's value. Throws CaseFailure when a panel narrower than
-    /// 1e-12 k_max would still not do (the function is not analytic on the axis) or is not finite.
+    /// Approximates a function with values of length `components`. Throws CaseFailure if a panel
+    /// narrower than 1e-12 k_max would be needed (the function is not analytic on the axis) or if a
+    /// value is not finite.
     static RadialInterpolant fit(const Function& function, std::size_t components, double k_max,
                                  double tolerance);
 
-    /// Values of one component at ascending k, out[i * stride].
+    /// Values of one component at ascending k; result i is stored in out[i * stride].
     void evaluate(std::size_t component, std::span<const double> ascending_k,
                   std::complex<double>* out, std::ptrdiff_t stride) const;
 
     std::size_t panels() const { return edges_.empty() ? 0 : edges_.size() - 1; }
 
-    /// As one flat sequence, to be sent to other ranks; and back.
+    /// Converts to and from a flat sequence that can be sent to other ranks.
     std::vector<std::complex<double>> packed() const;
     static RadialInterpolant unpacked(std::span<const std::complex<double>> packed,
                                       std::size_t components);
@@ -43,4 +46,4 @@ private:
     std::vector<std::complex<double>> coefficients_; // (panel, component, order)
 };
 
-} // namespace shearwake
+} // namespace shearwake::layered

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/stack_response.hpp"
 
 #include "base/error.hpp"
@@ -5,7 +6,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-namespace shearwake {
+namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
@@ -20,10 +21,10 @@ Complex exp_minus_one(Complex z) {
             std::exp(z.real()) * std::sin(z.imag())};
 }
 
-/// The two solutions of one layer that decay (or radiate) away from a point, at distance zeta from
-/// it. First: the compressional wave of PHYSICS section 3, coefficient A. Second: shear (C) and
-/// compressional wave combined, k [ (alpha/k) C - A ] / (alpha - beta), which stays finite and
-/// independent of the first as alpha -> beta.
+/// The two solutions of one layer that decay (or radiate) with the distance zeta from a point. The
+/// first one is the compressional wave with coefficient A of docs/developer/physics.md, section 3.
+/// The second one combines shear (C) and compressional waves, k [ (alpha/k) C - A ] / (alpha -
+/// beta), which stays finite and independent of the first one as alpha -> beta.
 class LayerModes {
 public:
     LayerModes(double k, Complex mu, Complex kp2, Complex ks2, Complex ratio, double stress_scale)
@@ -37,7 +38,7 @@ public:
         q_ = -(k2 * (1.0 + ratio) - kp2) * s_ / (k2 + alpha_ * beta_); // (alpha beta - k2)/(a-b)
     }
 
-    /// Away from z = 0 downward.
+    /// Solutions that decay downward from z = 0.
     Pair down(double zeta) const {
         const Complex e_alpha = std::exp(-alpha_ * zeta);
         const Complex e_beta = std::exp(-beta_ * zeta);
@@ -55,7 +56,7 @@ public:
         return s;
     }
 
-    /// The mirror image: away from a point upward.
+    /// The mirror image: solutions that decay upward.
     Pair up(double zeta) const {
         Pair s = down(zeta);
         s.row(1) = -s.row(1);
@@ -76,8 +77,8 @@ private:
     Complex mu_, ks2_, alpha_, beta_, difference_, s_, q_;
 };
 
-/// How one layer continues what lies below it: for given downgoing amplitudes the upgoing ones and
-/// the amplitudes of the admissible states at its bottom.
+/// Continuation of the solution below a layer through that layer: for given downgoing amplitudes,
+/// the upgoing amplitudes and the amplitudes of the admissible states at its bottom.
 struct Continuation {
     Square2 up, below;
 };
@@ -122,20 +123,20 @@ StackResponse::StackResponse(const Medium& medium, Complex omega_rad_s,
         top_m = bottom_m;
         layers_.push_back(std::move(at));
     }
-    if (next != depths_m.size()) throw Error("a depth lies below the medium");
+    if (next != depths_m.size()) throw Error("a requested depth lies below the medium");
     stress_scale_Pa_ = std::abs(layers_.front().mu);
 }
 
 void StackResponse::evaluate(double k, std::span<Complex> out) const {
-    // Stresses are measured in mu times this, so that all rows weigh alike.
+    // Stresses are scaled by mu times this wavenumber, so that all rows have the same magnitude.
     const double wavenumber = std::max(k, std::sqrt(std::abs(layers_.front().ks2)));
     const double scale = stress_scale_Pa_ * wavenumber;
     const auto modes_of = [&](const LayerAtOmega& layer) {
         return LayerModes(k, layer.mu, layer.kp2, layer.ks2, layer.ratio, scale);
     };
 
-    // Upward: the admissible states at the top of what lies below, two columns; and how each layer
-    // continues them.
+    // Upward pass: the admissible states at the top of the layers below (two columns), and the
+    // continuation through each layer.
     const auto n = layers_.size();
     const std::size_t bounded = base_ == Base::half_space ? n - 1 : n;
     Pair states = Pair::Zero();
@@ -154,13 +155,13 @@ void StackResponse::evaluate(double k, std::span<Complex> out) const {
         states = modes.down(0.0) + modes.up(layer.thickness_m) * continuations[i].up;
     }
 
-    // The load: sigma_zz = -1 Pa, sigma_rz = 0 at the surface.
+    // The load: sigma_zz = -1 Pa and sigma_rz = 0 at the surface.
     Eigen::Matrix<Complex, 2, 2> stress = states.bottomRows<2>();
     const Complex determinant = stress(0, 0) * stress(1, 1) - stress(0, 1) * stress(1, 0);
     Eigen::Matrix<Complex, 2, 1> amplitude;
     amplitude << -stress(1, 1) / (scale * determinant), stress(1, 0) / (scale * determinant);
 
-    // Downward: the amplitudes of each layer, where somebody asks for a depth.
+    // Downward pass: the amplitudes in each layer that contains a requested depth.
     const bool is_stress = quantity_ == StackQuantity::compression;
     const int row = is_stress ? 2 : 1;
     const double unit = is_stress ? -scale : 1.0;
@@ -200,4 +201,4 @@ Complex half_space_response(const Layer& layer, Complex omega_rad_s, double k) {
     return -alpha / (mu * reduced);
 }
 
-} // namespace shearwake
+} // namespace shearwake::layered

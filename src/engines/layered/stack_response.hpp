@@ -1,31 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "model/medium.hpp"
+#include "medium/medium.hpp"
 
 #include <complex>
 #include <span>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::layered {
 
-/// What of a stack is asked for: W / p [m/Pa], or -sigma_zz / p [1], compression positive.
+/// Computed quantity: W / p [m/Pa], or -sigma_zz / p [1], positive in compression.
 enum class StackQuantity { displacement, compression };
 
-/// The exact answer of a stack of layers to a normal surface load at one complex frequency:
-/// H(k, omega; z) = W(z) / p, PHYSICS: u_r = i U(z), u_z = W(z), traction p e^{i(omega t - k.x)}
-/// pushing into the tissue. Every exponential is scaled from the interface where it is 1, so that
-/// nothing overflows at any k h; the two downgoing solutions are combined so that they stay
-/// independent where alpha -> beta (k >> omega / c_s), so that nothing cancels there.
+/// Exact response of a stack of layers to a normal surface load at one complex frequency, H(k,
+/// omega; z) = W(z) / p, see docs/developer/physics.md: u_r = i U(z), u_z = W(z), with the traction
+/// p e^{i(omega t - k.x)} pushing into the tissue. Every exponential is scaled to 1 at an
+/// interface, so that nothing overflows at large k h. The two downgoing solutions are combined so
+/// that they stay independent and free of cancellation as alpha -> beta (k >> omega / c_s). Not
+/// collective.
 class StackResponse {
 public:
-    /// Medium with at least one layer; omega [rad/s], Im omega <= 0; depths [m] ascending, inside
-    /// the stack. Throws Error when a depth is outside.
+    /// `medium` has at least one layer; omega [rad/s] with Im omega <= 0; depths [m] in ascending
+    /// order within the stack. Throws Error if a depth lies outside.
     StackResponse(const Medium& medium, std::complex<double> omega_rad_s,
                   std::span<const double> depths_m,
                   StackQuantity quantity = StackQuantity::displacement);
 
-    /// H [m/Pa], or the compression [1], at each depth, into `out`. k >= 0 [rad/m]; k = omega = 0
-    /// has no answer.
+    /// Stores H [m/Pa], or the compression [1], at each depth in `out`. k >= 0 [rad/m]; k and omega
+    /// must not both be 0.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
 
 private:
@@ -44,9 +46,10 @@ private:
     StackQuantity quantity_;
 };
 
-/// W/p of a homogeneous half-space in closed form, -alpha k_s^2 / (mu R), R the Rayleigh function
-/// (2k^2 - k_s^2)^2 - 4 k^2 alpha beta, written without cancellation for k >> k_s [m/Pa].
+/// W/p [m/Pa] of a homogeneous half-space in closed form: -alpha k_s^2 / (mu R) with the Rayleigh
+/// function R = (2k^2 - k_s^2)^2 - 4 k^2 alpha beta, written without cancellation for k >> k_s. Not
+/// collective.
 std::complex<double> half_space_response(const Layer& layer, std::complex<double> omega_rad_s,
                                          double k_rad_m);
 
-} // namespace shearwake
+} // namespace shearwake::layered

@@ -1,12 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/transfer_table.hpp"
+
+#include "engines/layered/work_kinds.hpp"
 
 #include "parallel/agree.hpp"
 
 #include <cmath>
 #include <numbers>
 
-namespace shearwake {
+namespace shearwake::layered {
 
+using namespace kinds;
 using Complex = std::complex<double>;
 
 Complex TimeTransform::omega(std::ptrdiff_t m) const {
@@ -20,9 +24,11 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
     const double k_max = std::numbers::pi / key.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
     const std::size_t depths = key.depths_m.size();
 
-    // Frequencies dealt out like cards: neighbours cost about the same.
+    // Frequencies are assigned to ranks cyclically, because neighbouring frequencies cost about the
+    // same.
     std::vector<Complex> mine;
     std::vector<double> sizes;
+    const engines::Timed timed(of_response);
     together(team, [&] {
         for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
@@ -35,8 +41,8 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
             mine.insert(mine.end(), packed.begin(), packed.end());
         }
     });
-    const std::vector<double> all_sizes = team.all_gather(std::span<const double>(sizes));
-    const std::vector<Complex> all = team.all_gather(std::span<const Complex>(mine));
+    const std::vector<double> all_sizes = team.all_gather(sizes);
+    const std::vector<Complex> all = team.all_gather(mine);
 
     together(team, [&] {
         by_frequency_.resize(static_cast<std::size_t>(frequencies()));
@@ -64,6 +70,7 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
 }
 
 void TransferTable::expand(std::ptrdiff_t ky, std::size_t depth, Complex* out) const {
+    const engines::Timed timed(of_expansion);
     const double dkx = 2.0 * std::numbers::pi / (static_cast<double>(key_.nx) * key_.spacing_m);
     const double dky = 2.0 * std::numbers::pi / (static_cast<double>(key_.ny) * key_.spacing_m);
     std::vector<double> k(static_cast<std::size_t>(half_nx()));
@@ -96,4 +103,4 @@ double TransferTable::expanded_bytes(const TransferKey& key, std::ptrdiff_t ky_c
            sizeof(Complex);
 }
 
-} // namespace shearwake
+} // namespace shearwake::layered

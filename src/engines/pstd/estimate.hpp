@@ -1,25 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 
 namespace shearwake::pstd {
 
-/// What steps of the scheme take on a grid.
-struct Work {
+/// Steps of the scheme on a grid that is distributed over `ranks` ranks.
+struct StepWork {
     double points = 0.0, steps = 0.0;
-    bool lossy = false, single = false;
+    Absorption absorption = Absorption::none;
+    Precision precision = Precision::double_precision;
+    bool uneven = false; // materials are given per node
+    int ranks = 1;
 };
 
-/// Seconds on one rank, as `bench pstd` measures them on a core of 2020; all-to-alls; not the
-/// memory. Not collective.
-inline Estimate estimate_steps(const Work& work) {
-    const double of_point_s = work.lossy ? 58e-9 : 40e-9; // single: 0.63 of it
-    Estimate e;
-    e.seconds = work.points * work.steps * of_point_s * (work.single ? 0.63 : 1.0);
-    // There and back, three stresses and then three velocities, where lossy with accelerations.
-    e.all_to_alls = 4.0 * work.steps;
-    e.all_to_all_B = (work.lossy ? 4.5 : 3.0) * work.points * (work.single ? 4.0 : 8.0);
-    return e;
-}
+/// Work, all-to-alls and memory of a stepper. Not collective.
+engines::Estimate estimate_steps(const StepWork& work);
+
+/// Output of displacements: one per frame, depth and point of the domain.
+engines::Work work_of_frames(const Case& c);
+/// Evaluation of the load and summation of its displacements for each column of the domain and
+/// step.
+engines::Work work_of_columns(const Case& c, double steps);
+/// Summation of the displacements of volumes for each point and step.
+engines::Work work_of_volumes(double points, double steps);
 
 } // namespace shearwake::pstd

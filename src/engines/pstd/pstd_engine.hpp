@@ -1,19 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
 
-namespace shearwake {
+namespace shearwake::pstd {
 
-/// k-Wave's staggered pseudospectral scheme (pstd/stepper.hpp) for a case: explicit in time with a
-/// step that the fastest wave sets, so that c_p is held to a multiple of c_s. Layers, bodies and
-/// maps, Kelvin-Voigt or lossless; Gaussian foci; waves absorbed below, and above unless nothing is
-/// there. Frames come in order of time, each at all depths.
-class PstdEngine : public Engine {
+/// k-Wave's staggered pseudospectral scheme (scheme/stepper.hpp) for a case. It is explicit in
+/// time; the fastest wave limits the step, so that c_p is capped at a multiple of c_s. Supports
+/// layers, bodies and maps that are Kelvin-Voigt or lossless, and Gaussian foci. Waves are absorbed
+/// below the medium, and above it unless there is nothing. Passes the frames in order of time, each
+/// at all depths.
+class PstdEngine : public engines::Engine {
 public:
-    Estimate estimate(const Case& c, int ranks) const override;
+    engines::Estimate estimate(const Case& c, int ranks) const override;
+    std::vector<engines::Calibration> calibrations() const override;
     std::vector<std::string> choices(const Case& c) const override;
-    void run(const Case& c, const Comm& team, Observer& observer,
-             Checkpoints* checkpoints) override;
+    std::vector<Remark> limits(const Case& c) const override;
+    engines::Edges edges(const Case& c) const override;
+    bool computes_scene(const Case& c) const override;
+    void run(const Case& c, const Comm& team, engines::Observer& observer,
+             engines::Checkpoints* checkpoints) override;
 };
 
-} // namespace shearwake
+} // namespace shearwake::pstd

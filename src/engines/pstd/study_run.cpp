@@ -1,10 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
+#include "engines/pstd/study_limits.hpp"
 #include "engines/pstd/estimate.hpp"
-#include "engines/pstd/frames.hpp"
-#include "engines/pstd/sensor.hpp"
-#include "model/check_study.hpp"
+#include "engines/pstd/pstd_march.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -62,12 +62,13 @@ Setup setup_of(const GridStudy& study) {
     return setup;
 }
 
-/// Steps in an interval of frames.
+/// Number of steps per frame interval.
 std::ptrdiff_t steps_of_a_frame(const Case& c) {
     return std::llround(c.time.interval_s / study_of(c).time_step_s);
 }
 
-/// The domain in the middle of the grid; depths linear between the two planes around them.
+/// The domain in the middle of the grid; linear interpolation between the two planes around a
+/// depth.
 FramePlaces frame_places(const Case& c) {
     const GridStudy& study = study_of(c);
     std::vector<double> places;
@@ -92,66 +93,60 @@ FramePlaces frame_places(const Case& c) {
 }
 
 template <class Real>
-void run_with(const Case& c, const Comm& team, Observer& observer, Checkpoints* checkpoints) {
+void run_with(const Case& c, const Comm& team, engines::Observer& observer,
+              engines::Checkpoints* checkpoints) {
     const GridStudy& study = study_of(c);
     Stepper<Real> stepper(setup_of(study), team);
-    std::optional<Frames> frames;
-    std::optional<Sensor> sensor;
+    std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
-        frames.emplace(c, frame_places(c), stepper.slabs());
-        sensor.emplace(study, stepper.slabs());
+        outputs.emplace(
+            typename PstdMarch<Real>::Outputs{.frames = Frames(c, frame_places(c), stepper.slabs()),
+                                              .volumes = {},
+                                              .sensor = Sensor(study, stepper.slabs())});
     });
-    observer.begin(frames->slab());
-    if (checkpoints)
-        checkpoints->restore([&](StateReader& state) {
-            stepper.restore(state);
-            frames->displacement().restore(state, "u_z");
-            sensor->restore(state);
-            observer.restore(state);
-        });
-    const std::ptrdiff_t per_frame = steps_of_a_frame(c);
-    while (stepper.steps() < study.steps) {
-        stepper.step();
-        frames->displacement().add(stepper);
-        sensor->add(stepper);
-        const std::ptrdiff_t frame = stepper.steps() / per_frame - 1;
-        if (stepper.steps() % per_frame == 0 && frame < c.time.frames)
-            frames->give(frame, observer, team);
-        if (!checkpoints || stepper.steps() == study.steps || !checkpoints->due()) continue;
-        checkpoints->save([&](StateWriter& state) {
-            stepper.save(state);
-            frames->displacement().save(state, "u_z");
-            sensor->save(state);
-            observer.save(state);
-        });
-        if (checkpoints->stop()) return;
-    }
+    observer.begin(outputs->frames.slab());
+    PstdMarch<Real> field(c, steps_of_a_frame(c), stepper, *outputs, "u_z", team);
+    if (engines::march(field, study.steps, observer, checkpoints) == engines::MarchEnd::stopped)
+        return;
     observer.solved({.notes = {fmt::format("grid study {}: {} x {} x {} nodes", study.content_hash,
                                            study.points[0], study.points[1], study.points[2])},
                      .steps = stepper.steps(),
-                     .sensors = sensor->series(team)});
+                     .sensors = outputs->sensor->series(team)});
 }
 
 } // namespace
 
-Estimate estimate_study(const Case& c, int ranks) {
+engines::Estimate estimate_study(const Case& c, int ranks) {
     const GridStudy& study = study_of(c);
     const auto points = static_cast<double>(study.size());
-    const bool single = std::get<PstdOptions>(c.solver).precision == Precision::single_precision;
-    Estimate e = estimate_steps({points, static_cast<double>(study.steps), study.lossy(), single});
-    double held = 0.0;
+    const bool uneven = std::max({study.density_kg_m3.size(), study.c_p_m_s.size(),
+                                  study.c_s_m_s.size(), study.eta_Pa_s.size()}) > 1;
+    engines::Estimate e =
+        estimate_steps({.points = points,
+                        .steps = static_cast<double>(study.steps),
+                        .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
+                        .precision = std::get<PstdOptions>(c.solver).precision,
+                        .uneven = uneven,
+                        .ranks = ranks});
+    e.work.push_back(work_of_frames(c));
+    double stored = 0.0;
     for (const auto* values :
          {&study.density_kg_m3, &study.c_p_m_s, &study.c_s_m_s, &study.chi_Pa_s, &study.eta_Pa_s})
-        held += static_cast<double>(values->size());
+        stored += static_cast<double>(values->size());
     for (const NodeSource& source : study.sources)
-        held += static_cast<double>(source.series.size() + 5 * source.nodes.size());
-    e.memory_per_rank_B =
-        60e6 + 8.0 * held + (single ? 4.0 : 8.0) * (study.lossy() ? 52.0 : 38.0) * points / ranks;
+        stored += static_cast<double>(source.series.size() + 5 * source.nodes.size());
+    const double recorded = static_cast<double>(study.sensors.size() * study.sensor_fields.size()) *
+                            static_cast<double>(study.steps - study.sensor_start + 1);
+    e.written_B = 8.0 * recorded;
+    e.memory_per_rank_B += 8.0 * (stored + 2.0 * recorded);
+    e.work.push_back(
+        {engines::of_fresh_memory, ranks * (e.memory_per_rank_B - engines::program_B)});
     e.useful_ranks = static_cast<int>(std::min(study.points[0], study.points[1]));
     return e;
 }
 
-void run_study(const Case& c, const Comm& team, Observer& observer, Checkpoints* checkpoints) {
+void run_study(const Case& c, const Comm& team, engines::Observer& observer,
+               engines::Checkpoints* checkpoints) {
     if (const std::string trouble = study_trouble(c); !trouble.empty()) throw CaseFailure(trouble);
     if (std::get<PstdOptions>(c.solver).precision == Precision::single_precision)
         run_with<float>(c, team, observer, checkpoints);

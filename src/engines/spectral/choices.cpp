@@ -1,24 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/choices.hpp"
 
-#include "engines/spectral/cell_materials.hpp"
-#include "model/edge_absorption.hpp"
-#include "model/material_field.hpp"
+#include "case/edge_absorption.hpp"
+#include "engines/spectral/lateral/cell_materials.hpp"
+#include "medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
-namespace shearwake {
+namespace shearwake::spectral {
 namespace {
 
-/// How far something in the layers differs from them.
+/// Difference of an inclusion from the layers around it.
 struct Difference {
-    double contrast = 1.0; // of shear stiffness, at most
-    double dense = 1.0;    // its density over the layer's
+    double contrast = 1.0; // maximum ratio of shear stiffnesses
+    double dense = 1.0;    // ratio of densities at the maximum contrast
     bool density = false, viscosity = false;
 };
 
-/// `given` is a Body or a MapSample.
+/// Adds one material of an inclusion, given as a Body or a MapSample.
 void add(const Layer& layer, const auto& given, Difference& all) {
     Layer other = layer;
     other.density_kg_m3 = given.density_kg_m3.value_or(layer.density_kg_m3);
@@ -36,7 +37,7 @@ std::optional<double> value_at(const std::vector<double>& values, std::size_t i)
     return values.empty() ? std::nullopt : std::optional(values[i]);
 }
 
-/// To all layers that it reaches.
+/// Calls `add_layer` for all layers between the two depths.
 template <class Add>
 Difference difference(const Medium& medium, double top_m, double bottom_m, const Add& add_layer) {
     Difference all;
@@ -50,17 +51,19 @@ Difference difference(const Medium& medium, double top_m, double bottom_m, const
     return all;
 }
 
-void tell(const std::string& what, const Difference& d, double cap,
-          std::vector<std::string>& notes) {
+void add_notes(const std::string& what, const Difference& d, double cap,
+               std::vector<std::string>& notes) {
     if (d.contrast > cap * (1.0 + 1e-12))
-        notes.push_back(fmt::format("{} is {:.3g} times as stiff in shear as the layer around it "
-                                    "and will be held to {:.4g} times (contrast_cap): it reflects "
-                                    "{:.3f} of a shear wave's amplitude then, instead of {:.3f}",
-                                    what, d.contrast, cap, shear_reflection(cap, d.dense),
-                                    shear_reflection(d.contrast, d.dense)));
+        notes.push_back(
+            fmt::format("{}: shear stiffness {:.3g} times that of the surrounding layer "
+                        "is capped at {:.4g} times (contrast_cap): it reflects "
+                        "{:.3f} of a shear wave's amplitude instead of {:.3f}",
+                        what, d.contrast, cap, shear_reflection(cap, d.dense),
+                        shear_reflection(d.contrast, d.dense)));
     if (d.density || d.viscosity)
-        notes.push_back(fmt::format("{} differs from the layers in {}: every step iterates", what,
-                                    d.density ? "density" : "viscosity"));
+        notes.push_back(
+            fmt::format("{} differs from the layers in {}: every step needs an iterative solve",
+                        what, d.density ? "density" : "viscosity"));
 }
 
 } // namespace
@@ -71,23 +74,23 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
         longest_m = std::max(longest_m, mesh.length_m(e));
     std::vector<std::string> notes = {
         time.why, fmt::format("{} element{} of degree {} over depth, {:.3g} mm long at the "
-                              "surface and {:.3g} mm at most",
+                              "surface and at most {:.3g} mm long",
                               mesh.elements(), mesh.elements() == 1 ? "" : "s", mesh.degree,
                               1e3 * mesh.length_m(0), 1e3 * longest_m)};
     if (mesh.bottom)
-        notes.push_back(fmt::format("the half-space is {:.3g} mm of itself and an absorber of "
-                                    "{:.3g} mm, made for shear waves of {:.3g} mm and shorter",
-                                    1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m,
-                                    1e3 * mesh.bottom->longest_m));
+        notes.push_back(fmt::format(
+            "the half-space consists of {:.3g} mm of the medium and an absorber of "
+            "{:.3g} mm, designed for shear wavelengths up to {:.3g} mm",
+            1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m, 1e3 * mesh.bottom->longest_m));
     return notes;
 }
 
 std::vector<std::string> edge_notes(const Case& c) {
     const double width_m = c.domain.sponge_m;
-    if (!(width_m > 0.0)) return {}; // checks warn where that matters
+    if (!(width_m > 0.0)) return {}; // the checks of the case warn if this matters
     const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
-    return {fmt::format("the sponge of {:.3g} mm gives back {:.2g} % of the energy of the longest "
-                        "waves, {:.3g} mm",
+    return {fmt::format("the sponge of {:.3g} mm returns {:.2g} % of the energy of the longest "
+                        "waves ({:.3g} mm)",
                         1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
 }
 
@@ -96,28 +99,28 @@ std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& o
     for (std::size_t i = 0; i < c.medium.bodies.size(); ++i) {
         const Body& body = c.medium.bodies[i];
         const Bounds box = bounds(body);
-        tell(fmt::format("medium.body[{}]", i + 1),
-             difference(c.medium, box.low_m.z, box.high_m.z,
-                        [&](const Layer& layer, Difference& all) { add(layer, body, all); }),
-             options.contrast_cap, notes);
+        add_notes(fmt::format("medium.body[{}]", i + 1),
+                  difference(c.medium, box.low_m.z, box.high_m.z,
+                             [&](const Layer& layer, Difference& all) { add(layer, body, all); }),
+                  options.contrast_cap, notes);
     }
     if (!c.medium.map) return notes;
     const MaterialMap& map = *c.medium.map;
     const DepthRange range = depths(map);
     const auto points = static_cast<std::size_t>(map.counts[0] * map.counts[1] * map.counts[2]);
-    tell("medium.map",
-         difference(c.medium, range.top_m, range.bottom_m,
-                    [&](const Layer& layer, Difference& all) {
-                        for (std::size_t i = 0; i < points; ++i)
-                            add(layer,
-                                MapSample{.c_s_m_s = value_at(map.c_s_m_s, i),
-                                          .c_p_m_s = {},
-                                          .density_kg_m3 = value_at(map.density_kg_m3, i),
-                                          .viscosity_Pa_s = value_at(map.viscosity_Pa_s, i)},
-                                all);
-                    }),
-         options.contrast_cap, notes);
+    add_notes("medium.map",
+              difference(c.medium, range.top_m, range.bottom_m,
+                         [&](const Layer& layer, Difference& all) {
+                             for (std::size_t i = 0; i < points; ++i)
+                                 add(layer,
+                                     MapSample{.c_s_m_s = value_at(map.c_s_m_s, i),
+                                               .c_p_m_s = {},
+                                               .density_kg_m3 = value_at(map.density_kg_m3, i),
+                                               .viscosity_Pa_s = value_at(map.viscosity_Pa_s, i)},
+                                     all);
+                         }),
+              options.contrast_cap, notes);
     return notes;
 }
 
-} // namespace shearwake
+} // namespace shearwake::spectral

@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/depth_mesh.hpp"
-#include "engines/spectral/time_step.hpp"
+#include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
 
 #include <string>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::spectral {
 
-/// How time and depth are divided, one line each.
+/// Notes on the discretisation in time and depth, one line each. Not collective.
 std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh);
 
-/// What the edges give back.
+/// Notes on the share of energy that the absorbing edges return, one line each. Not collective.
 std::vector<std::string> edge_notes(const Case& c);
 
-/// What bodies and the map will make the engine do, as far as their properties tell without the
-/// grid: stiffnesses beyond the cap, and what needs iterations.
+/// Notes on the effect of bodies and the map, as far as it follows from the case without the grid:
+/// shear stiffnesses above the cap, and properties that require an iterative solve. Not collective.
 std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options);
 
-} // namespace shearwake
+} // namespace shearwake::spectral

@@ -1,18 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/receptor_stress.hpp"
 
-#include "engines/spectral/cell_materials.hpp"
+#include "engines/spectral/depth/work_kinds.hpp"
+
+#include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 
-namespace shearwake {
+namespace shearwake::spectral {
 namespace {
 
-/// A depth this close to where elements meet, in their lengths, lies in both.
+/// A depth within this distance of an element boundary, relative to the element's length, belongs
+/// to both elements.
 constexpr double rounding = 1e-9;
 
 using Numbers = std::vector<double>;
-/// A step before a frame, at it, after it.
+/// Values one step before a frame, at the frame, and one step after it.
 using Times = std::array<Numbers, 3>;
 
 std::vector<std::size_t> elements_at(const DepthMesh& mesh, double depth_m) {
@@ -29,7 +34,7 @@ bool varies_in(const Case& c, const DepthMesh& mesh, std::size_t element) {
     return varies_between(c.medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
 }
 
-/// Node weights of d/dz of what has these.
+/// Node weights of the z derivative of a quantity, given its node weights.
 Numbers slope_of(const Numbers& weights, const DepthMesh& mesh, std::size_t element) {
     const std::size_t nodes = weights.size();
     Numbers slope(nodes, 0.0);
@@ -40,7 +45,7 @@ Numbers slope_of(const Numbers& weights, const DepthMesh& mesh, std::size_t elem
     return slope;
 }
 
-/// Of W, then of -k U, at the three times.
+/// Weights of W, followed by those of -k U, at the three times.
 Times spread(const Numbers& of_w, const Numbers& of_u, const std::array<double, 3>& shares) {
     Times all;
     for (std::size_t t = 0; t < all.size(); ++t)
@@ -50,7 +55,7 @@ Times spread(const Numbers& of_w, const Numbers& of_u, const std::array<double, 
     return all;
 }
 
-/// W' - k U, averaged over the steps as the scheme has it.
+/// Weights of W' - k U, averaged over the three times as in the scheme.
 Times dilation(const Numbers& weights, const DepthMesh& mesh, std::size_t element) {
     constexpr double s = stabilising_lambda;
     return spread(slope_of(weights, mesh, element), weights, {s, 1.0 - 2.0 * s, s});
@@ -66,8 +71,8 @@ void add_scaled(double factor, const Times& more, Times& to) {
 
 } // namespace
 
-ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs,
-                               double step_s, const Comm& team)
+ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh,
+                               const fft::SlabTransform& slabs, double step_s, const Comm& team)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
       depths_(stress_depths_m(c).size()), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
     if (!wanted()) return;
@@ -81,8 +86,7 @@ ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh, const SlabT
         const auto plane = static_cast<std::size_t>(slabs.share().reals);
         plane_.resize(plane);
         compression_.resize(plane);
-        kept_.resize(parts_.size() *
-                     static_cast<std::size_t>(vectors_.pencils() * parts * lane_count));
+        kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
     });
 }
 
@@ -103,15 +107,15 @@ void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t el
         parts_.push_back(std::move(all));
         return;
     }
-    const HeldMaterials held(case_, layer);
+    const CappedMaterials capped(case_, layer);
     const auto add = [&](const Times& weights, double factor, const std::vector<Material>& cells,
                          auto modulus) {
         Part part{.depth = depth, .first = first, .weights = weights, .factors = {}};
         for (const Material& cell : cells)
-            part.factors.push_back(-share * factor * held(cell).*modulus);
+            part.factors.push_back(-share * factor * capped(cell).*modulus);
         parts_.push_back(std::move(part));
     };
-    const SlabShare& slab = slabs_.share();
+    const fft::SlabShare& slab = slabs_.share();
     for (std::size_t q = 0; q < smooth.size(); ++q) {
         Numbers node = none;
         node[q] = 1.0;
@@ -132,16 +136,18 @@ double ReceptorStress::planes(const Case& c, const DepthMesh& mesh) {
     return count;
 }
 
-void ReceptorStress::add(const Part& part, std::size_t time, Lanes k, const Lanes* pencil,
-                         Lanes* value) const {
+void ReceptorStress::add(const Part& part, std::size_t time, const Block& k, const Block* pencil,
+                         Block* value) const {
     const std::ptrdiff_t nodes = mesh_.degree + 1;
     const double* of_w = part.weights[time].data();
     const double* of_u = of_w + nodes;
-    for (std::ptrdiff_t j = 0; j < nodes && part.first + j < levels_; ++j) { // the base rests
-        const Lanes* u = pencil + 2 * (part.first + j) * parts;
-        const Lanes* w = u + parts;
+    // The base does not move.
+    for (std::ptrdiff_t j = 0; j < nodes && part.first + j < levels_; ++j) {
+        const Block* u = pencil + 2 * (part.first + j) * parts;
+        const Block* w = u + parts;
         for (std::ptrdiff_t p = 0; p < parts; ++p)
-            value[p] += of_w[j] * w[p] - of_u[j] * k * u[p];
+            for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+                value[p][lane] += of_w[j] * w[p][lane] - of_u[j] * k[lane] * u[p][lane];
     }
 }
 
@@ -152,33 +158,36 @@ void ReceptorStress::each_pencil(const Part& part, Use use) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
             const std::ptrdiff_t pencil = row * vectors_.blocks() + block;
             use(row, block, pencil * 3 * levels_ * parts,
-                lanes(kept_.data()) + (number * vectors_.pencils() + pencil) * parts);
+                kept_.data() + (number * vectors_.pencils() + pencil) * parts);
         }
 }
 
 void ReceptorStress::remember(const Stepper& stepper) {
+    const engines::Timed timed(kinds::of_felt);
     for (const Part& part : parts_)
         each_pencil(
-            part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Lanes* kept) {
-                std::fill_n(kept, parts, Lanes{});
-                add(part, 0, vectors_.k(row, block), lanes(stepper.before().data()) + at, kept);
+            part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
+                std::fill_n(kept, parts, Block{});
+                add(part, 0, vectors_.waves(row, block).k, stepper.before().data() + at, kept);
             });
 }
 
-void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame, Observer& observer) {
-    const SlabShare& slab = slabs_.share();
+void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame,
+                          engines::Observer& observer) {
+    const engines::Timed timed(kinds::of_felt);
+    const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
+    const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::size_t depth = 0; depth < depths_; ++depth) {
         std::fill(compression_.begin(), compression_.end(), 0.0);
         for (const Part& part : parts_) {
             if (part.depth != depth) continue;
             each_pencil(part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at,
-                                  Lanes* value) {
-                const Lanes k = vectors_.k(row, block);
-                add(part, 1, k, lanes(stepper.before().data()) + at, value);
-                add(part, 2, k, lanes(stepper.now().data()) + at, value);
-                StrainTransfer::put(vectors_, block, plane_.data() + 2 * row * vectors_.nx(),
-                                    value);
+                                  Block* value) {
+                const WaveBlock waves = vectors_.waves(row, block);
+                add(part, 1, waves.k, stepper.before().data() + at, value);
+                add(part, 2, waves.k, stepper.now().data() + at, value);
+                lines.put(waves, value, plane_.data() + 2 * row * vectors_.nx());
             });
             vectors_.clear_nyquist(plane_.data());
             slabs_.to_physical(plane_.data());
@@ -198,4 +207,4 @@ void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame, Observer
     }
 }
 
-} // namespace shearwake
+} // namespace shearwake::spectral

@@ -1,59 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/spectral/stepper.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
 
 #include <array>
 #include <vector>
 
-namespace shearwake {
+namespace shearwake::spectral {
 
-/// -sigma_zz at the depths of a case's receptors, a frame at a time: the zz component of what
-/// TensorVolumes keeps, but right at these depths. It is linear in the displacement a step before,
-/// at and after the frame, so that each wave vector needs sums over the element that holds the
-/// depth, and a depth one transform; where the medium varies laterally within that element, one for
-/// each of its nodes (lambda div u) and two more (mu, viscosity). Where elements meet: the mean of
-/// both.
+/// Computes -sigma_zz at the depths of a case's receptors for each frame: the zz component of the
+/// stress of TensorVolumes, evaluated exactly at these depths. It is linear in the displacement one
+/// step before, at and after the frame. Each wave vector contributes sums over the element that
+/// contains the depth, followed by one transform per depth. If the medium varies laterally within
+/// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed. At
+/// an element boundary the result is the mean of both sides.
 class ReceptorStress {
 public:
-    /// Collective. Holds no memory where the case asks for none. Throws CaseFailure on all ranks
-    /// together.
-    ReceptorStress(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs, double step_s,
-                   const Comm& team);
+    /// Allocates memory only if the case requests the stress. Throws CaseFailure on all ranks
+    /// together. Collective.
+    ReceptorStress(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
+                   double step_s, const Comm& team);
 
+    /// Whether the case requests the stress.
     bool wanted() const { return depths_ > 0; }
-    /// Before the step that follows a frame: what that step forgets. Not collective.
+    /// Saves what the next step overwrites; to be called before the step that follows a frame. Not
+    /// collective.
     void remember(const Stepper& stepper);
-    /// After that step. Collective.
-    void give(const Stepper& stepper, std::ptrdiff_t frame, Observer& observer);
-    /// How many planes it transforms a frame, as far as the case tells.
+    /// Passes the stress at `frame` to the observer; to be called after that step. Collective.
+    void give(const Stepper& stepper, std::ptrdiff_t frame, engines::Observer& observer);
+    /// Number of planes that are transformed per frame, as far as it follows from the case.
     static double planes(const Case& c, const DepthMesh& mesh);
 
 private:
-    /// One plane: a sum over the nodes of an element, then times a modulus of each cell.
+    /// One plane: a weighted sum over the nodes of an element, multiplied by a modulus of each
+    /// cell.
     struct Part {
         std::size_t depth;
-        std::ptrdiff_t first;                       // level of the element
-        std::array<std::vector<double>, 3> weights; // a step before the frame, at it, after it:
-                                                    // of W at the nodes, then of -k U
-        std::vector<double> factors;                // of each cell; none: 1
+        std::ptrdiff_t first;                       // first level of the element
+        std::array<std::vector<double>, 3> weights; // one step before, at and after the frame:
+                                                    // for W at the nodes, then for -k U
+        std::vector<double> factors;                // per cell; empty: 1
     };
     void add_parts(std::size_t depth, double depth_m, std::size_t element, double share);
-    void add(const Part& part, std::size_t time, Lanes k, const Lanes* pencil, Lanes* value) const;
-    /// use(row, block, where its pencil begins, what is kept of it).
+    void add(const Part& part, std::size_t time, const Block& k, const Block* pencil,
+             Block* value) const;
+    /// Calls use(row, block, pencil offset, saved contribution) for each pencil.
     template <class Use>
     void each_pencil(const Part& part, Use use);
 
     const Case& case_;
     DepthMesh mesh_;
-    const SlabTransform& slabs_;
+    const fft::SlabTransform& slabs_;
     double step_s_;
     WaveVectors vectors_;
     std::size_t depths_;
-    std::ptrdiff_t levels_; // that move
+    std::ptrdiff_t levels_; // number of moving levels
     std::vector<Part> parts_;
-    AlignedVector<double> kept_; // what the step before the frame adds, part by part
-    AlignedVector<double> plane_, compression_;
+    fft::AlignedVector<Block> kept_; // contribution of the step before the frame, for each part
+    fft::AlignedVector<double> plane_, compression_;
 };
 
-} // namespace shearwake
+} // namespace shearwake::spectral

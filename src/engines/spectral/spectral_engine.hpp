@@ -1,18 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
 
-namespace shearwake {
+namespace shearwake::spectral {
 
-/// Fourier in x and y, Gauss-Lobatto-Legendre elements in z, implicit in time with a step that
-/// knows nothing of c_p. Media so far: layers on a rigid base, Kelvin-Voigt or lossless. Frames
-/// come in order of time, each at all depths.
-class SpectralEngine : public Engine {
+/// Fourier series in x and y, Gauss-Lobatto-Legendre elements in z, implicit steps in time whose
+/// length is independent of c_p. Supports layers, bodies and maps that are Kelvin-Voigt or
+/// lossless, on a rigid base or a half-space. Passes the frames in order of time, each at all
+/// depths.
+class SpectralEngine : public engines::Engine {
 public:
-    Estimate estimate(const Case& c, int ranks) const override;
+    engines::Estimate estimate(const Case& c, int ranks) const override;
+    std::vector<engines::Calibration> calibrations() const override;
     std::vector<std::string> choices(const Case& c) const override;
-    void run(const Case& c, const Comm& team, Observer& observer,
-             Checkpoints* checkpoints) override;
+    std::vector<Remark> limits(const Case& c) const override;
+    engines::Edges edges(const Case& c) const override;
+    bool probes_step(const Case& c) const override;
+    double probed_step_s(const Case& c) const override;
+    Case with_step(const Case& c, double step_s) const override;
+    void run(const Case& c, const Comm& team, engines::Observer& observer,
+             engines::Checkpoints* checkpoints) override;
 };
 
-} // namespace shearwake
+} // namespace shearwake::spectral

@@ -1,14 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/tensor_volumes.hpp"
 
-#include "engines/spectral/cell_materials.hpp"
+#include "engines/spectral/depth/work_kinds.hpp"
+
+#include "engines/spectral/lateral/cell_materials.hpp"
 #include "parallel/agree.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 
-namespace shearwake {
+namespace shearwake::spectral {
 namespace {
 
-/// Row by row, what an element's nodes are after smoothing.
+/// Row-major matrix that smooths the nodal values of an element.
 std::vector<double> smoothing_of(const GaussLobatto& rule) {
     std::vector<double> matrix;
     for (const double x : rule.nodes) {
@@ -20,7 +24,7 @@ std::vector<double> smoothing_of(const GaussLobatto& rule) {
 
 } // namespace
 
-TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs,
+TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                              double step_s, const Comm& team)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), team_(team),
       vectors_(c.domain, slabs.share()),
@@ -30,61 +34,72 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const SlabTra
     if (!wanted_) return;
     smoothing_ = smoothing_of(mesh.rule);
     const auto plane = static_cast<std::size_t>(slabs.share().reals);
-    const auto pencil = 3 * (mesh.levels() - 1) * static_cast<std::size_t>(parts * lane_count);
+    const auto pencil = 3 * (mesh.levels() - 1) * static_cast<std::size_t>(parts);
     together(team, [&] {
         for (auto* planes : {&now_, &rate_, &strain_, &stress_})
             planes->assign(strain_components * plane, 0.0);
         pressure_.assign(mesh.rule.nodes.size() * plane, 0.0);
-        pencil_.assign(pencil, 0.0);
-        earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, 0.0);
+        pencil_.assign(pencil, Block{});
+        earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, Block{});
     });
 }
 
-double* TensorVolumes::plane(AlignedVector<double>& planes, std::ptrdiff_t number) const {
+double* TensorVolumes::plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const {
     return planes.data() + number * slabs_.share().reals;
 }
 
-/// One ky of a plane's spectrum.
-double* TensorVolumes::line(AlignedVector<double>& planes, std::ptrdiff_t number,
+/// The line of one ky in the spectrum of a plane.
+double* TensorVolumes::line(fft::AlignedVector<double>& planes, std::ptrdiff_t number,
                             std::ptrdiff_t row) const {
     return plane(planes, number) + 2 * row * vectors_.nx();
 }
 
 void TensorVolumes::remember(const Stepper& stepper) {
+    const engines::Timed timed(kinds::of_tensor);
     std::copy(stepper.before().begin(), stepper.before().end(), earlier_.begin());
 }
 
-/// The three steps of one pencil: before, at and after the snapshot.
+/// The displacement of one pencil before, at and after the snapshot.
 TensorVolumes::Steps TensorVolumes::steps(const Stepper& stepper, std::ptrdiff_t pencil) const {
     const std::ptrdiff_t at = pencil * 3 * static_cast<std::ptrdiff_t>(mesh_.levels() - 1) * parts;
-    return {lanes(earlier_.data()) + at, lanes(stepper.before().data()) + at,
-            lanes(stepper.now().data()) + at};
+    return {earlier_.data() + at, stepper.before().data() + at, stepper.now().data() + at};
 }
 
-/// lambda div(u + ...) at the nodes of an element, smoothed over depth, physical planes.
+/// Adds the scheme's average over three steps, times a weight per lane.
+void TensorVolumes::add_mean(const Steps& u, std::ptrdiff_t i, const auto& weight, Block& to) {
+    constexpr double s = stabilising_lambda;
+    for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+        to[lane] += weight(lane) * ((1.0 - 2.0 * s) * u.now[i][lane] +
+                                    s * (u.later[i][lane] + u.earlier[i][lane]));
+}
+
+/// Computes lambda div(u + ...) at the nodes of an element, smoothed over depth, as physical
+/// planes.
 void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
     const std::ptrdiff_t nodes = mesh_.degree + 1, reals = slabs_.share().reals;
     const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
     const double slope = 2.0 / mesh_.length_m(element);
+    const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
             const Steps u = steps(stepper, row * vectors_.blocks() + block);
-            const Lanes k = vectors_.k(row, block);
-            const auto mean = [&](std::ptrdiff_t node, std::ptrdiff_t component) {
-                const std::ptrdiff_t i = (2 * (first + node)) * parts + component; // U, then W
-                return u.now[i] + stabilising_lambda * (u.later[i] - 2.0 * u.now[i] + u.earlier[i]);
-            };
+            const WaveBlock waves = vectors_.waves(row, block);
             for (std::ptrdiff_t q = 0; q < nodes; ++q) {
-                Lanes dilation[parts] = {}; // W' - k U
-                for (std::ptrdiff_t p = 0; p < parts; ++p) {
-                    for (std::ptrdiff_t j = 0; j < nodes && first + j < levels; ++j)
-                        dilation[p] +=
-                            slope * mesh_.rule.derivative[static_cast<std::size_t>(q * nodes + j)] *
-                            mean(j, parts + p);
-                    if (first + q < levels) dilation[p] -= k * mean(q, p);
+                Block dilation[parts] = {}; // W' - k U
+                const auto add = [&](std::ptrdiff_t node, std::ptrdiff_t component, auto weight) {
+                    const std::ptrdiff_t at = 2 * (first + node) * parts + component; // U, W
+                    for (std::ptrdiff_t p = 0; p < parts; ++p)
+                        add_mean(u, at + p, weight, dilation[p]);
+                };
+                for (std::ptrdiff_t j = 0; j < nodes && first + j < levels; ++j) {
+                    const double d =
+                        slope * mesh_.rule.derivative[static_cast<std::size_t>(q * nodes + j)];
+                    add(j, parts, [d](std::ptrdiff_t) { return d; });
                 }
-                StrainTransfer::put(vectors_, block, line(pressure_, q, row), dilation);
+                if (first + q < levels)
+                    add(q, 0, [&waves](std::ptrdiff_t lane) { return -waves.k[lane]; });
+                lines.put(waves, dilation, line(pressure_, q, row));
             }
         }
     }
@@ -111,20 +126,21 @@ void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
     });
 }
 
-/// Strain and its rate at one node, physical planes.
+/// Computes strain and strain rate at one node as physical planes.
 void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point) {
     const std::ptrdiff_t reals = slabs_.share().reals;
     const StrainTransfer strains(mesh_, {point}, strain_components, vectors_);
+    const PencilKernels& kernels = simd::kernels<PencilKernels>();
     const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(point.element) * mesh_.degree;
     const std::ptrdiff_t count = std::min<std::ptrdiff_t>(mesh_.degree + 1, levels - first);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
             const Steps u = steps(stepper, row * vectors_.blocks() + block);
-            Lanes* change = lanes(pencil_.data());
+            Block* change = pencil_.data();
             const auto subtract = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-                for (std::ptrdiff_t i = begin; i < end; ++i)
-                    change[i] = (0.5 / step_s_) * (u.later[i] - u.earlier[i]);
+                kernels.difference(end - begin, 0.5 / step_s_, u.later + begin, u.earlier + begin,
+                                   change + begin);
             };
             subtract(2 * first * parts, 2 * (first + count) * parts); // U and W, then V
             subtract((2 * levels + first) * parts, (2 * levels + first + count) * parts);
@@ -144,16 +160,16 @@ TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) c
     const std::size_t element = point.element;
     Materials all{material_of(case_.medium.layers[mesh_.layers[element]]), {}};
     if (!varies_between(case_.medium, mesh_.ends_m[element], mesh_.ends_m[element + 1])) return all;
-    const HeldMaterials held(case_, all.layer);
+    const CappedMaterials capped(case_, all.layer);
     together(team_, [&] {
         all.cells = cell_materials(case_, mesh_, slabs_.share(), point);
         for (Material& m : all.cells)
-            m = held(m);
+            m = capped(m);
     });
     return all;
 }
 
-/// f(number of the cell, its place in a plane).
+/// Calls f(index of the cell, its position in a plane).
 void TensorVolumes::for_each_cell(const auto& f) const {
     for (std::ptrdiff_t i = 0; i < slabs_.share().x_count; ++i)
         for (std::ptrdiff_t j = 0; j < case_.domain.ny; ++j)
@@ -166,7 +182,7 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
     for_each_cell([&](std::ptrdiff_t cell, std::ptrdiff_t at) {
         const Material& m = materials[cell];
         for (int c = 0; c < strain_components; ++c) {
-            const double tensor = c < yz ? 1.0 : 0.5; // of the engineering shear strain
+            const double tensor = c < yz ? 1.0 : 0.5; // converts the engineering shear strain
             const double strain = tensor * plane(now_, c)[at];
             const double rate = tensor * plane(rate_, c)[at];
             plane(strain_, c)[at] += share * strain;
@@ -176,13 +192,15 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
     });
 }
 
-void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot, Observer& observer) {
+void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot,
+                         engines::Observer& observer) {
+    const engines::Timed timed(kinds::of_tensor);
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(stepper, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
             const std::size_t level =
                 element * static_cast<std::size_t>(mesh_.degree) + static_cast<std::size_t>(node);
-            if (level >= mesh_.clear_levels()) return; // within the absorber
+            if (level >= mesh_.clear_levels()) return; // inside the absorber
             const bool second = node == 0 && element > 0;
             const bool first = node == mesh_.degree && element + 1 < mesh_.elements();
             if (!second)
@@ -190,13 +208,14 @@ void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot, Observer&
                     std::fill(planes->begin(), planes->end(), 0.0);
             find_strain(stepper, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
-            if (first) continue; // its other side comes next
+            if (first) continue; // the adjacent element follows
             give_level(snapshot, level, observer);
         }
     }
 }
 
-void TensorVolumes::give_level(std::size_t snapshot, std::size_t level, Observer& observer) {
+void TensorVolumes::give_level(std::size_t snapshot, std::size_t level,
+                               engines::Observer& observer) {
     const std::vector<VolumeField>& fields = case_.record.volume_fields;
     for (std::size_t field = 0; field < fields.size(); ++field) {
         if (fields[field] == VolumeField::u) continue;
@@ -212,4 +231,4 @@ void TensorVolumes::give_level(std::size_t snapshot, std::size_t level, Observer
     }
 }
 
-} // namespace shearwake
+} // namespace shearwake::spectral

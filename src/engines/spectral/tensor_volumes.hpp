@@ -1,67 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/spectral/stepper.hpp"
-#include "model/material_field.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
+#include "medium/material_field.hpp"
 
-namespace shearwake {
+namespace shearwake::spectral {
 
-/// Strain and stress of volume snapshots, element by element: memory for a few dozen planes and one
-/// displacement. At the time of a snapshot,
+/// Strain and stress of volume snapshots, computed element by element with memory for a few dozen
+/// planes and one displacement. At the time of a snapshot,
 ///     strain = (grad u + grad u^T) / 2,
 ///     stress = lambda div(u + 0.26 (u+ - 2u + u-)) + 2 mu strain + 2 viscosity (strain+ - strain-)
 ///              / (2 dt),
-/// u+ and u- a step later and earlier. lambda div u alone would ring: compressional waves are far
-/// too fast for the step and alternate in it; the mean is what balances the load in the scheme. And
-/// it would alternate from node to node where a body's face cuts an element; so of its polynomial
-/// over depth the two highest degrees are left out, as in P_N - P_(N-2) elements (Maday and Patera
-/// 1989). Materials are those that the engine computes with. Where elements meet: the mean of both.
+/// where u+ and u- are one step later and earlier. lambda div u alone would oscillate:
+/// compressional waves are far too fast for the step and alternate from step to step. The average
+/// over three steps is the quantity that balances the load in the scheme. It would also alternate
+/// from node to node where the face of a body cuts an element. Therefore the two highest degrees of
+/// its polynomial over depth are removed, as in P_N - P_(N-2) elements (Maday and Patera 1989). The
+/// materials are those of the computation (with capped stiffness). At an element boundary the
+/// result is the mean of both sides.
 class TensorVolumes {
 public:
-    /// Collective. Holds no memory where the case keeps neither.
-    TensorVolumes(const Case& c, const DepthMesh& mesh, const SlabTransform& slabs, double step_s,
-                  const Comm& team);
+    /// Allocates memory only if the case records strain or stress. Throws CaseFailure on all ranks
+    /// together. Collective.
+    TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
+                  double step_s, const Comm& team);
 
+    /// Whether the case records strain or stress.
     bool wanted() const { return wanted_; }
-    /// Before the step that follows a snapshot: what that step forgets. Not collective.
+    /// Saves what the next step overwrites; to be called before the step that follows a snapshot.
+    /// Not collective.
     void remember(const Stepper& stepper);
-    /// After that step. Collective.
-    void give(const Stepper& stepper, std::size_t snapshot, Observer& observer);
+    /// Passes the planes of the snapshot to the observer; to be called after that step. Collective.
+    void give(const Stepper& stepper, std::size_t snapshot, engines::Observer& observer);
 
 private:
     struct Steps {
-        const Lanes *earlier, *now, *later;
+        const Block *earlier, *now, *later;
     };
     struct Materials {
         Material layer;
-        std::vector<Material> cells; // none: the layer's everywhere
+        std::vector<Material> cells; // empty: those of the layer everywhere
         const Material& operator[](std::ptrdiff_t cell) const {
             return cells.empty() ? layer : cells[static_cast<std::size_t>(cell)];
         }
     };
     Steps steps(const Stepper& stepper, std::ptrdiff_t pencil) const;
+    static void add_mean(const Steps& u, std::ptrdiff_t i, const auto& weight, Block& to);
     Materials materials_at(const StrainPoint& point) const;
     void for_each_cell(const auto& f) const;
     void find_pressure(const Stepper& stepper, std::size_t element);
     void find_strain(const Stepper& stepper, const StrainPoint& point);
-    /// What was found at a node, times `share`, to strain_ and stress_.
+    /// Adds the results at a node times `share` to strain_ and stress_.
     void add(const StrainPoint& point, double share);
-    void give_level(std::size_t snapshot, std::size_t level, Observer& observer);
-    double* plane(AlignedVector<double>& planes, std::ptrdiff_t number) const;
-    double* line(AlignedVector<double>& planes, std::ptrdiff_t number, std::ptrdiff_t row) const;
+    void give_level(std::size_t snapshot, std::size_t level, engines::Observer& observer);
+    double* plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const;
+    double* line(fft::AlignedVector<double>& planes, std::ptrdiff_t number,
+                 std::ptrdiff_t row) const;
 
     const Case& case_;
     DepthMesh mesh_;
-    const SlabTransform& slabs_;
+    const fft::SlabTransform& slabs_;
     double step_s_;
     Comm team_;
     WaveVectors vectors_;
     bool wanted_;
-    std::vector<double> smoothing_;          // of an element's nodes
-    AlignedVector<double> now_, rate_;       // strain at a node: planes of six components
-    AlignedVector<double> strain_, stress_;  // what becomes of them
-    AlignedVector<double> pressure_;         // a plane for each node of an element
-    AlignedVector<double> earlier_, pencil_; // displacement; of one pencil
+    std::vector<double> smoothing_;              // of the nodal values of an element
+    fft::AlignedVector<double> now_, rate_;      // strain at a node: planes of six components
+    fft::AlignedVector<double> strain_, stress_; // accumulated results
+    fft::AlignedVector<double> pressure_;        // one plane per node of an element
+    fft::AlignedVector<Block> earlier_, pencil_; // displacement one step before; of one pencil
 };
 
-} // namespace shearwake
+} // namespace shearwake::spectral

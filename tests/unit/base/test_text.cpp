@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/hash.hpp"
 #include "base/text.hpp"
 
@@ -6,7 +7,7 @@
 
 using namespace shearwake;
 
-TEST_CASE("an edit is an insertion, a deletion, a replacement or a swap", "[text]") {
+TEST_CASE("edit distance counts insertions, deletions, replacements and transpositions", "[text]") {
     CHECK(edit_distance("", "") == 0);
     CHECK(edit_distance("speed", "speed") == 0);
     CHECK(edit_distance("", "abc") == 3);
@@ -18,13 +19,14 @@ TEST_CASE("an edit is an insertion, a deletion, a replacement or a swap", "[text
     CHECK(edit_distance("kitten", "sitting") == 3);
 }
 
-TEST_CASE("the edit distance is symmetric", "[text]") {
+TEST_CASE("edit distance is symmetric", "[text]") {
     const std::string a = GENERATE("peak_Pa", "fwhm_mm", "", "x");
     const std::string b = GENERATE("pek_Pa", "whfm_mm", "duration_ms");
     CHECK(edit_distance(a, b) == edit_distance(b, a));
 }
 
-TEST_CASE("a mistyped word suggests the nearest candidate, and a wild one none", "[text]") {
+TEST_CASE("suggests the nearest candidate for a mistyped word and none for an unrelated one",
+          "[text]") {
     const std::vector<std::string> words = {"peak_Pa", "footprint", "carrier"};
     CHECK(nearest("pek_Pa", words) == "peak_Pa");
     CHECK(nearest("fotoprint", words) == "footprint");
@@ -32,7 +34,7 @@ TEST_CASE("a mistyped word suggests the nearest candidate, and a wild one none",
     CHECK(nearest("anything", {}) == std::nullopt);
 }
 
-TEST_CASE("a list is quoted and joined for a sentence", "[text]") {
+TEST_CASE("quotes the items of a list and joins them with a conjunction", "[text]") {
     const std::vector<std::string> words = {"a", "b", "c"};
     CHECK(quoted_list(words) == R"("a", "b" or "c")");
     CHECK(quoted_list(words, "and") == R"("a", "b" and "c")");
@@ -45,7 +47,7 @@ TEST_CASE("exact text reads back as the same double", "[text]") {
     CHECK(std::strtod(exact(value).c_str(), nullptr) == value);
 }
 
-TEST_CASE("the stable hash is FNV-1a of 64 bits", "[hash]") {
+TEST_CASE("stable hash matches the published FNV-1a vectors", "[hash]") {
     // The published vectors of Fowler, Noll and Vo.
     CHECK(stable_hash("") == 0xcbf29ce484222325ULL);
     CHECK(stable_hash("a") == 0xaf63dc4c8601ec8cULL);

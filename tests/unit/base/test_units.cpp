@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/units.hpp"
 
 #include <catch2/catch.hpp>
 
 using namespace shearwake;
 
-TEST_CASE("the longest unit at the end of a key counts", "[units]") {
+TEST_CASE("finds the longest unit at the end of a key", "[units]") {
     CHECK(unit_of("speed_m_s")->quantity == "speed");
     CHECK(unit_of("viscosity_Pa_s")->quantity == "viscosity");
     CHECK(unit_of("density_kg_m3")->to_SI == 1.0);
@@ -14,13 +15,13 @@ TEST_CASE("the longest unit at the end of a key counts", "[units]") {
     CHECK(unit_of("carrier_kHz")->to_SI == 1e3);
 }
 
-TEST_CASE("a key without a unit has none", "[units]") {
+TEST_CASE("finds no unit in a key without one", "[units]") {
     const std::string key = GENERATE("mach", "focal_radius_fwhm", "am_depth", "_mm", "", "kind");
     CHECK_FALSE(unit_of(key));
     CHECK(without_unit(key) == key);
 }
 
-TEST_CASE("a key without its unit is its stem", "[units]") {
+TEST_CASE("removes the unit from the end of a key", "[units]") {
     CHECK(without_unit("thickness_mm") == "thickness");
     CHECK(without_unit("c_s_m_s") == "c_s");
 }

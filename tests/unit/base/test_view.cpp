@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "base/view.hpp"
 
 #include <catch2/catch.hpp>
@@ -7,7 +8,7 @@
 
 using namespace shearwake;
 
-TEST_CASE("a view steps from row to row by its stride", "[view]") {
+TEST_CASE("rows of a view are one stride apart", "[view]") {
     std::vector<double> values(12);
     std::iota(values.begin(), values.end(), 0.0);
     const View2<double> view(values.data(), 3, 2, 4);
@@ -19,7 +20,7 @@ TEST_CASE("a view steps from row to row by its stride", "[view]") {
     CHECK(values[9] == -1.0);
 }
 
-TEST_CASE("a view of values serves as a view of constants, and not the other way", "[view]") {
+TEST_CASE("a view of values converts to a view of constants but not vice versa", "[view]") {
     std::vector<double> values = {1.0, 2.0};
     const View2<const double> view = View2<double>(values.data(), 1, 2);
     CHECK(view(0, 1) == 2.0);

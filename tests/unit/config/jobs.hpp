@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 #include "config/job.hpp"
@@ -58,16 +59,16 @@ inline std::string plain_and(std::string_view more) {
 
 /// Everything found in a job, good or bad, one text each.
 inline std::vector<std::string> findings_of(std::string_view job_text,
-                                            std::vector<Override> overrides = {}) {
-    std::vector<Finding> findings;
+                                            std::vector<config::Override> overrides = {}) {
+    std::vector<config::Finding> findings;
     try {
-        findings = read_job(job_text, "job.toml", overrides).findings;
-    } catch (const BadJob& bad) {
+        findings = config::read_job(job_text, "job.toml", overrides).findings;
+    } catch (const config::BadJob& bad) {
         findings = bad.findings();
     }
     std::vector<std::string> texts;
-    for (const Finding& finding : findings)
-        texts.push_back(text(finding));
+    for (const config::Finding& finding : findings)
+        texts.push_back(config::text(finding));
     return texts;
 }
 
@@ -80,8 +81,8 @@ inline bool any_contains(const Texts& texts, std::string_view part) {
 }
 
 /// The one case of a job.
-inline Case only_case(std::string_view job_text, std::vector<Override> overrides = {}) {
-    const Job job = read_job(job_text, "job.toml", overrides);
+inline Case only_case(std::string_view job_text, std::vector<config::Override> overrides = {}) {
+    const config::Job job = config::read_job(job_text, "job.toml", overrides);
     REQUIRE(job.plan.cases.size() == 1);
     return job.plan.cases.front().physics;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
 #include <random>
@@ -78,14 +79,15 @@ Case full_case() {
 
 } // namespace
 
-TEST_CASE("the interface's example means what it says", "[job]") {
+TEST_CASE("the example of the interface has the documented meaning", "[job]") {
     const std::string unswept(full_job.substr(0, full_job.find("[sweep]")));
     CHECK(canonical_text(only_case(unswept)) == canonical_text(full_case()));
     CHECK(only_case(unswept) == full_case());
 }
 
-TEST_CASE("the interface's example makes a case of every combination not excluded", "[job]") {
-    const Job job = read_job(full_job, "job.toml");
+TEST_CASE("the example of the interface gives one case per combination that is not excluded",
+          "[job]") {
+    const config::Job job = config::read_job(full_job, "job.toml");
     CHECK(job.text == full_job);
     CHECK(job.plan.name == "am-stm-frequency");
     CHECK(job.plan.title == "eta and IPR against amplitude-modulation frequency");
@@ -95,12 +97,12 @@ TEST_CASE("the interface's example makes a case of every combination not exclude
     CHECK(job.plan.table.series == Texts{"load.footprint.fwhm_mm"});
     // 6 x 3 x 3 less 6 excluded, and a reference for each of the 8 that remain without frequency.
     CHECK(job.plan.cases.size() == 48 + 8);
-    for (const Finding& finding : job.findings)
+    for (const config::Finding& finding : job.findings)
         CHECK(finding.severity == Severity::warning);
 }
 
-TEST_CASE("a plain job has one case and nothing to say", "[job]") {
-    const Job job = read_job(plain_job, "job.toml");
+TEST_CASE("a plain job has one case and no diagnostics", "[job]") {
+    const config::Job job = config::read_job(plain_job, "job.toml");
     REQUIRE(job.plan.cases.size() == 1);
     CHECK(job.plan.cases[0].settings.empty());
     CHECK(job.plan.cases[0].id == case_id(job.plan.cases[0].physics));
@@ -109,7 +111,7 @@ TEST_CASE("a plain job has one case and nothing to say", "[job]") {
     CHECK(job.plan.table == TableOptions{});
 }
 
-TEST_CASE("the same job in another order and spelling has the same id", "[job]") {
+TEST_CASE("the order and notation of a job do not change its id", "[job]") {
     const std::string other = R"(
 job.name = "other-name"
 schema = 1
@@ -144,45 +146,53 @@ base = "rigid"
     CHECK(canonical_text(only_case(other)) == canonical_text(only_case(plain_job)));
 }
 
-TEST_CASE("a mistake in who the job is stands in its place", "[job]") {
+TEST_CASE("an error in [job] or schema is reported with its location", "[job]") {
     const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
         {"schema = 1\n", "",
-         "job.toml: error: schema is missing: the first line of a job is schema = 1"},
+         "job.toml: error: schema is missing; begin the job with the line schema = 1"},
         {"schema = 1", "schema = 2",
-         "job.toml:1:10: error: schema must be 1, the only one this program reads, and is 2"},
+         "job.toml:1:10: error: schema must be 1, the only version that this program supports, but "
+         "is 2"},
         {"name = \"plain\"\n", "", "job.toml:2:1: error: job.name is missing"},
         {"[job]\nname = \"plain\"\n", "", "job.toml: error: job is missing"},
         {"name =", "nam =", "job.toml:3:1: error: job.nam is unknown; did you mean name?"},
-        {"\"plain\"", "3", "job.toml:3:8: error: job.name must be a string, and is a number"},
+        {"\"plain\"", "3", "job.toml:3:8: error: job.name must be a string, but is a number"},
         {"[load]", "[laod]\n[load]", "job.toml:13:2: error: laod is unknown; did you mean load?"},
     }));
     CHECK(findings_of(plain_with(old, by)) == Texts{finding});
 }
 
-TEST_CASE("a text that is no TOML is one finding in its place", "[job]") {
+TEST_CASE("invalid TOML is reported once with its location", "[job]") {
     const Texts found = findings_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
     REQUIRE(found.size() == 1);
-    CHECK(found[0].starts_with("job.toml:14:11: error: this is no TOML: "));
+    CHECK(found[0].starts_with("job.toml:14:11: error: this is not valid TOML: "));
 }
 
-TEST_CASE("a key given twice is told so, not garbled", "[job]") {
+TEST_CASE("a duplicate key is reported with its line", "[job]") {
     const Texts found = findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n"
                                               "\"load.peak_Pa\" = [3]\n"));
     REQUIRE(found.size() == 1);
-    CHECK(found[0].find(": error: this key stands in its table already") != std::string::npos);
+    CHECK(found[0].find(": error: duplicate key: a table may contain a key only once") !=
+          std::string::npos);
     const std::string text = plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n");
     const auto line = 1 + std::count(text.begin(), text.end(), '\n');
     CHECK(found[0].starts_with("job.toml:" + std::to_string(line) + ":"));
 }
 
-TEST_CASE("a name that could leave the output directory is refused", "[job]") {
-    const std::string name =
-        GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b", ".hidden", "a\\\\b",
-                 "\\u00e4", "a\\u0000", std::string(101, 'x'));
+TEST_CASE("a name that leads outside the output directory is rejected", "[job]") {
+    const std::string name = GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b",
+                                      ".hidden", "-rf", "a\\\\b", "\\u00e4", std::string(101, 'x'));
     const Texts found = findings_of(plain_with("\"plain\"", "\"" + name + "\""));
     REQUIRE(found.size() == 1);
     CAPTURE(found[0]);
-    CHECK(found[0].starts_with("job.toml:3:8: error: job.name becomes the name of a folder"));
+    CHECK(found[0].starts_with("job.toml:3:8: error: job.name must be a valid folder name"));
+}
+
+TEST_CASE("a control character in a name is rejected", "[job]") {
+    const Texts found = findings_of(plain_with("\"plain\"", "\"a\\u0000\""));
+    REQUIRE(found.size() >= 1);
+    CHECK(
+        found[0].starts_with("job.toml:3:8: error: job.name contains a control character: \"a?\""));
 }
 
 TEST_CASE("every missing table is reported at once", "[job]") {
@@ -191,27 +201,27 @@ TEST_CASE("every missing table is reported at once", "[job]") {
                 "job.toml: error: [domain] is missing", "job.toml: error: [time] is missing"});
 }
 
-TEST_CASE("every mistake of a job is reported at once, in the order of the file", "[job]") {
+TEST_CASE("all errors in a job are reported at once, in the order of the file", "[job]") {
     std::string text = plain_with("20.0", "-20.0");
     text = replaced(text, "peak_Pa = 100.0", "peak_Pa = \"much\"");
     text = replaced(text, "am_frequency_Hz", "am_frequncy_Hz");
     text = replaced(text, "spacing_mm = 0.75\n", "");
     CHECK(findings_of(text) ==
-          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, and is -20",
-                "job.toml:14:11: error: load.peak_Pa must be a number, and is a string (\"much\")",
+          Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is -20",
+                "job.toml:14:11: error: load.peak_Pa must be a number, but is a string (\"much\")",
                 "job.toml:20:1: error: load.modulation.am_frequncy_Hz is unknown; did you mean "
                 "am_frequency_Hz?",
                 "job.toml:21:1: error: domain.spacing_mm is missing"});
 }
 
-TEST_CASE("a bad job is a usage error that prints one finding a line", "[job]") {
+TEST_CASE("an invalid job is a usage error with one diagnostic per line", "[job]") {
     std::string text(plain_job);
     for (int i = 0; i < 80; ++i)
         text += "unknown_" + std::to_string(i) + " = 1\n";
     try {
-        read_job(text, "job.toml");
+        config::read_job(text, "job.toml");
         FAIL("it was taken for a good job");
-    } catch (const BadJob& bad) {
+    } catch (const config::BadJob& bad) {
         const std::string what = bad.what();
         CHECK(bad.code() == ExitCode::bad_job);
         CHECK(bad.findings().size() == 80);
@@ -220,20 +230,20 @@ TEST_CASE("a bad job is a usage error that prints one finding a line", "[job]") 
     }
 }
 
-TEST_CASE("an error is not crowded out by warnings", "[job]") {
+TEST_CASE("an error is reported even after many warnings", "[job]") {
     std::string text = plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\nexclude = [\n");
     for (int i = 0; i < 80; ++i)
         text += "{ \"load.peak_Pa\" = " + std::to_string(i + 3) + " },\n";
     text += "]\n[nonsense]\n";
     try {
-        read_job(text, "job.toml");
+        config::read_job(text, "job.toml");
         FAIL("it was taken for a good job");
-    } catch (const BadJob& bad) {
+    } catch (const config::BadJob& bad) {
         CHECK(std::string(bad.what()).find("nonsense is unknown") != std::string::npos);
     }
 }
 
-TEST_CASE("noise is refused in one short sentence", "[job]") {
+TEST_CASE("random bytes are rejected with one short message", "[job]") {
     std::mt19937 random(1);
     std::string noise(1'000'000, '\0');
     const int kind = GENERATE(0, 1, 2);
@@ -245,20 +255,20 @@ TEST_CASE("noise is refused in one short sentence", "[job]") {
     CHECK(found[0].starts_with("job.toml:1:"));
 }
 
-TEST_CASE("a header that is none is refused in a build with asserts too", "[job]") {
+TEST_CASE("an invalid table header is rejected, also in builds with assertions", "[job]") {
     const std::string header = GENERATE("[ =", "[[[", "[#]", "[a.=]", "[", "[a", "[[a]");
     const Texts found = findings_of(header);
     REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:1:"));
 }
 
-TEST_CASE("a text too long for a job is refused unread", "[job]") {
+TEST_CASE("a text that is too long for a job is rejected without parsing", "[job]") {
     CHECK(findings_of(std::string(10'000'000, '#')) ==
-          Texts{"job.toml: error: this has 10000000 bytes and is taken for no job file: those have "
-                "at most 4000000"});
+          Texts{"job.toml: error: the file has 10000000 bytes, but a job file may have at most "
+                "4000000"});
 }
 
-TEST_CASE("nesting without end is refused", "[job]") {
+TEST_CASE("excessive nesting is rejected", "[job]") {
     std::string text = "a = ";
     SECTION("lists") {
         text += std::string(1'000'000, '[');
@@ -285,7 +295,7 @@ TEST_CASE("nesting without end is refused", "[job]") {
     CHECK(any_contains(findings_of(text), "error: "));
 }
 
-TEST_CASE("a long number, sentence or list is no endless key", "[job]") {
+TEST_CASE("a long number, sentence or list is not treated as a long dotted key", "[job]") {
     std::string text(plain_job);
     text += "# ";
     for (int i = 0; i < 100; ++i)

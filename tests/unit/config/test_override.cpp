@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
 using namespace shearwake;
@@ -9,8 +10,9 @@ TEST_CASE("an override replaces, adds and reaches into tables and layers", "[con
     CHECK(only_case(plain_job, {{"measure.at_ms", "3"}}).measure.at_s == Approx(0.003));
     CHECK(only_case(plain_job, {{"medium.layer[1].c_s_m_s", "4"}}).medium.layers[0].c_s_m_s == 4.0);
     CHECK(only_case(plain_job, {{"record.traces_mm", "[[1, 2]]"}}).record.traces_m[0].y == 0.002);
-    CHECK(read_job(plain_job, "job.toml", std::vector<Override>{{"job.name", "other"}}).plan.name ==
-          "other");
+    CHECK(config::read_job(plain_job, "job.toml",
+                           std::vector<config::Override>{{"job.name", "other"}})
+              .plan.name == "other");
 }
 
 TEST_CASE("a bare word is a string, and a quoted one too", "[config][override]") {
@@ -28,40 +30,44 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
     const std::string key = GENERATE("sweep.\"load.peak_Pa\"", "sweep.load.peak_Pa");
     const std::string more =
         GENERATE("", "[sweep]\n\"load.peak_Pa\" = [7, 8]\n", "[sweep]\nload.peak_Pa = [7, 8]\n");
-    const Plan plan =
-        read_job(plain_and(more), "job.toml", std::vector<Override>{{key, "[1, 2, 3]"}}).plan;
+    const Plan plan = config::read_job(plain_and(more), "job.toml",
+                                       std::vector<config::Override>{{key, "[1, 2, 3]"}})
+                          .plan;
     REQUIRE(plan.cases.size() == 3);
     CHECK(plan.cases[2].physics.load.peak_Pa == 3.0);
 }
 
-TEST_CASE("an override of a swept key is of no use, and told so", "[config][override]") {
+TEST_CASE("an override of a swept key has no effect and is reported", "[config][override]") {
     const std::string sweep = GENERATE("load.peak_Pa = [1, 2]", "\"load.peak_Pa\" = [1, 2]",
                                        "zip = [ { load.peak_Pa = [1, 2] } ]");
     CHECK(findings_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "7"}}) ==
-          Texts{"-S load.peak_Pa: warning: load.peak_Pa is swept, and the sweep wins: this changes "
-                "nothing; -S sweep.\"load.peak_Pa\"=[...] changes the sweep"});
+          Texts{"-S load.peak_Pa: warning: load.peak_Pa is swept, so this override has no effect; "
+                "to change the sweep, use -S sweep.\"load.peak_Pa\"=[...]"});
 }
 
-TEST_CASE("a mistaken override is named as it was given", "[config][override]") {
+TEST_CASE("an error in an override quotes the override", "[config][override]") {
     const auto [key, value, finding] = GENERATE(table<std::string, std::string, std::string>({
         {"load.peek_Pa", "3",
          "-S load.peek_Pa: error: load.peek_Pa is unknown; did you mean peak_Pa?"},
         {"laod.peak_Pa", "3", "-S laod.peak_Pa: error: laod is unknown; did you mean load?"},
-        {"load.peak_Pa", "-3", "-S load.peak_Pa: error: load.peak_Pa must be above 0, and is -3"},
+        {"load.peak_Pa", "-3", "-S load.peak_Pa: error: load.peak_Pa must be above 0, but is -3"},
         {"load.peak_Pa", "[",
-         "-S load.peak_Pa: error: \"[\" is no TOML value, such as 0.5, [1, 2] or \"word\""},
+         "-S load.peak_Pa: error: \"[\" is not a valid TOML value, such as 0.5, [1, 2] or "
+         "\"word\""},
         {"load.peak_Pa", "",
-         "-S load.peak_Pa: error: \"\" is no TOML value, such as 0.5, [1, 2] or \"word\""},
+         "-S load.peak_Pa: error: \"\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\""},
         {"load.peak_Pa", "7\nfoo = 3",
-         "-S load.peak_Pa: error: \"7?foo = 3\" is no TOML value, such as 0.5, [1, 2] or \"word\""},
+         "-S load.peak_Pa: error: \"7?foo = 3\" is not a valid TOML value, such as 0.5, [1, 2] or "
+         "\"word\""},
         {"load.peak_Pa", "much",
-         "-S load.peak_Pa: error: load.peak_Pa must be a number, and is a string (\"much\")"},
+         "-S load.peak_Pa: error: load.peak_Pa must be a number, but is a string (\"much\")"},
         {"load..x", "3",
-         "-S load..x: error: this is no key: give it in full, as in -S load.peak_Pa=200"},
-        {"", "3", "-S : error: this is no key: give it in full, as in -S load.peak_Pa=200"},
+         "-S load..x: error: this is not a valid key; give it in full, as in -S load.peak_Pa=200"},
+        {"", "3",
+         "-S : error: this is not a valid key; give it in full, as in -S load.peak_Pa=200"},
         {"load.peak_Pa.x", "3", "-S load.peak_Pa.x: error: peak_Pa is a number, not a table"},
         {"medium.layer[2].c_s_m_s", "3",
-         "-S medium.layer[2].c_s_m_s: error: there are only 1, counted from 1"},
+         "-S medium.layer[2].c_s_m_s: error: the list has 1 entries, counted from 1"},
     }));
     CHECK(findings_of(plain_job, {{key, value}}) == Texts{finding});
 }

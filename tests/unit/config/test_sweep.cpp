@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
 #include <set>
@@ -7,8 +8,8 @@ using namespace shearwake::test;
 
 namespace {
 
-Plan plan_of(std::string_view more, std::vector<Override> overrides = {}) {
-    return read_job(plain_and(more), "job.toml", overrides).plan;
+Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
+    return config::read_job(plain_and(more), "job.toml", overrides).plan;
 }
 
 /// The values of one swept key, case after case.
@@ -42,13 +43,14 @@ TEST_CASE("axes multiply, the first slowest and the last fastest", "[config][swe
     CHECK(ids.size() == 6);
 }
 
-TEST_CASE("a case of a sweep is the case that stands alone", "[config][sweep]") {
+TEST_CASE("a case of a sweep equals the same case without a sweep", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.footprint.fwhm_mm\" = [3.0, 4.0]\n");
     CHECK(plan.cases[0].physics == only_case(plain_job));
     CHECK(plan.cases[1].physics == only_case(plain_with("fwhm_mm = 3.0", "fwhm_mm = 4.0")));
 }
 
-TEST_CASE("axes stand in the order of the file however their dots are written", "[config][sweep]") {
+TEST_CASE("axes keep the order of the file, independent of how their dots are written",
+          "[config][sweep]") {
     const Plan plan = plan_of(R"([sweep]
 load.peak_Pa = [1, 2]
 "domain.spacing_mm" = [0.75, 0.5]
@@ -61,7 +63,7 @@ am_frequency_Hz = [500, 600]
     CHECK(plan.cases.size() == 16);
 }
 
-TEST_CASE("generators make their values", "[config][sweep]") {
+TEST_CASE("generators give the expected values", "[config][sweep]") {
     CHECK(peaks("{ linspace = [0.1, 1, 10] }") ==
           std::vector{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0});
     CHECK(peaks("{ linspace = [5, 1, 3] }") == std::vector{5.0, 3.0, 1.0});
@@ -73,7 +75,7 @@ TEST_CASE("generators make their values", "[config][sweep]") {
     CHECK(peaks("{ range = [3, 3, 1] }") == std::vector{3.0});
 }
 
-TEST_CASE("zipped keys go together and multiply with the rest", "[config][sweep]") {
+TEST_CASE("zipped keys change together and are combined with the other axes", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.peak_Pa\" = [1, 2]\n"
                               "zip = [ { \"load.modulation.speed_m_s\" = [7, 8], "
                               "domain.spacing_mm = [0.75, 0.5] } ]\n");
@@ -83,12 +85,12 @@ TEST_CASE("zipped keys go together and multiply with the rest", "[config][sweep]
     CHECK(numbers(plan, "domain.spacing_mm") == std::vector{0.75, 0.5, 0.75, 0.5});
 }
 
-TEST_CASE("a zipped key may take a value twice if the others do not", "[config][sweep]") {
+TEST_CASE("a zipped key may contain a value twice if the combinations differ", "[config][sweep]") {
     CHECK(plan_of("[sweep]\nzip = [ { load.peak_Pa = [1, 1], domain.spacing_mm = [0.75, 0.5] } ]")
               .cases.size() == 2);
 }
 
-TEST_CASE("an excluded combination is no case", "[config][sweep]") {
+TEST_CASE("an excluded combination gives no case", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.peak_Pa\" = [1, 2]\n\"domain.spacing_mm\" = [0.5, "
                               "0.75]\nexclude = [ { \"load.peak_Pa\" = 2.0, domain.spacing_mm = "
                               "0.5 } ]\n");
@@ -116,41 +118,41 @@ TEST_CASE("points, layers, words and tables can be swept", "[config][sweep]") {
     CHECK(last.settings[4].value == Value("false"));
 }
 
-TEST_CASE("a sweep can reach into the layers of a preset", "[config][sweep]") {
+TEST_CASE("a sweep can change the layers of a preset", "[config][sweep]") {
     const std::size_t begin = plain_job.find("[medium]"), end = plain_job.find("[load]");
     const std::string job = std::string(plain_job.substr(0, begin)) +
                             "[medium]\npreset = \"three-layer-skin\"\n" +
                             std::string(plain_job.substr(end)) + "[sweep]\n";
-    CHECK(read_job(job + "\"medium.layer[2].thickness_mm\" = [1, 2]\n", "job.toml")
+    CHECK(config::read_job(job + "\"medium.layer[2].thickness_mm\" = [1, 2]\n", "job.toml")
               .plan.cases[0]
               .physics.medium.layers[1]
               .thickness_m == 0.001);
-    CHECK(read_job(job + "\"medium.preset\" = [\"ecoflex\", \"forearm\"]\n", "job.toml")
+    CHECK(config::read_job(job + "\"medium.preset\" = [\"ecoflex\", \"forearm\"]\n", "job.toml")
               .plan.cases[1]
               .physics.medium.layers[0]
               .name == "forearm");
 }
 
-TEST_CASE("where the kind is swept each kind ignores the keys of others", "[config][sweep]") {
+TEST_CASE("with a swept kind, each kind ignores the keys of other kinds", "[config][sweep]") {
     const Plan plan = plan_of("[sweep]\n\"load.modulation.kind\" = [\"STM\", \"AM-STM\"]\n");
     REQUIRE(plan.cases.size() == 2);
     CHECK(plan.cases[0].physics.load.modulation.envelope.gains.empty());
     CHECK(plan.cases[1].physics.load.modulation.envelope.gains.size() == 1);
 }
 
-TEST_CASE("a required key may stand in the sweep alone", "[config][sweep]") {
+TEST_CASE("a required key may be given only in the sweep", "[config][sweep]") {
     const std::string job = plain_with("peak_Pa = 100.0\n", "");
     CHECK(findings_of(job + "[sweep]\n\"load.peak_Pa\" = [1, 2]\n").empty());
 }
 
-TEST_CASE("a mistake in a sweep stands in its place", "[config][sweep]") {
+TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]") {
     const auto [more, finding] = GENERATE(table<std::string, std::string>({
         {"\"load.peak_Pa\" = []",
-         "job.toml:28:18: error: load.peak_Pa has no values: an axis must have one"},
+         "job.toml:28:18: error: load.peak_Pa has no values; an axis must have at least one"},
         {"\"load.peek_Pa\" = [1, 2]",
          "job.toml:28:1: error: load.peek_Pa is unknown; did you mean peak_Pa?"},
         {"\"load.peak_Pa\" = [1, 2, 1.0]",
-         "job.toml:28:25: error: sweep: load.peak_Pa takes the value 1 twice"},
+         "job.toml:28:25: error: sweep: load.peak_Pa contains the value 1 twice"},
         {"\"load.peak_Pa\" = 3",
          "job.toml:28:18: error: load.peak_Pa must be a list of values, or a table with one of "
          "\"linspace\", \"logspace\" or \"range\"; it is a number"},
@@ -160,49 +162,49 @@ TEST_CASE("a mistake in a sweep stands in its place", "[config][sweep]") {
          "job.toml:29:16: error: sweep: load.peak_Pa is swept twice"},
         {"zip = [ { load.peak_Pa = [3, 4], load.modulation.speed_m_s = [7] } ]",
          "job.toml:28:50: error: sweep.zip: load.peak_Pa has 2 values and "
-         "load.modulation.speed_m_s has 1; keys that go together have as many"},
+         "load.modulation.speed_m_s has 1; keys that change together must have the same number of "
+         "values"},
         {"zip = [ { load.peak_Pa = [3, 3], domain.spacing_mm = [0.5, 0.5] } ]",
-         "job.toml:28:30: error: sweep: load.peak_Pa takes the value 3,0.5 twice"},
+         "job.toml:28:30: error: sweep: load.peak_Pa contains the value 3,0.5 twice"},
         {"\"job.name\" = [\"a\"]",
-         "job.toml:28:1: error: sweep: \"job.name\" is no key of a case: a swept key is given in "
-         "full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", "
-         "\"measure\", "
-         "\"record\" or \"afferents\""},
+         "job.toml:28:1: error: sweep: \"job.name\" is not a key of a case; a swept key is given "
+         "in full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", "
+         "\"measure\", \"record\" or \"afferents\""},
         {"\"load.peak_Pa\" = { linspace = [1, 2] }",
-         "job.toml:28:31: error: load.peak_Pa: linspace wants three numbers, [first, last, count]"},
+         "job.toml:28:31: error: load.peak_Pa: linspace requires three numbers, [first, last, "
+         "count]"},
         {"\"load.peak_Pa\" = { range = [1, 2, \"a\"] }",
-         "job.toml:28:28: error: load.peak_Pa: range wants three numbers, [start, stop, step]"},
+         "job.toml:28:28: error: load.peak_Pa: range requires three numbers, [start, stop, step]"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1] }",
-         "job.toml:28:31: error: load.peak_Pa: linspace wants a count of 2 to 100000 as its third "
-         "number"},
+         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 100000 as its "
+         "third number"},
         {"\"load.peak_Pa\" = { linspace = [1, 2, 1e12] }",
-         "job.toml:28:31: error: load.peak_Pa: linspace wants a count of 2 to 100000 as its third "
-         "number"},
+         "job.toml:28:31: error: load.peak_Pa: linspace requires a count from 2 to 100000 as its "
+         "third number"},
         {"\"load.peak_Pa\" = { logspace = [0, 2, 3] }",
-         "job.toml:28:31: error: load.peak_Pa: logspace wants both ends above 0"},
+         "job.toml:28:31: error: load.peak_Pa: logspace requires both ends to be above 0"},
         {"\"load.peak_Pa\" = { range = [0, 2, -3] }",
-         "job.toml:28:28: error: load.peak_Pa: range wants a step that leads from its first number "
-         "to its second"},
+         "job.toml:28:28: error: load.peak_Pa: range requires a step that leads from its first "
+         "number to its second"},
         {"\"load.peak_Pa\" = { range = [1, 400, 1] }\n\"domain.spacing_mm\" = { range = [1, 400, "
          "1] }",
-         "job.toml:27:1: error: sweep makes 160000 cases; at most 100000 are possible"},
+         "job.toml:27:1: error: sweep results in 160000 cases; at most 100000 are supported"},
         {"\"load.peak_Pa\" = [1, 2]\nexclude = [ { load.peek_Pa = 3 } ]",
          "job.toml:29:20: error: sweep.exclude: load.peek_Pa is not swept; did you mean "
          "load.peak_Pa?"},
         {"\"load.peak_Pa\" = [1, 2]\nexclude = [ { load.peak_Pa = 1 }, { load.peak_Pa = 2 } ]",
-         "job.toml:27:1: error: sweep.exclude leaves no case"},
+         "job.toml:27:1: error: sweep.exclude removes all cases"},
         {"\"load.peak_Pa\" = [1, 2]\nexclude = [ { load.peak_Pa = 3 } ]",
-         "job.toml:29:13: warning: sweep.exclude: this matches no case and changes nothing"},
+         "job.toml:29:13: warning: sweep.exclude: this entry matches no case and has no effect"},
         {"\"medium.layer[2].c_s_m_s\" = [4, 5]",
-         "job.toml:28:1: error: sweep: medium.layer[2].c_s_m_s is not there: there are only 1, "
-         "counted from 1"},
-        {"\"load.peak_Pa.x\" = [4, 5]",
-         "job.toml:28:1: error: sweep: load.peak_Pa.x is not there: peak_Pa is a number, not a "
-         "table"},
+         "job.toml:28:1: error: sweep: medium.layer[2].c_s_m_s does not exist: the list has 1 "
+         "entries, counted from 1"},
+        {"\"load.peak_Pa.x\" = [4, 5]", "job.toml:28:1: error: sweep: load.peak_Pa.x does not "
+                                        "exist: peak_Pa is a number, not a table"},
         {"\"load.modulation.am_depth\" = [0.5, 1.5]",
-         "job.toml:28:36: error: load.modulation.am_depth must be between 0 and 1, and is 1.5"},
+         "job.toml:28:36: error: load.modulation.am_depth must be between 0 and 1, but is 1.5"},
         {"\"load.modulation.sm_phase_deg\" = [0, 90]",
-         "job.toml:28:35: error: load.modulation.sm_phase_deg has no meaning for kind AM-STM"},
+         "job.toml:28:35: error: load.modulation.sm_phase_deg does not apply to kind AM-STM"},
     }));
     const Texts found = findings_of(plain_and("[sweep]\n" + more + "\n"));
     CAPTURE(found);
@@ -210,37 +212,39 @@ TEST_CASE("a mistake in a sweep stands in its place", "[config][sweep]") {
     CHECK(found.size() <= 2);
 }
 
-TEST_CASE("every bad value of an axis is reported once", "[config][sweep]") {
+TEST_CASE("every invalid value of an axis is reported once", "[config][sweep]") {
     CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, \"a\", -1]\n"
                                 "\"domain.spacing_mm\" = [0.5, 0.75]\n")) ==
-          Texts{"job.toml:28:22: error: load.peak_Pa must be a number, and is a string (\"a\")",
-                "job.toml:28:27: error: load.peak_Pa must be above 0, and is -1"});
+          Texts{"job.toml:28:22: error: load.peak_Pa must be a number, but is a string (\"a\")",
+                "job.toml:28:27: error: load.peak_Pa must be above 0, but is -1"});
 }
 
-TEST_CASE("two settings of one case are named", "[config][sweep]") {
+TEST_CASE("two combinations that give the same case are reported", "[config][sweep]") {
     const Texts found = findings_of(plain_and("[sweep]\nload.modulation.kind = [\"STM\"]\n"
                                               "load.modulation.am_frequency_Hz = [500, 600]\n"));
-    CHECK(found == Texts{"job.toml:27:1: error: sweep: these are one and the same case: { "
-                         "load.modulation.kind = STM, load.modulation.am_frequency_Hz = 500 } and "
-                         "{ load.modulation.kind = STM, load.modulation.am_frequency_Hz = 600 }; "
-                         "exclude one of them"});
+    CHECK(found ==
+          Texts{"job.toml:27:1: error: sweep: two combinations of values describe the same case: { "
+                "load.modulation.kind = STM, load.modulation.am_frequency_Hz = 500 } and "
+                "{ load.modulation.kind = STM, load.modulation.am_frequency_Hz = 600 }; "
+                "exclude one of them"});
 }
 
-TEST_CASE("a remark on several cases is made once and counted", "[config][sweep]") {
+TEST_CASE("a remark on several cases is reported once with a count", "[config][sweep]") {
     CHECK(findings_of(plain_and("[sweep]\n\"domain.spacing_mm\" = [0.75, 1.2, 1.25, 1.3]\n")) ==
           Texts{"job.toml:28:1: warning: domain.spacing_mm: the focus is 3 mm wide (FWHM) and the "
-                "spacing 1.2 mm, 2.5 points a width: 0.0038 of its spectrum's peak is left at the "
-                "shortest shear wave the grid carries; 1 mm would do (and 2 more cases)"});
+                "spacing is 1.2 mm, which gives 2.5 points per width: the spectrum of the focus "
+                "still has 0.0038 of its peak at the shortest shear wave that the grid represents; "
+                "use 1 mm (and 2 more cases)"});
     CHECK(findings_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
                                 "0.5\n")) ==
           Texts{"job.toml:30:1: warning: measure.focal_radius_mm: the focal region's radius of 0.5 "
-                "mm is below the spacing of 0.75 mm: it holds a sample or two"});
+                "mm is below the spacing of 0.75 mm: it contains only one or two samples"});
 }
 
-TEST_CASE("a sweep of very many keys is refused at once", "[config][sweep]") {
+TEST_CASE("a sweep with too many keys is rejected without expansion", "[config][sweep]") {
     std::string more = "[sweep]\n";
     for (int i = 0; i < 20000; ++i)
         more += "load.k" + std::to_string(i) + " = [1]\n";
     CHECK(findings_of(plain_and(more)) ==
-          Texts{"job.toml:27:1: error: sweep has 20000 keys; at most 50 are possible"});
+          Texts{"job.toml:27:1: error: sweep has 20000 keys; at most 50 are supported"});
 }

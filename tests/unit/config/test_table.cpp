@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
 using namespace shearwake;
@@ -6,7 +7,7 @@ using namespace shearwake::test;
 namespace {
 
 Plan plan_of(std::string_view more) {
-    return read_job(plain_and(more), "job.toml").plan;
+    return config::read_job(plain_and(more), "job.toml").plan;
 }
 
 const std::string two_axes = "[sweep]\n\"load.modulation.am_frequency_Hz\" = [500, 600]\n"
@@ -20,13 +21,13 @@ TEST_CASE("a table has the first axis as rows and the others as curves", "[confi
     CHECK(table.series == Texts{"load.footprint.fwhm_mm"});
 }
 
-TEST_CASE("a table can be turned round", "[config][table]") {
+TEST_CASE("the axes of a table can be exchanged", "[config][table]") {
     const TableOptions table = plan_of(two_axes + "[table]\nx = \"load.footprint.fwhm_mm\"").table;
     CHECK(table.x == "load.footprint.fwhm_mm");
     CHECK(table.series == Texts{"load.modulation.am_frequency_Hz"});
 }
 
-TEST_CASE("a key zipped with the rows is no curve of its own", "[config][table]") {
+TEST_CASE("a key that is zipped with x does not become a series", "[config][table]") {
     const std::string zip = "[sweep]\nzip = [ { load.peak_Pa = [1, 2], domain.spacing_mm = [0.5, "
                             "0.75] } ]\nload.footprint.fwhm_mm = [3, 4]\n";
     CHECK(plan_of(zip).table.series == Texts{"load.footprint.fwhm_mm"});
@@ -35,7 +36,7 @@ TEST_CASE("a key zipped with the rows is no curve of its own", "[config][table]"
     CHECK(plan_of(twice).table.series == Texts{"domain.spacing_mm"});
 }
 
-TEST_CASE("a reference stands once for all cases that differ from it alike", "[config][table]") {
+TEST_CASE("cases with the same reference share it", "[config][table]") {
     const Plan plan = plan_of(two_axes + "[table]\nreference = { kind = \"STM\" }\n");
     REQUIRE(plan.cases.size() == 6);
     const PlannedCase &first = plan.cases[4], &second = plan.cases[5];
@@ -74,41 +75,40 @@ TEST_CASE("a reference may change keys of the kind it keeps", "[config][table]")
     CHECK(plan.cases[4].settings == std::vector<Setting>{{"load.peak_Pa", 1.0}});
 }
 
-TEST_CASE("a mistake in the table stands in its place", "[config][table]") {
+TEST_CASE("an error in [table] is reported with its location", "[config][table]") {
     const auto [more, finding] = GENERATE(table<std::string, std::string>({
-        {"x = \"load.pek_Pa\"",
-         "job.toml:30:5: error: table.x names \"load.pek_Pa\", which is not swept; did you mean "
-         "\"load.peak_Pa\"?"},
-        {"x = 3", "job.toml:30:5: error: table.x must be a string, and is a number"},
+        {"x = \"load.pek_Pa\"", "job.toml:30:5: error: table.x contains \"load.pek_Pa\", which is "
+                                "not swept; did you mean \"load.peak_Pa\"?"},
+        {"x = 3", "job.toml:30:5: error: table.x must be a string, but is a number"},
         {"series = [\"load.peak_Pa\"]",
-         "job.toml:30:10: error: table.series names \"load.peak_Pa\", which is x already"},
-        {"series = \"load.peak_Pa\"",
-         "job.toml:30:10: error: table.series must be a list of strings, and is a string "
-         "(\"load.peak_Pa\")"},
+         "job.toml:30:10: error: table.series contains \"load.peak_Pa\", which is already x"},
+        {"series = \"load.peak_Pa\"", "job.toml:30:10: error: table.series must be a list of "
+                                      "strings, but is a string (\"load.peak_Pa\")"},
         {"xx = 3", "job.toml:30:1: error: table.xx is unknown; did you mean x?"},
         {"reference = { kind = \"STMM\" }",
          "job.toml:30:22: error: load.modulation.kind must be one of \"STM\", \"AM\", \"AM-STM\", "
-         "\"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", and is \"STMM\"; did you mean "
+         "\"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", but is \"STMM\"; did you mean "
          "\"STM\"?"},
         {"reference = { kind = \"STM\", foo = 1 }",
          "job.toml:30:29: error: load.modulation.foo is unknown"},
         {"reference = \"STM\"",
-         "job.toml:30:13: error: table.reference must be a table, and is a string (\"STM\")"},
-        {"reference = {}", "job.toml:30:13: error: table.reference must change something, for "
-                           "example { kind = \"STM\" }"},
+         "job.toml:30:13: error: table.reference must be a table, but is a string (\"STM\")"},
+        {"reference = {}", "job.toml:30:13: error: table.reference must change at least one key, "
+                           "for example { kind = \"STM\" }"},
     }));
     CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more + "\n")) ==
           Texts{finding});
 }
 
-TEST_CASE("what a reference replaces whole is not swept in it", "[config][table]") {
+TEST_CASE("a key that the reference replaces is not swept in it", "[config][table]") {
     const std::string gain = "am_frequency_Hz = 500.0\n[[load.modulation.envelope]]\nshape = "
                              "\"sine\"\nfrequency_Hz = 600\n";
-    const Plan plan = read_job(plain_with("am_frequency_Hz = 500.0\n", gain) +
-                                   "[sweep]\n\"load.modulation.envelope[1].frequency_Hz\" = [600, "
-                                   "700]\n[table]\nreference = { kind = \"STM\", envelope = [] }\n",
-                               "job.toml")
-                          .plan;
+    const Plan plan =
+        config::read_job(plain_with("am_frequency_Hz = 500.0\n", gain) +
+                             "[sweep]\n\"load.modulation.envelope[1].frequency_Hz\" = [600, "
+                             "700]\n[table]\nreference = { kind = \"STM\", envelope = [] }\n",
+                         "job.toml")
+            .plan;
     REQUIRE(plan.cases.size() == 3);
     CHECK(plan.cases[2].is_reference);
     CHECK(plan.cases[2].settings.empty());

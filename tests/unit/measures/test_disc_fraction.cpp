@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/disc_fraction.hpp"
 
 #include <catch2/catch.hpp>
@@ -31,7 +32,7 @@ TEST_CASE("disc fractions agree with counting points in the cell", "[disc_fracti
         const Vec2 centre{place(random), place(random)};
         const double radius = size(random);
         // 400 x 400 points: the cut of a circle through a row is off by half a point at most.
-        CHECK(disc_fraction(0.3, -0.2, 1.0, centre, radius) ==
+        CHECK(measures::disc_fraction(0.3, -0.2, 1.0, centre, radius) ==
               Approx(by_counting(0.3, -0.2, centre, radius, 400)).margin(2e-3));
     }
 }
@@ -49,24 +50,29 @@ TEST_CASE("disc fractions add up to the area of the disc anywhere", "[disc_fract
         double sum = 0.0;
         for (int i = -16; i <= 16; ++i)
             for (int j = -16; j <= 16; ++j)
-                sum += disc_fraction(i, j, 1.0, centre, radius);
+                sum += measures::disc_fraction(i, j, 1.0, centre, radius);
         CHECK(sum == Approx(pi * radius * radius).epsilon(1e-12)); // rounding of exact areas
     }
 }
 
 TEST_CASE("disc fractions of known shapes", "[disc_fraction]") {
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.5) == Approx(pi / 4).epsilon(1e-14));
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.5, 0.0}, 0.1) == Approx(pi * 0.005).epsilon(1e-13));
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.5, 0.5}, 1.0) == Approx(pi / 4).epsilon(1e-14));
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {-0.5, 0.5}, 1e-6) == Approx(pi * 0.25e-12).epsilon(1e-10));
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.2, -0.3}, 1e-9) == Approx(pi * 1e-18).epsilon(1e-12));
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 10.0) == 1.0);
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, std::sqrt(0.5)) == Approx(1.0).epsilon(1e-14));
-    CHECK(disc_fraction(3.0, 0.0, 1.0, {0.0, 0.0}, 2.5) == 0.0); // touches the cell's edge
-    CHECK(disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.0) == 0.0);
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.5) == Approx(pi / 4).epsilon(1e-14));
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.5, 0.0}, 0.1) ==
+          Approx(pi * 0.005).epsilon(1e-13));
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.5, 0.5}, 1.0) == Approx(pi / 4).epsilon(1e-14));
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {-0.5, 0.5}, 1e-6) ==
+          Approx(pi * 0.25e-12).epsilon(1e-10));
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.2, -0.3}, 1e-9) ==
+          Approx(pi * 1e-18).epsilon(1e-12));
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 10.0) == 1.0);
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, std::sqrt(0.5)) ==
+          Approx(1.0).epsilon(1e-14));
+    CHECK(measures::disc_fraction(3.0, 0.0, 1.0, {0.0, 0.0}, 2.5) ==
+          0.0); // touches the cell's edge
+    CHECK(measures::disc_fraction(0.0, 0.0, 1.0, {0.0, 0.0}, 0.0) == 0.0);
 }
 
 TEST_CASE("disc fractions do not depend on the unit of length", "[disc_fraction]") {
-    CHECK(disc_fraction(0.75e-3, 1.5e-3, 0.75e-3, {0.1e-3, 0.2e-3}, 1.6e-3) ==
-          Approx(disc_fraction(0.75, 1.5, 0.75, {0.1, 0.2}, 1.6)).epsilon(1e-13));
+    CHECK(measures::disc_fraction(0.75e-3, 1.5e-3, 0.75e-3, {0.1e-3, 0.2e-3}, 1.6e-3) ==
+          Approx(measures::disc_fraction(0.75, 1.5, 0.75, {0.1, 0.2}, 1.6)).epsilon(1e-13));
 }

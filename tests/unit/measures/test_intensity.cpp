@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/intensity.hpp"
 
 #include <catch2/catch.hpp>
@@ -25,17 +26,20 @@ Travel line(double speed_m_s, AtEnd at_end) {
 
 TEST_CASE("a steady load delivers force times time", "[intensity]") {
     const double force = 100.0 * std::numbers::pi * 9e-6 / (4.0 * std::numbers::ln2);
-    CHECK(impulse_N_s(steady_load(), 14e-3) == Approx(force * 14e-3).epsilon(1e-12)); // rounding
-    CHECK(impulse_N_s(steady_load(), 0.0) == 0.0);
+    CHECK(measures::impulse_N_s(steady_load(), 14e-3) ==
+          Approx(force * 14e-3).epsilon(1e-12)); // rounding
+    CHECK(measures::impulse_N_s(steady_load(), 0.0) == 0.0);
 }
 
 TEST_CASE("the impulse ends when the path does, exactly", "[intensity]") {
     Load load = steady_load();
     load.modulation.trajectory.parts = {line(7.0, AtEnd::off)};
     // 98 mm at 7 m/s: 14 ms; the end lies between the steps of any of these.
-    CHECK(impulse_N_s(load, 20e-3) == Approx(impulse_N_s(steady_load(), 14e-3)).epsilon(1e-12));
+    CHECK(measures::impulse_N_s(load, 20e-3) ==
+          Approx(measures::impulse_N_s(steady_load(), 14e-3)).epsilon(1e-12));
     load.modulation.trajectory.parts = {line(7.0, AtEnd::hold)};
-    CHECK(impulse_N_s(load, 20e-3) == Approx(impulse_N_s(steady_load(), 20e-3)).epsilon(1e-12));
+    CHECK(measures::impulse_N_s(load, 20e-3) ==
+          Approx(measures::impulse_N_s(steady_load(), 20e-3)).epsilon(1e-12));
 }
 
 TEST_CASE("a modulated load delivers the integral of its envelope", "[intensity]") {
@@ -45,7 +49,7 @@ TEST_CASE("a modulated load delivers the integral of its envelope", "[intensity]
     const double omega = 2.0 * std::numbers::pi * f;
     const double expected = 0.5 * until - 0.5 * std::sin(omega * until) / omega;
     // Steps of a 200th of a period: (2 pi / 200)^2 / 12 = 8e-5 of the oscillating part.
-    CHECK(impulse_N_s(load, until) / impulse_N_s(steady_load(), 1.0) ==
+    CHECK(measures::impulse_N_s(load, until) / measures::impulse_N_s(steady_load(), 1.0) ==
           Approx(expected).margin(1e-4 / omega));
 }
 
@@ -53,5 +57,6 @@ TEST_CASE("a resolved carrier delivers the impulse of its average", "[intensity]
     Load load = steady_load();
     load.carrier = ResolvedCarrier{.frequency_Hz = 40e3};
     // 14 ms are 560 cycles; half a cycle more or less would be 1e-5.
-    CHECK(impulse_N_s(load, 14e-3) == Approx(impulse_N_s(steady_load(), 14e-3)).epsilon(1e-9));
+    CHECK(measures::impulse_N_s(load, 14e-3) ==
+          Approx(measures::impulse_N_s(steady_load(), 14e-3)).epsilon(1e-9));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/mach_angle.hpp"
 
 #include <catch2/catch.hpp>
@@ -17,8 +18,9 @@ constexpr double rayleigh = 4.777, fwhm = 3e-3, since_start = 14e-3,
 struct Frame {
     Vec2 focus, velocity;
     std::vector<double> u;
-    MachFit fit(double c = rayleigh, double t = since_start) const {
-        return mach_angle({u.data(), domain.nx, domain.ny}, domain, focus, velocity, c, fwhm, t);
+    measures::MachFit fit(double c = rayleigh, double t = since_start) const {
+        return measures::mach_angle({u.data(), domain.nx, domain.ny}, domain, focus, velocity, c,
+                                    fwhm, t);
     }
 };
 
@@ -53,8 +55,8 @@ Frame wedge(double angle_deg, double speed, double direction_deg, double noise =
 TEST_CASE("the half-angle of a straight wake is found in any direction", "[mach_angle]") {
     const double speed = GENERATE(7.0, 8.0, 10.0);
     const double direction = GENERATE(0.0, 27.0, 90.0, 180.0, -135.0);
-    const double angle = mach_angle_theory_deg(rayleigh, speed);
-    const MachFit fit = wedge(angle, speed, direction).fit();
+    const double angle = measures::mach_angle_theory_deg(rayleigh, speed);
+    const measures::MachFit fit = wedge(angle, speed, direction).fit();
     CHECK(fit.reason == "");
     // The slope behind the front shifts its crest along with the growing distance: below 0.2.
     CHECK(fit.angle_deg == Approx(angle).margin(0.2));
@@ -68,7 +70,7 @@ TEST_CASE("the angle that is found is the wake's, not the theory's", "[mach_angl
 }
 
 TEST_CASE("noise of a tenth of the wake hardly turns the angle", "[mach_angle]") {
-    const MachFit fit = wedge(43.0, 7.0, 12.0, 0.1).fit();
+    const measures::MachFit fit = wedge(43.0, 7.0, 12.0, 0.1).fit();
     CHECK(fit.reason == "");
     // Crests of width 2 mm scatter by 0.2 mm over 33 mm, 40 on each side: 0.1 degrees.
     CHECK(fit.angle_deg == Approx(43.0).margin(0.5));
@@ -76,7 +78,7 @@ TEST_CASE("noise of a tenth of the wake hardly turns the angle", "[mach_angle]")
 
 TEST_CASE("where there is no wake there is a reason and no angle", "[mach_angle]") {
     const Frame good = wedge(43.0, 7.0, 0.0);
-    const auto refused = [](const MachFit& fit, const std::string& why) {
+    const auto refused = [](const measures::MachFit& fit, const std::string& why) {
         CHECK_FALSE(fit.valid());
         CHECK(std::isnan(fit.angle_deg));
         CHECK_THAT(fit.reason, Catch::Contains(why));
@@ -104,12 +106,12 @@ TEST_CASE("where there is no wake there is a reason and no angle", "[mach_angle]
 }
 
 TEST_CASE("the theoretical half-angle needs a supersonic focus", "[mach_angle]") {
-    CHECK(mach_angle_theory_deg(5.0, 10.0) == Approx(30.0).epsilon(1e-14));
-    CHECK(std::isnan(mach_angle_theory_deg(5.0, 5.0)));
-    CHECK(std::isnan(mach_angle_theory_deg(5.0, 0.0)));
+    CHECK(measures::mach_angle_theory_deg(5.0, 10.0) == Approx(30.0).epsilon(1e-14));
+    CHECK(std::isnan(measures::mach_angle_theory_deg(5.0, 5.0)));
+    CHECK(std::isnan(measures::mach_angle_theory_deg(5.0, 0.0)));
 }
 
-TEST_CASE("a front that is bent has no angle", "[mach_angle]") {
+TEST_CASE("a bent front gives no angle", "[mach_angle]") {
     // Half of one wedge, and of another 12 degrees wider from 25 mm behind the focus on.
     Frame bent = wedge(37.0, 7.0, 0.0);
     const Frame wide = wedge(49.0, 7.0, 0.0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/participation.hpp"
 #include "measures/reconstruction_efficiency.hpp"
 
@@ -11,7 +12,7 @@ using namespace shearwake;
 namespace {
 
 /// n samples displaced by +u and m by -u, `focal` of them in the disc.
-SurfaceSums equal_samples(double n, double m, double u, double focal) {
+measures::SurfaceSums equal_samples(double n, double m, double u, double focal) {
     return {.u = (n - m) * u,
             .abs_u = (n + m) * u,
             .u2 = (n + m) * u * u,
@@ -23,39 +24,40 @@ SurfaceSums equal_samples(double n, double m, double u, double focal) {
 } // namespace
 
 TEST_CASE("equal displacements of n samples participate as n samples", "[participation]") {
-    const SurfaceSums sums = equal_samples(12, 0, 2e-6, 3);
+    const measures::SurfaceSums sums = equal_samples(12, 0, 2e-6, 3);
     // Products and quotients only: a few rounding errors.
-    CHECK(ipr(sums) == Approx(12).epsilon(1e-14));
-    CHECK(ipr_abs(sums) == Approx(12).epsilon(1e-14));
-    CHECK(participation(sums) == Approx(12).epsilon(1e-14));
-    CHECK(reconstruction_efficiency(sums) == Approx(0.25).epsilon(1e-14));
+    CHECK(measures::ipr(sums) == Approx(12).epsilon(1e-14));
+    CHECK(measures::ipr_abs(sums) == Approx(12).epsilon(1e-14));
+    CHECK(measures::participation(sums) == Approx(12).epsilon(1e-14));
+    CHECK(measures::reconstruction_efficiency(sums) == Approx(0.25).epsilon(1e-14));
 }
 
 TEST_CASE("the literal inverse participation ratio vanishes when volume is conserved",
           "[participation]") {
-    const SurfaceSums sums = equal_samples(10, 10, 1e-6, 0);
-    CHECK(ipr(sums) == 0.0);
-    CHECK(ipr_abs(sums) == Approx(20).epsilon(1e-14));
-    CHECK(participation(sums) == Approx(20).epsilon(1e-14));
+    const measures::SurfaceSums sums = equal_samples(10, 10, 1e-6, 0);
+    CHECK(measures::ipr(sums) == 0.0);
+    CHECK(measures::ipr_abs(sums) == Approx(20).epsilon(1e-14));
+    CHECK(measures::participation(sums) == Approx(20).epsilon(1e-14));
 }
 
 TEST_CASE("where nothing has moved there is no number", "[participation]") {
-    CHECK(std::isnan(ipr(SurfaceSums{})));
-    CHECK(std::isnan(ipr_abs(SurfaceSums{})));
-    CHECK(std::isnan(participation(SurfaceSums{})));
-    CHECK(std::isnan(reconstruction_efficiency(SurfaceSums{})));
-    CHECK(std::isnan(reconstruction_efficiency(PeriodSums{})));
+    CHECK(std::isnan(measures::ipr(measures::SurfaceSums{})));
+    CHECK(std::isnan(measures::ipr_abs(measures::SurfaceSums{})));
+    CHECK(std::isnan(measures::participation(measures::SurfaceSums{})));
+    CHECK(std::isnan(measures::reconstruction_efficiency(measures::SurfaceSums{})));
+    CHECK(std::isnan(measures::reconstruction_efficiency(measures::PeriodSums{})));
 }
 
 TEST_CASE("the period reading sums before it divides", "[participation]") {
     // Two frames of amplitudes 1 and 3; the second spreads twice as wide, its weight is a half.
-    const std::vector<SurfaceSums> frames = {equal_samples(4, 0, 1e-6, 2),
-                                             equal_samples(8, 0, 3e-6, 2), SurfaceSums{}};
-    const PeriodSums sums = period_sums(frames, std::vector<double>{1.0, 0.5, 0.0});
+    const std::vector<measures::SurfaceSums> frames = {
+        equal_samples(4, 0, 1e-6, 2), equal_samples(8, 0, 3e-6, 2), measures::SurfaceSums{}};
+    const measures::PeriodSums sums =
+        measures::period_sums(frames, std::vector<double>{1.0, 0.5, 0.0});
     CHECK(sums.weight == 1.5);
-    CHECK(reconstruction_efficiency(sums) == Approx((2 + 0.5 * 18) / (4 + 0.5 * 72)));
-    CHECK(ipr(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
-    CHECK(ipr_abs(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
-    CHECK(participation(sums) == Approx((16 + 0.5 * 72 * 72) / (4 + 0.5 * 648)));
+    CHECK(measures::reconstruction_efficiency(sums) == Approx((2 + 0.5 * 18) / (4 + 0.5 * 72)));
+    CHECK(measures::ipr(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
+    CHECK(measures::ipr_abs(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
+    CHECK(measures::participation(sums) == Approx((16 + 0.5 * 72 * 72) / (4 + 0.5 * 648)));
     CHECK(sums.focal_mean_u2 == Approx((0.5 + 0.5 * 4.5) * 1e-12));
 }

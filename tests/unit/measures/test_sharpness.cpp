@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/sharpness.hpp"
 
 #include <catch2/catch.hpp>
@@ -25,7 +26,8 @@ std::vector<double> surface(const auto& energy) {
 double sharpness_of(const std::vector<double>& values, const std::vector<std::vector<Vec2>>& lines,
                     double reach_m) {
     const Domain d = domain();
-    return sharpness({values.data(), d.nx, d.ny}, d, measured_region(d), lines, reach_m);
+    return measures::sharpness({values.data(), d.nx, d.ny}, d, measures::measured_region(d), lines,
+                               reach_m);
 }
 
 } // namespace
@@ -61,13 +63,13 @@ TEST_CASE("a point is surrounded by a disc of the reach", "[sharpness]") {
     const Domain d = domain();
     const std::vector<std::vector<Vec2>> point = {{{1.1e-3, -0.7e-3}}};
     double area_m2 = 0.0;
-    for (const double share : shares_near(point, 6e-3, d))
+    for (const double share : measures::shares_near(point, 6e-3, d))
         area_m2 += share * d.spacing_m * d.spacing_m;
     // The rim is 75 cells long, each off by at most a few hundredths of its area.
     CHECK(area_m2 == Approx(std::numbers::pi * 36e-6).epsilon(0.003));
 }
 
-TEST_CASE("lines that cross do not count what is near both of them twice", "[sharpness]") {
+TEST_CASE("energy near two crossing lines is counted once", "[sharpness]") {
     const auto even = surface([](double, double) { return 1.0; });
     const std::vector<Vec2> along = {{-0.1, 0.0}, {0.1, 0.0}}, across = {{0.0, -0.1}, {0.0, 0.1}};
     const double one = sharpness_of(even, {along}, 2e-3),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/summary.hpp"
 
 #include <catch2/catch.hpp>
@@ -28,8 +29,8 @@ Case thesis_case() {
 }
 
 /// Frame n: 100 samples of n nm, 20 of them in the focal disc of 50 samples.
-DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
-    DepthSeries series{.depth_m = depth_m};
+measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
+    measures::DepthSeries series{.depth_m = depth_m};
     for (std::ptrdiff_t n = 0; n < frames; ++n) {
         const double u = scale * 1e-9 * static_cast<double>(n + 1), u2 = u * u;
         series.frames.push_back({.u = 100 * u,
@@ -44,16 +45,17 @@ DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
     return series;
 }
 
-TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
-    TraceSeries trace{.at_m = at_m};
+measures::TraceSeries tone_at(Vec2 at_m, double frequency_Hz) {
+    measures::TraceSeries trace{.at_m = at_m};
     for (int n = 1; n <= 280; ++n)
         trace.u_m.push_back(1e-6 * std::sin(2 * std::numbers::pi * frequency_Hz * 50e-6 * n));
     return trace;
 }
 
-Column find(const std::vector<Column>& columns, const std::string& name) {
-    const auto found = std::find_if(columns.begin(), columns.end(),
-                                    [&](const Column& column) { return column.name == name; });
+measures::Column find(const std::vector<measures::Column>& columns, const std::string& name) {
+    const auto found =
+        std::find_if(columns.begin(), columns.end(),
+                     [&](const measures::Column& column) { return column.name == name; });
     INFO(name);
     REQUIRE(found != columns.end());
     return *found;
@@ -61,8 +63,9 @@ Column find(const std::vector<Column>& columns, const std::string& name) {
 
 } // namespace
 
-TEST_CASE("the table has every column once, with a unit and words", "[summary]") {
-    const auto columns = summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)}, {});
+TEST_CASE("the table has every column once, with a unit and a description", "[summary]") {
+    const auto columns =
+        measures::summarise(thesis_case(), {growing(0.0, 280)}, {tone_at({}, 300)}, {});
     const std::vector<std::string> expected = {"eta_at_1",
                                                "eta_period_1",
                                                "ipr_at_1",
@@ -90,7 +93,7 @@ TEST_CASE("the table has every column once, with a unit and words", "[summary]")
                                                "sharpness_1",
                                                "periods"};
     std::vector<std::string> names;
-    for (const Column& column : columns) {
+    for (const measures::Column& column : columns) {
         names.push_back(column.name);
         CHECK_FALSE(column.unit.empty());
         CHECK_FALSE(column.long_name.empty());
@@ -101,8 +104,8 @@ TEST_CASE("the table has every column once, with a unit and words", "[summary]")
 TEST_CASE("the table holds the measures in its units", "[summary]") {
     const Case c = thesis_case();
     const std::vector<double> even(static_cast<std::size_t>(c.domain.nx * c.domain.ny), 1e-18);
-    const auto columns =
-        summarise(c, {growing(0.0, 280)}, {tone_at({}, 300)}, MachFit{.angle_deg = 42.5}, even);
+    const auto columns = measures::summarise(c, {growing(0.0, 280)}, {tone_at({}, 300)},
+                                             measures::MachFit{.angle_deg = 42.5}, even);
     const auto value = [&](const std::string& name) { return find(columns, name).value; };
     // Ratios of products: rounding.
     CHECK(value("eta_at_1") == Approx(0.2).epsilon(1e-12));
@@ -132,14 +135,14 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     const double measured_m2 = (192e-3 - 24e-3) * (144e-3 - 24e-3); // inside the sponge
     // The rims of the half discs count by cells: a thousandth of the strip.
     CHECK(value("sharpness_1") == Approx(strip_m2 / measured_m2).epsilon(1e-3));
-    for (const Column& column : columns)
+    for (const measures::Column& column : columns)
         CHECK(column.note.empty());
 }
 
 TEST_CASE("a period that does not fit leaves empty cells with the reason", "[summary]") {
     Case c = thesis_case();
     c.load.modulation.envelope = {{SineGain{.frequency_Hz = 50.0}}};
-    const auto columns = summarise(c, {growing(0.0, 280)}, {}, {});
+    const auto columns = measures::summarise(c, {growing(0.0, 280)}, {}, {});
     for (const char* name : {"eta_period_1", "ipr_period_mm2", "focal_rms_um", "periods"}) {
         CHECK(std::isnan(find(columns, name).value));
         CHECK_THAT(find(columns, name).note, Catch::Contains("does not fit"));
@@ -148,21 +151,22 @@ TEST_CASE("a period that does not fit leaves empty cells with the reason", "[sum
     CHECK(find(columns, "peak_um").value == Approx(0.28));
 }
 
-TEST_CASE("an empty cell always says why", "[summary]") {
+TEST_CASE("every empty cell has a reason", "[summary]") {
     Case c = thesis_case();
-    const auto check_notes = [](const std::vector<Column>& columns) {
-        for (const Column& column : columns)
+    const auto check_notes = [](const std::vector<measures::Column>& columns) {
+        for (const measures::Column& column : columns)
             if (std::isnan(column.value)) CHECK_FALSE(column.note.empty());
     };
-    DepthSeries still{.depth_m = 0.0, .frames = std::vector<SurfaceSums>(280)};
-    const TraceSeries silent{.u_m = std::vector<double>(280, 0.0)};
-    const auto at_rest = summarise(c, {still}, {silent}, MachFit{.reason = "too weak"});
+    measures::DepthSeries still{.depth_m = 0.0, .frames = std::vector<measures::SurfaceSums>(280)};
+    const measures::TraceSeries silent{.u_m = std::vector<double>(280, 0.0)};
+    const auto at_rest =
+        measures::summarise(c, {still}, {silent}, measures::MachFit{.reason = "too weak"});
     check_notes(at_rest);
     CHECK(find(at_rest, "eta_at_1").note == "nothing has moved");
     CHECK(find(at_rest, "peak_um").value == 0.0);
     CHECK(find(at_rest, "mach_angle_deg").note == "too weak");
 
-    const auto nothing = summarise(c, {}, {}, {});
+    const auto nothing = measures::summarise(c, {}, {}, {});
     check_notes(nothing);
     CHECK(find(nothing, "eta_period_1").note == "no depth recorded");
     CHECK(find(nothing, "peak_um").note == "no depth recorded");
@@ -170,31 +174,32 @@ TEST_CASE("an empty cell always says why", "[summary]") {
     CHECK(find(nothing, "rms_5_300_um").note == "no trace recorded");
 
     c.measure.at_s = 20e-3;
-    const auto beyond = summarise(c, {growing(0.0, 280)}, {}, {});
+    const auto beyond = measures::summarise(c, {growing(0.0, 280)}, {}, {});
     check_notes(beyond);
     CHECK(std::isnan(find(beyond, "eta_at_1").value));
     CHECK(std::isnan(find(beyond, "mach_angle_theory_deg").value)); // the path ends at 14 ms
 
     c.load.modulation.trajectory = {{Hold{}}};
-    CHECK(find(summarise(c, {}, {}, {}), "mach_angle_theory_deg").note ==
+    CHECK(find(measures::summarise(c, {}, {}, {}), "mach_angle_theory_deg").note ==
           "the focus does not move");
 }
 
 TEST_CASE("the instant is the nearest frame, and a note says so", "[summary]") {
     Case c = thesis_case();
     c.measure.at_s = 10.02e-3;
-    DepthSeries series = growing(0.0, 280);
+    measures::DepthSeries series = growing(0.0, 280);
     series.frames[199].focal_u2 = 0.5 * series.frames[199].u2; // 10 ms
-    const Column eta = find(summarise(c, {series}, {}, {}), "eta_at_1");
+    const measures::Column eta = find(measures::summarise(c, {series}, {}, {}), "eta_at_1");
     CHECK(eta.value == Approx(0.5));
     CHECK(eta.note == "frame at 10 ms");
-    CHECK(find(summarise(c, {series}, {}, {}), "peak_um").value == Approx(0.2)); // none later
+    CHECK(find(measures::summarise(c, {series}, {}, {}), "peak_um").value ==
+          Approx(0.2)); // none later
 }
 
 TEST_CASE("further depths add columns that carry the depth", "[summary]") {
-    const auto columns =
-        summarise(thesis_case(),
-                  {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {}, {});
+    const auto columns = measures::summarise(
+        thesis_case(), {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {},
+        {});
     CHECK(columns.size() == 26 + 6);
     CHECK(find(columns, "peak_um_z1.5mm").value == Approx(0.14));
     CHECK(find(columns, "focal_rms_um_z4mm").value ==
@@ -203,12 +208,13 @@ TEST_CASE("further depths add columns that carry the depth", "[summary]") {
 }
 
 TEST_CASE("the spectrum is that of the trace at the origin, else of the first", "[summary]") {
-    const TraceSeries aside = tone_at({3e-3, 0.0}, 500), centre = tone_at({}, 300);
-    const Column both =
-        find(summarise(thesis_case(), {}, {aside, centre}, {}), "peak_frequency_Hz");
+    const measures::TraceSeries aside = tone_at({3e-3, 0.0}, 500), centre = tone_at({}, 300);
+    const measures::Column both =
+        find(measures::summarise(thesis_case(), {}, {aside, centre}, {}), "peak_frequency_Hz");
     CHECK(both.value == Approx(300).margin(10));
     CHECK_THAT(both.long_name, Catch::Contains("at (0, 0) mm"));
-    const Column one = find(summarise(thesis_case(), {}, {aside}, {}), "peak_frequency_Hz");
+    const measures::Column one =
+        find(measures::summarise(thesis_case(), {}, {aside}, {}), "peak_frequency_Hz");
     CHECK(one.value == Approx(500).margin(10));
     CHECK_THAT(one.long_name, Catch::Contains("at (3, 0) mm"));
 }
@@ -216,11 +222,11 @@ TEST_CASE("the spectrum is that of the trace at the origin, else of the first", 
 TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     Case c = thesis_case();
     c.measure.bands = {{100.0, 500.0}, {500.0, 1000.0}, {0.0, 1e4}, {0.0, 2e4}};
-    TraceSeries trace = tone_at({}, 300);
-    const TraceSeries other = tone_at({}, 800);
+    measures::TraceSeries trace = tone_at({}, 300);
+    const measures::TraceSeries other = tone_at({}, 800);
     for (std::size_t i = 0; i < trace.u_m.size(); ++i)
         trace.u_m[i] += 0.5 * other.u_m[i];
-    const auto columns = summarise(c, {}, {trace}, {});
+    const auto columns = measures::summarise(c, {}, {trace}, {});
     // Tones of finite length leak past their bands' edges, 200 Hz away and more.
     CHECK(find(columns, "share_100_500_1").value == Approx(0.8).margin(0.02));
     CHECK(find(columns, "share_500_1000_1").value == Approx(0.2).margin(0.02));
@@ -230,14 +236,14 @@ TEST_CASE("a band's share is that of the tones in it", "[summary]") {
     CHECK(find(columns, "velocity_share_500_1000_1").value == Approx(0.64).margin(0.03));
     CHECK(find(columns, "peak_frequency_Hz").value == Approx(300).margin(10));
     CHECK(find(columns, "velocity_peak_frequency_Hz").value == Approx(800).margin(10));
-    CHECK(find(columns, "share_0_20000_1").note == "frames every 50 us do not carry 20000 Hz");
+    CHECK(find(columns, "share_0_20000_1").note == "frames every 50 us cannot represent 20000 Hz");
 }
 
 TEST_CASE("bands beyond the Nyquist frequency of the frames stay empty", "[summary]") {
     Case c = thesis_case();
     c.time = {.frames = 14, .interval_s = 1e-3};
-    TraceSeries trace{.u_m = std::vector<double>(14, 1e-6)};
-    const auto columns = summarise(c, {}, {trace}, {});
+    measures::TraceSeries trace{.u_m = std::vector<double>(14, 1e-6)};
+    const auto columns = measures::summarise(c, {}, {trace}, {});
     CHECK(find(columns, "rms_40_400_um").note.empty());
-    CHECK(find(columns, "rms_5_800_um").note == "frames every 1000 us do not carry 800 Hz");
+    CHECK(find(columns, "rms_5_800_um").note == "frames every 1000 us cannot represent 800 Hz");
 }

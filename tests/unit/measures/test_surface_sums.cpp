@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/surface_sums.hpp"
 
 #include "measures/disc_fraction.hpp"
@@ -27,7 +28,7 @@ std::vector<double> realistic_frame(const Domain& d) {
             u.push_back(3e-6 * std::exp(-r * r / 8e-6) +
                         4e-7 * std::cos(r / 2e-3) / (1 + r / 5e-3) + noise(random));
         }
-    const Region region = measured_region(d);
+    const measures::Region region = measures::measured_region(d);
     double sum = 0.0;
     for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
         for (std::ptrdiff_t j = region.y0; j < region.y1; ++j)
@@ -39,12 +40,14 @@ std::vector<double> realistic_frame(const Domain& d) {
     return u;
 }
 
-SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
-                          const std::vector<std::ptrdiff_t>& cuts, Vec2 focus) {
-    SurfaceSums sums;
+measures::SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
+                                    const std::vector<std::ptrdiff_t>& cuts, Vec2 focus) {
+    measures::SurfaceSums sums;
     for (std::size_t s = 0; s + 1 < cuts.size(); ++s) {
         const View2<const double> slab(u.data() + cuts[s] * d.ny, cuts[s + 1] - cuts[s], d.ny);
-        sums = combine(sums, surface_sums(slab, cuts[s], d, measured_region(d), focus, 3e-3));
+        sums = measures::combine(
+            sums,
+            measures::surface_sums(slab, cuts[s], d, measures::measured_region(d), focus, 3e-3));
     }
     return sums;
 }
@@ -52,28 +55,28 @@ SurfaceSums sums_of_slabs(const std::vector<double>& u, const Domain& d,
 } // namespace
 
 TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]") {
-    CHECK(measured_region(thesis_domain) == Region{16, 240, 16, 176});
-    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 0.0}) ==
-          Region{0, 10, 0, 8});
+    CHECK(measures::measured_region(thesis_domain) == measures::Region{16, 240, 16, 176});
+    CHECK(measures::measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 0.0}) ==
+          measures::Region{0, 10, 0, 8});
     // A sponge of two cells and a bit covers three; one wider than the domain leaves nothing.
-    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 2.1e-3}) ==
-          Region{3, 7, 3, 5});
-    CHECK(measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 9e-3}) ==
-          Region{5, 5, 4, 4});
+    CHECK(measures::measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 2.1e-3}) ==
+          measures::Region{3, 7, 3, 5});
+    CHECK(measures::measured_region({.nx = 10, .ny = 8, .spacing_m = 1e-3, .sponge_m = 9e-3}) ==
+          measures::Region{5, 5, 4, 4});
 }
 
 TEST_CASE("surface sums agree with sums taken one sample at a time", "[surface_sums]") {
     // 37 columns inside the sponge: not a multiple of the lanes.
     const Domain d{.nx = 30, .ny = 41, .spacing_m = 1e-3, .sponge_m = 2e-3};
     const std::vector<double> u = realistic_frame(d);
-    const Region region = measured_region(d);
+    const measures::Region region = measures::measured_region(d);
     const Vec2 focus{1.3e-3, -2.2e-3};
     long double sum = 0, abs = 0, u2 = 0, u4 = 0, focal = 0, weight = 0;
     double peak = 0, focal_peak = 0;
     for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
         for (std::ptrdiff_t j = region.y0; j < region.y1; ++j) {
             const double v = u[static_cast<std::size_t>(i * d.ny + j)];
-            const double w = disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 3e-3);
+            const double w = measures::disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 3e-3);
             sum += v;
             abs += std::abs(v);
             u2 += v * v;
@@ -83,7 +86,8 @@ TEST_CASE("surface sums agree with sums taken one sample at a time", "[surface_s
             peak = std::max(peak, std::abs(v));
             if (w > 0) focal_peak = std::max(focal_peak, std::abs(v));
         }
-    const SurfaceSums sums = surface_sums({u.data(), d.nx, d.ny}, 0, d, region, focus, 3e-3);
+    const measures::SurfaceSums sums =
+        measures::surface_sums({u.data(), d.nx, d.ny}, 0, d, region, focus, 3e-3);
     // A thousand additions in double, most of them compensated.
     CHECK(sums.u == Approx(static_cast<double>(sum)).margin(1e-14 * static_cast<double>(abs)));
     CHECK(sums.abs_u == Approx(static_cast<double>(abs)).epsilon(1e-14));
@@ -99,13 +103,13 @@ TEST_CASE("surface sums agree with sums taken one sample at a time", "[surface_s
 TEST_CASE("surface sums do not depend on how the rows are cut", "[surface_sums]") {
     const std::vector<double> u = realistic_frame(thesis_domain);
     const Vec2 focus{20e-3, 0.0};
-    const SurfaceSums whole = sums_of_slabs(u, thesis_domain, {0, 256}, focus);
+    const measures::SurfaceSums whole = sums_of_slabs(u, thesis_domain, {0, 256}, focus);
     REQUIRE(std::abs(whole.u) < 2e-3 * whole.abs_u);
     using Cuts = std::vector<std::ptrdiff_t>;
     // Through the focus (row 155), inside the sponge only (0 to 9), and an empty slab.
     const Cuts cuts = GENERATE(Cuts{0, 155, 256}, Cuts{0, 9, 154, 256}, Cuts{0, 128, 128, 256},
                                Cuts{0, 50, 103, 153, 205, 256});
-    const SurfaceSums cut = sums_of_slabs(u, thesis_domain, cuts, focus);
+    const measures::SurfaceSums cut = sums_of_slabs(u, thesis_domain, cuts, focus);
     // Positive sums: a rounding error per slab. The signed sum: 1e-16 of the partial sums, which
     // are up to a thousand times what is left.
     CHECK(cut.abs_u == Approx(whole.abs_u).epsilon(1e-14));
@@ -120,7 +124,7 @@ TEST_CASE("surface sums do not depend on how the rows are cut", "[surface_sums]"
 
 TEST_CASE("a focal disc outside the measured region has no weight", "[surface_sums]") {
     const std::vector<double> u = realistic_frame(thesis_domain);
-    const SurfaceSums sums = sums_of_slabs(u, thesis_domain, {0, 256}, {-95e-3, 71e-3});
+    const measures::SurfaceSums sums = sums_of_slabs(u, thesis_domain, {0, 256}, {-95e-3, 71e-3});
     CHECK(sums.focal_weight == 0.0);
     CHECK(sums.focal_u2 == 0.0);
     CHECK(sums.u2 > 0.0);
@@ -136,16 +140,16 @@ TEST_CASE("the focal region of several foci is that of each", "[surface_sums]") 
     const Domain& d = thesis_domain;
     const std::vector<double> u = realistic_frame(d);
     const View2<const double> all(u.data(), d.nx, d.ny);
-    const Region region = measured_region(d);
+    const measures::Region region = measures::measured_region(d);
     const std::vector<Vec2> apart = {{20e-3, 0.0}, {-11e-3, 7e-3}};
-    const SurfaceSums both = surface_sums(all, 0, d, region, apart, 3e-3);
-    const SurfaceSums first = surface_sums(all, 0, d, region, apart[0], 3e-3),
-                      second = surface_sums(all, 0, d, region, apart[1], 3e-3);
+    const measures::SurfaceSums both = measures::surface_sums(all, 0, d, region, apart, 3e-3);
+    const measures::SurfaceSums first = measures::surface_sums(all, 0, d, region, apart[0], 3e-3),
+                                second = measures::surface_sums(all, 0, d, region, apart[1], 3e-3);
     CHECK(both.focal_u2 == Approx(first.focal_u2 + second.focal_u2).epsilon(1e-13));
     CHECK(both.focal_weight == Approx(first.focal_weight + second.focal_weight).epsilon(1e-13));
     CHECK(both.u2 == first.u2);
     const std::vector<Vec2> twice = {apart[0], apart[0]};
-    const SurfaceSums same = surface_sums(all, 0, d, region, twice, 3e-3);
+    const measures::SurfaceSums same = measures::surface_sums(all, 0, d, region, twice, 3e-3);
     // Cells at the rim count up to twice their part, those inside once.
     CHECK(same.focal_weight >= first.focal_weight);
     CHECK(same.focal_weight < 1.3 * first.focal_weight);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "measures/window.hpp"
 
 #include <catch2/catch.hpp>
@@ -15,7 +16,7 @@ const TimeAxis thesis_time{.frames = 280, .interval_s = 50e-6};
 
 double integral(const TimeAxis& time, double from_s, double to_s,
                 const std::function<double(double)>& f) {
-    const std::vector<double> weights = window_weights(time, from_s, to_s);
+    const std::vector<double> weights = measures::window_weights(time, from_s, to_s);
     double sum = 0.0;
     for (std::ptrdiff_t n = 0; n < time.frames; ++n)
         sum += weights[static_cast<std::size_t>(n)] * f(time.frame_s(n)) * time.interval_s;
@@ -25,7 +26,8 @@ double integral(const TimeAxis& time, double from_s, double to_s,
 } // namespace
 
 TEST_CASE("between frames the window's weights are those of the trapezoidal rule", "[window]") {
-    const std::vector<double> weights = window_weights({.frames = 6, .interval_s = 0.5}, 1.0, 2.5);
+    const std::vector<double> weights =
+        measures::window_weights({.frames = 6, .interval_s = 0.5}, 1.0, 2.5);
     const std::vector<double> expected = {0.0, 0.5, 1.0, 1.0, 0.5, 0.0};
     for (std::size_t n = 0; n < 6; ++n)
         CHECK(weights[n] == Approx(expected[n]).margin(1e-15));
@@ -51,7 +53,7 @@ TEST_CASE("a window over whole periods integrates a tone exactly", "[window]") {
 }
 
 TEST_CASE("the weights of a window add up to its length", "[window]") {
-    const std::vector<double> weights = window_weights(thesis_time, 4.0123e-3, 13.987e-3);
+    const std::vector<double> weights = measures::window_weights(thesis_time, 4.0123e-3, 13.987e-3);
     CHECK(std::accumulate(weights.begin(), weights.end(), 0.0) ==
           Approx((13.987e-3 - 4.0123e-3) / 50e-6).epsilon(1e-12)); // 280 rounded additions
 }
@@ -59,7 +61,7 @@ TEST_CASE("the weights of a window add up to its length", "[window]") {
 TEST_CASE("the period window takes as many whole periods as are settled", "[window]") {
     const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
     const auto window = [&](std::optional<double> f) {
-        return period_window(measure, thesis_time, f);
+        return measures::period_window(measure, thesis_time, f);
     };
     CHECK(window(100.0).fits());
     CHECK(window(100.0).periods == 1);
@@ -76,23 +78,25 @@ TEST_CASE("the period window takes as many whole periods as are settled", "[wind
 
 TEST_CASE("a period that does not fit has a reason and no window", "[window]") {
     const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
-    const PeriodWindow slow = period_window(measure, thesis_time, 99.0);
+    const measures::PeriodWindow slow = measures::period_window(measure, thesis_time, 99.0);
     CHECK_FALSE(slow.fits());
     CHECK(slow.reason ==
           "a period of 99 Hz takes 10.1 ms and does not fit into the settled 4 to 14 ms");
-    CHECK_FALSE(period_window({.at_s = 4e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
-    CHECK_FALSE(period_window({.at_s = 15e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
-    CHECK_FALSE(period_window(measure, thesis_time, 8000.0).fits());
-    CHECK(period_window(measure, thesis_time, 5000.0).fits()); // four frames a period
+    CHECK_FALSE(
+        measures::period_window({.at_s = 4e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
+    CHECK_FALSE(
+        measures::period_window({.at_s = 15e-3, .settled_after_s = 4e-3}, thesis_time, {}).fits());
+    CHECK_FALSE(measures::period_window(measure, thesis_time, 8000.0).fits());
+    CHECK(measures::period_window(measure, thesis_time, 5000.0).fits()); // four frames a period
 }
 
-TEST_CASE("there is no reading of a focus that has gone out", "[window]") {
+TEST_CASE("there is no period window after the focus has been switched off", "[window]") {
     const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3};
     const TimeAxis time{280, 50e-6};
-    CHECK(period_window(measure, time, 200.0, 14e-3).fits());
-    CHECK(period_window(measure, time, {}, 13.96e-3).fits()); // within a frame
-    const PeriodWindow out = period_window(measure, time, 200.0, 7e-3);
+    CHECK(measures::period_window(measure, time, 200.0, 14e-3).fits());
+    CHECK(measures::period_window(measure, time, {}, 13.96e-3).fits()); // within a frame
+    const measures::PeriodWindow out = measures::period_window(measure, time, 200.0, 7e-3);
     CHECK_FALSE(out.fits());
     CHECK(out.reason == "the path ends at 7 ms: there is no load at the instant, 14 ms");
-    CHECK_FALSE(period_window(measure, time, {}, 7e-3).fits());
+    CHECK_FALSE(measures::period_window(measure, time, {}, 7e-3).fits());
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/respond.hpp"
 #include "support/neural_data.hpp"
 
@@ -24,7 +25,7 @@ std::vector<Afferent> one_of_each_row() {
 
 } // namespace
 
-TEST_CASE("all 17 neurons fire at the samples that TouchSim gives", "[neural]") {
+TEST_CASE("all 17 neurons fire at the same samples as in TouchSim", "[neural]") {
     const std::string stimulus =
         GENERATE("sine200_50um", "sine20_300um", "sine60_100um", "ramphold_1mm",
                  "sine200_50um_preindent", "sine200_50um_fs20k");
@@ -42,8 +43,9 @@ TEST_CASE("all 17 neurons fire at the samples that TouchSim gives", "[neural]") 
     CHECK(compared == 17);
 }
 
-TEST_CASE("Pacinian afferents of a palm fire at TouchSim's samples, carrier and envelope alike",
-          "[neural]") {
+TEST_CASE(
+    "Pacinian afferents of a palm fire at the same samples as in TouchSim for carrier and envelope",
+    "[neural][slow]") {
     const std::string modulation = GENERATE("unmod", "am200");
     const std::string trace =
         GENERATE("signed", "halfwave", "square", "envelope5k", "square_pad20ms");
@@ -66,7 +68,7 @@ TEST_CASE("Pacinian afferents of a palm fire at TouchSim's samples, carrier and 
     CHECK(compared == 24);
 }
 
-TEST_CASE("an afferent fires alike whichever others stand beside it, noise on", "[neural]") {
+TEST_CASE("spikes of an afferent with noise do not depend on the other afferents", "[neural]") {
     const PinStimulus stimulus = test::single_stimulus("sine60_100um");
     const auto afferents = one_of_each_row();
     const auto all = respond(stimulus, afferents, {.noise_key = 7});
@@ -79,8 +81,7 @@ TEST_CASE("an afferent fires alike whichever others stand beside it, noise on", 
     CHECK(respond(stimulus, afferents, {}) != all);
 }
 
-TEST_CASE("the wave comes later the longer its way along the skin, the static stress at once",
-          "[neural]") {
+TEST_CASE("wave is delayed by its path along the skin but static stress is immediate", "[neural]") {
     PinStimulus stimulus{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 5000.0};
     stimulus.indentation_mm = Lines(1, 200);
     for (std::size_t k = 10; k < 200; ++k)
@@ -96,7 +97,8 @@ TEST_CASE("the wave comes later the longer its way along the skin, the static st
             ++k;
         return k;
     };
-    // The central difference of the step at sample 10 begins at 9; 16 mm are 2 ms, 40 mm 5 ms.
+    // The central difference of the step at sample 10 begins at sample 9; 16 mm take 2 ms, 40 mm 5
+    // ms.
     const Drive straight = drive(17.0);
     CHECK(first(straight.static_MPa) == 10);
     CHECK(first(straight.dynamic_N_s_mm3) == 9 + 10);

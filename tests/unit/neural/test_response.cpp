@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/response.hpp"
 
 #include "base/error.hpp"
-#include "neural/carrier.hpp"
-#include "neural/check_stimulus.hpp"
-#include "neural/silence.hpp"
+#include "neural/skin/carrier.hpp"
+#include "neural/skin/check_stimulus.hpp"
+#include "neural/skin/silence.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -42,7 +43,7 @@ std::string words(const std::vector<Remark>& remarks) {
 
 } // namespace
 
-TEST_CASE("silence is put before, and the last value fades out after", "[neural]") {
+TEST_CASE("adds silence before the stimulus and fades out its last value", "[neural]") {
     PinStimulus s{.at_mm = {{}}, .radius_mm = 1.0, .rate_Hz = 1000.0};
     s.indentation_mm = Lines(1, 4);
     s.indentation_mm.values = {1.0, 2.0, 3.0, 4.0};
@@ -57,21 +58,21 @@ TEST_CASE("silence is put before, and the last value fades out after", "[neural]
     CHECK(with_silence(s, 0.0).stimulus.indentation_mm.values == s.indentation_mm.values);
 }
 
-TEST_CASE("with silence a stimulus lasts a whole number of the neurons' samples", "[neural]") {
+TEST_CASE("a stimulus with silence lasts an integer number of neuron samples", "[neural]") {
     const double rate_Hz = GENERATE(1000.0, 16000.0, 20000.0, 48000.0, 44100.0);
     const auto samples = with_silence(tapping({{}}, rate_Hz), 0.02).stimulus.indentation_mm.samples;
     const double neuron_samples = static_cast<double>(samples) / rate_Hz * 5000.0;
-    CHECK(std::abs(neuron_samples - std::round(neuron_samples)) < 1e-6); // as the code asks for
+    CHECK(std::abs(neuron_samples - std::round(neuron_samples)) < 1e-6); // tolerance of the code
 }
 
-TEST_CASE("silence only delays what is sampled at the neurons' rate", "[neural]") {
+TEST_CASE("silence only delays the response to a stimulus at the neurons' rate", "[neural]") {
     AfferentOptions options = palm();
     options.classes = {AfferentClass::PC};
     const Scene scene = make_scene(options);
     PinStimulus stimulus = tapping({{126.0, 10.0}});
     for (std::size_t k = 0; k < 25; ++k) // at rest at both ends
         stimulus.indentation_mm.values[k] = stimulus.indentation_mm.values[475 + k] = 0.0;
-    // But for the last sample, at which the bare line has no next one.
+    // Except for the last sample, which has no successor without silence.
     const auto but_the_last = [&] {
         SpikeTimes times_s = response_to_pins(stimulus, scene, 0, 500, options, 1);
         for (std::vector<double>& train : times_s)
@@ -91,7 +92,8 @@ TEST_CASE("silence only delays what is sampled at the neurons' rate", "[neural]"
     CHECK(spikes > 100);
 }
 
-TEST_CASE("a scene gives the same spikes in whatever parts, noise on", "[neural]") {
+TEST_CASE("spikes of a scene with noise do not depend on its division into parts",
+          "[neural][slow]") {
     AfferentOptions options = palm();
     options.noise = Switch::on;
     const Scene scene = make_scene(options);
@@ -107,7 +109,7 @@ TEST_CASE("a scene gives the same spikes in whatever parts, noise on", "[neural]
     CHECK(parts == whole);
 }
 
-TEST_CASE("the conduction delay of each neuron is added to its spikes", "[neural]") {
+TEST_CASE("adds the conduction delay of each neuron to its spikes", "[neural]") {
     AfferentOptions options = palm();
     options.sheet = SkinSheet::flat;
     options.places = AfferentList{{{{}, AfferentClass::PC, 2}}};
@@ -120,7 +122,8 @@ TEST_CASE("the conduction delay of each neuron is added to its spikes", "[neural
     CHECK(later[0][0] - at_once[0][0] == Approx(6.775949651679992e-3).epsilon(1e-12));
 }
 
-TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike", "[neural]") {
+TEST_CASE("summarises a class by active afferents, rate, spread, locking and first spike",
+          "[neural]") {
     const std::vector<Afferent> afferents = {{{3.0, 0.0}, AfferentClass::PC, 0},
                                              {{0.0, 4.0}, AfferentClass::PC, 0},
                                              {{}, AfferentClass::PC, 0},
@@ -138,15 +141,16 @@ TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike",
     CHECK(PC.spikes == 6);
     CHECK(PC.mean_rate_Hz == Approx(6.0 / 0.5 / 2.0));
     CHECK(PC.spread_mm == Approx(std::sqrt((5.0 * 9.0 + 16.0) / 6.0)));
-    CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; the lone spike says nothing
+    CHECK(PC.locking == Approx(1.0).epsilon(1e-12)); // 10 ms apart; a single spike is not used
     CHECK(PC.vector_strength == Approx(1.0).epsilon(1e-12));
     CHECK(PC.first_spike_ms == Approx(12.0));
     CHECK(PC.most_spikes == 5);
-    // At four times the phase apart nothing is left: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
+    // At four times the frequency the phases cancel: 0, 1/4, 1/2, 3/4 of a period, and 0 again.
     times_s[0] = {0.01, 0.0225, 0.035, 0.0475, 0.05, 0.0625, 0.075, 0.0875};
     CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1].locking <
           1e-12);
-    // Two spikes a quarter of a period apart beside those eight: |1 + i| = sqrt 2, by spikes.
+    // Two spikes a quarter of a period apart, in addition to those eight: |1 + i| = sqrt 2,
+    // weighted by spikes.
     times_s[1] = {0.010, 0.0125};
     CHECK(class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; })[1]
               .vector_strength == Approx(std::sqrt(2.0) / 10.0));
@@ -155,16 +159,16 @@ TEST_CASE("a class in numbers: active ones, rate, spread, locking, first spike",
         class_responses(afferents, times_s, 0.5, 0.0, [](Vec2) { return 0.0; })[1].locking));
 }
 
-TEST_CASE("locking is that of the fibres' phases, however few their spikes", "[neural]") {
-    // Phases spread as 1 + 2 R cos(phi), whose vector strength is R.
+TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
+    // Phases are distributed as 1 + 2 R cos(phi), whose vector strength is R.
     const double R = GENERATE(0.0, 0.4);
-    const std::size_t spikes = GENERATE(5, 20), fibres = 2000;
+    const std::size_t spikes = GENERATE(5u, 20u), fibres = 2000;
     const std::vector<Afferent> afferents(fibres, {{}, AfferentClass::PC, 0});
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(0.0, 1.0);
     SpikeTimes times_s(fibres);
     for (std::size_t i = 0; i < fibres; ++i) {
-        const double own = uniform(random); // where the wave comes later
+        const double own = uniform(random); // later arrival of the wave at this fibre
         while (times_s[i].size() < spikes) {
             const double phase = uniform(random);
             if (uniform(random) * (1.0 + 2.0 * R) < 1.0 + 2.0 * R * std::cos(2.0 * M_PI * phase))
@@ -172,21 +176,21 @@ TEST_CASE("locking is that of the fibres' phases, however few their spikes", "[n
         }
     }
     const auto of = class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; });
-    // The squares of 2000 n (n - 1) pairs or more average out to 0.007, five for sure; the plain
-    // vector strength of five random spikes is 0.4.
+    // The mean over 2000 n (n - 1) pairs or more has an error of 0.007, or five times this with
+    // near certainty; the plain vector strength of five random spikes is 0.4.
     CHECK(of[0].locking * of[0].locking == Approx(R * R).margin(0.035));
 }
 
-TEST_CASE("a carrier that its sampling cannot carry is refused", "[neural]") {
+TEST_CASE("rejects a sampling rate that is too low for the carrier", "[neural]") {
     CarrierInput carrier{.amplitude_m = 50e-6, .sampling_Hz = 80e3};
     CHECK_THROWS_AS(carrier_stimulus(carrier, {{}}, 1.0, 0.1), UsageError);
     CHECK_THROWS_WITH(carrier_stimulus(carrier, {{}}, 1.0, 0.1),
-                      Catch::Contains("2 samples a cycle") && Catch::Contains("200"));
+                      Catch::Contains("2 samples per cycle") && Catch::Contains("at least 200"));
     carrier.sampling_Hz = 200e3;
     CHECK(carrier_stimulus(carrier, {{}}, 1.0, 0.1).indentation_mm.samples == 20000);
 }
 
-TEST_CASE("a carrier is signed, rectified or squared, times its modulation", "[neural]") {
+TEST_CASE("applies the modulation to a signed, rectified or squared carrier", "[neural]") {
     CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0, .am_depth = 1.0};
     const auto line = [&](CarrierWave wave) {
         carrier.wave = wave;
@@ -199,11 +203,11 @@ TEST_CASE("a carrier is signed, rectified or squared, times its modulation", "[n
         CHECK(r[k] == std::max(s[k], 0.0));
         CHECK(q[k] == Approx(s[k] * s[k] / 0.05).margin(1e-15));
     }
-    // m = 1 in the middle of the period; sin(2 pi/5) is its largest sample.
+    // m = 1 in the middle of the period; the largest sample is sin(2 pi/5).
     CHECK(s[501] == Approx(0.05 * std::sin(2.0 * M_PI / 5.0)).epsilon(1e-4));
 }
 
-TEST_CASE("an unmodulated carrier, squared, is felt at its onset alone; modulated, throughout",
+TEST_CASE("squared carrier causes spikes at its onset, or throughout if it is modulated",
           "[neural]") {
     AfferentOptions options = palm();
     options.classes = {AfferentClass::PC};
@@ -220,14 +224,14 @@ TEST_CASE("an unmodulated carrier, squared, is felt at its onset alone; modulate
                 }));
         return count;
     };
-    CHECK(spikes_in(0.0, 0.02) > 50); // 100 mm at 8 m/s are 12.5 ms
+    CHECK(spikes_in(0.0, 0.02) > 50); // 100 mm at 8 m/s take 12.5 ms
     CHECK(spikes_in(0.02, 0.1) == 0);
     carrier.am_depth = 1.0;
     CHECK(spikes_in(0.02, 0.06) > 500);
     CHECK(spikes_in(0.06, 0.1) > 500);
 }
 
-TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
+TEST_CASE("reports invalid stimuli with their values", "[neural]") {
     const Polygon skin = make_hand().outline_mm;
     PinStimulus s = tapping({{126.0, 10.0}, {126.0, 11.0}});
     CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
@@ -239,11 +243,11 @@ TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
                    Catch::Contains("error: pin_radius_mm: must be above 0, and is -1"));
     }
-    SECTION("pins at one place") {
+    SECTION("pins at the same position") {
         s.at_mm[1] = s.at_mm[0];
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: two pins"));
     }
-    SECTION("pins off the hand") {
+    SECTION("pins outside of the hand") {
         s.at_mm[1] = {20.0, 20.0}; // between index and middle finger
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
                    Catch::Contains("warning: pins: 1 of 2 pins"));
@@ -251,7 +255,7 @@ TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
         s.at_mm[0] = {300.0, 0.0};
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("error: pins: all 2"));
     }
-    SECTION("not a number") {
+    SECTION("a value that is not a number") {
         s.indentation_mm.line(1)[20] = std::numeric_limits<double>::quiet_NaN();
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
                    Catch::Contains("error: trace: 1 values") &&
@@ -267,21 +271,23 @@ TEST_CASE("bad stimuli are told with their numbers", "[neural]") {
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)), Catch::Contains("begins at 50 um"));
         s.rate_Hz = 10000.0;
         CHECK_THAT(words(check_stimulus(s, 0.0, skin)),
-                   Catch::Contains("warning: silence_ms") && Catch::Contains("rings at both ends"));
+                   Catch::Contains("warning: silence_ms") &&
+                       Catch::Contains("ringing at both ends"));
     }
     SECTION("slow sampling") {
         s.rate_Hz = 500.0;
         CHECK_THAT(words(check_stimulus(s, 0.02, skin)),
-                   Catch::Contains("500 samples a second carry vibrations up to 250 Hz"));
+                   Catch::Contains("a sampling rate of 500 Hz represents vibrations up to 250 Hz"));
     }
 }
 
-TEST_CASE("what is wrong with the stress at receptors is said with its place", "[neural]") {
+TEST_CASE("reports invalid stresses at receptors with their position", "[neural]") {
     std::vector<std::vector<double>> stress_Pa(2, std::vector<double>(10));
     stress_Pa[0][4] = 200.0;
     CHECK(check_stress(stress_Pa, 5000.0, 2, 0.02).empty());
     CHECK_THAT(words(check_stress(stress_Pa, 5000.0, 3, 0.02)),
-               Catch::Contains("error: trace: there are 3 receptors and 2 traces"));
+               Catch::Contains(
+                   "error: trace: expected 3 traces of stress, one per receptor, but found 2"));
     CHECK_THAT(words(check_stress(stress_Pa, 0.0, 2, 0.02)), Catch::Contains("rate must be above"));
     CHECK_THAT(words(check_stress(stress_Pa, 700.0, 2, 0.02)), Catch::Contains("up to 350 Hz"));
     stress_Pa[1][0] = 100.0;

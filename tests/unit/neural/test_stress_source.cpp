@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "neural/stress_source.hpp"
 
-#include "neural/skin_stress.hpp"
+#include "neural/skin/skin_stress.hpp"
 #include "support/neural_data.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,17 +12,18 @@
 using namespace shearwake;
 using namespace shearwake::neural;
 
-TEST_CASE("the scale between stress and the dynamic term has its closed form", "[neural]") {
+TEST_CASE("scale between stress and the dynamic term equals the closed form", "[neural]") {
     const double z = GENERATE(0.3, 1.6, 2.0, 50.0), a = GENERATE(0.5, 1.0);
     const double xi2 = z * z / (a * a);
     const double closed =
         std::numbers::pi * a * std::pow(1.0 + xi2, 2) / (z * z * (1.0 + 3.0 * xi2));
-    CHECK(dynamic_per_stress_rate(z, a) == Approx(closed).epsilon(1e-11)); // as the stress itself
-    if (z > 20.0) // 5/3 of (a/z)^2 is left out
+    // Limited by the stress itself.
+    CHECK(dynamic_per_stress_rate(z, a) == Approx(closed).epsilon(1e-11));
+    if (z > 20.0) // 5/3 of (a/z)^2 is neglected
         CHECK(closed == Approx(std::numbers::pi / (3.0 * a)).epsilon(1e-3));
 }
 
-TEST_CASE("below a pin its stress makes a receptor fire as the pin does", "[neural]") {
+TEST_CASE("receptor below a pin responds equally to the pin and to its stress", "[neural]") {
     const std::string name =
         GENERATE("sine200_50um", "sine20_300um", "ramphold_1mm", "sine200_50um_fs20k");
     const PinStimulus stimulus = test::single_stimulus(name);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/read_csv.hpp"
 
 #include "base/error.hpp"
@@ -8,11 +9,11 @@
 
 using namespace shearwake;
 
-TEST_CASE("what the table writer writes is read back cell by cell", "[csv]") {
-    const Table table{{"a", "b,c"},
-                      {{0.25, std::string("say \"x\",\r\nthen y")},
-                       {std::numeric_limits<double>::quiet_NaN(), std::string()}}};
-    const TextTable read = read_csv(csv(table), "t.csv");
+TEST_CASE("a written table is read back cell by cell", "[csv]") {
+    const reduce::Table table{{"a", "b,c"},
+                              {{0.25, std::string("say \"x\",\r\nthen y")},
+                               {std::numeric_limits<double>::quiet_NaN(), std::string()}}};
+    const reduce::TextTable read = reduce::read_csv(reduce::csv(table), "t.csv");
     CHECK(read.columns == table.columns);
     REQUIRE(read.rows.size() == 2);
     CHECK(read.rows[0] == std::vector<std::string>{"0.25", "say \"x\",\r\nthen y"});
@@ -21,24 +22,25 @@ TEST_CASE("what the table writer writes is read back cell by cell", "[csv]") {
     CHECK_FALSE(read.find("c"));
 }
 
-TEST_CASE("the tables of spreadsheets are read: byte order mark, CRLF, no last line end", "[csv]") {
-    const TextTable read = read_csv("\xef\xbb\xbfid,x\r\na,1\r\nb,2", "t.csv");
+TEST_CASE("tables of spreadsheets are read, with byte order mark, CRLF and no final line end",
+          "[csv]") {
+    const reduce::TextTable read = reduce::read_csv("\xef\xbb\xbfid,x\r\na,1\r\nb,2", "t.csv");
     CHECK(read.columns == std::vector<std::string>{"id", "x"});
     REQUIRE(read.rows.size() == 2);
     CHECK(read.rows[1] == std::vector<std::string>{"b", "2"});
 }
 
-TEST_CASE("what is no table is refused with the line and the reason", "[csv]") {
+TEST_CASE("an invalid table is rejected with the line and the reason", "[csv]") {
     const auto [text, line, reason] = GENERATE(table<const char*, const char*, const char*>(
         {{"", "t.csv:1:", "empty"},
-         {"a,b\n1\n", "t.csv:2:", "1 cells under 2 columns"},
-         {"a,b\n\"1\n2\",3\n1,2,3\n", "t.csv:4:", "3 cells under 2 columns"},
+         {"a,b\n1\n", "t.csv:2:", "1 cells for 2 columns"},
+         {"a,b\n\"1\n2\",3\n1,2,3\n", "t.csv:4:", "3 cells for 2 columns"},
          {"a\n\"1\n", "t.csv:2:", "never closed"},
-         {"a\n\"1\"2\n", "t.csv:2:", "behind its closing quote"},
-         {"a,b,a\n", "t.csv:1:", "two columns are called \"a\""}}));
+         {"a\n\"1\"2\n", "t.csv:2:", "after its closing quote"},
+         {"a,b,a\n", "t.csv:1:", "two columns are named \"a\""}}));
     CAPTURE(text);
     try {
-        read_csv(text, "t.csv");
+        reduce::read_csv(text, "t.csv");
         FAIL("it was taken for a table");
     } catch (const UsageError& error) {
         CHECK(error.code() == ExitCode::environment);

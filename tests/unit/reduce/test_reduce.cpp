@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/reduce.hpp"
 
-#include "io/case_file_writer.hpp"
-#include "io/files.hpp"
-#include "io/journal.hpp"
-#include "io/plan_file.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
 #include "support/cases.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -12,16 +13,16 @@
 
 using namespace shearwake;
 
-TEST_CASE("cells that CSV and Markdown could not carry are quoted", "[reduce]") {
-    const Table table{{"a", "b,c"},
-                      {{1.0 / 3.0, std::string("say \"x|y\",\nthen z")},
-                       {std::numeric_limits<double>::quiet_NaN(), std::string()}}};
-    CHECK(csv(table) == "a,\"b,c\"\n0.333333333,\"say \"\"x|y\"\",\nthen z\"\n,\n");
-    CHECK(markdown(table, {"b,c", "a", "none"}) ==
+TEST_CASE("special characters in cells are quoted in CSV and Markdown", "[reduce]") {
+    const reduce::Table table{{"a", "b,c"},
+                              {{1.0 / 3.0, std::string("say \"x|y\",\nthen z")},
+                               {std::numeric_limits<double>::quiet_NaN(), std::string()}}};
+    CHECK(reduce::csv(table) == "a,\"b,c\"\n0.333333333,\"say \"\"x|y\"\",\nthen z\"\n,\n");
+    CHECK(reduce::markdown(table, {"b,c", "a", "none"}) ==
           "| b,c | a |\n| --- | --- |\n| say \"x\\|y\", then z | 0.3333 |\n|  |  |\n");
 }
 
-TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") {
+TEST_CASE("every case is a row with its status", "[reduce]") {
     const test::TemporaryFolder folder;
     const Comm alone = Comm::world().split(Comm::world().rank());
     const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
@@ -30,10 +31,10 @@ TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") 
         plan.cases.push_back({id, c, {{"load.peak_Pa", 5.0}}, false, "reference"});
     plan.cases.back().is_reference = true;
     plan.cases.back().reference_id.clear();
-    write_file(folder / "plan.json", plan_text(plan));
-    make_directory(folder / "cases");
+    storage::write_file(folder / "plan.json", storage::plan_text(plan));
+    storage::make_directory(folder / "cases");
     const auto write = [&](const std::string& id, double eta, double rms, const std::string& note) {
-        CaseFileWriter(folder / ("cases/" + id + ".h5"), alone, {})
+        storage::CaseFileWriter(folder / ("cases/" + id + ".h5"), alone, {})
             .commit({{"",
                       {{"eta_period_1", {}, {eta}, "1", "eta", ""},
                        {"focal_rms_um", {}, {rms}, "um", "rms", note}}}},
@@ -44,11 +45,12 @@ TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") 
     };
     write("good", 0.2, std::numeric_limits<double>::quiet_NaN(), "no disc");
     write("reference", 0.1, 2.0, "");
-    write_file(folder / "cases/damaged.h5", "no HDF5");
-    Journal(folder / "journal.jsonl").failed("failed", "out of memory", Blame::case_itself);
+    storage::write_file(folder / "cases/damaged.h5", "no HDF5");
+    storage::Journal(folder / "journal.jsonl")
+        .failed("failed", "out of memory", storage::Blame::case_itself);
 
-    const ReduceInput input{folder / "", folder / "plan.json", folder / "tables"};
-    const Table table = table_of(input);
+    const reduce::ReduceInput input{folder / "", folder / "plan.json", folder / "tables"};
+    const reduce::Table table = reduce::table_of(input);
     const auto cell = [&](std::size_t row, const std::string& column) {
         const auto found = std::find(table.columns.begin(), table.columns.end(), column);
         REQUIRE(found != table.columns.end());
@@ -65,8 +67,8 @@ TEST_CASE("every case is a row: whole, failed, damaged or missing", "[reduce]") 
     CHECK(std::get<std::string>(cell(2, "status")) == "damaged");
     CHECK(std::get<std::string>(cell(3, "status")) == "missing");
     CHECK(std::get<std::string>(cell(4, "reference")) == "yes");
-    const ReducedTables written = reduce(input);
+    const reduce::ReducedTables written = reduce::reduce(input);
     CHECK(written.rows == 5);
     CHECK(written.whole == 2);
-    CHECK(read_file(written.csv) == csv(table));
+    CHECK(storage::read_file(written.csv) == reduce::csv(table));
 }

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the program, the scripts of the figures, the scripts for users, jobs, documentation, manual page and
+# bash completion. share/shearwake has the layout of the source tree, so that scripts find their files.
+include(GNUInstallDirs)
+set(data ${CMAKE_INSTALL_DATADIR}/shearwake)
+install(TARGETS shearwake)
+install(DIRECTORY jobs DESTINATION ${data})
+install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY tests/baselines DESTINATION ${data}/tests)
+install(DIRECTORY scripts/import_kwave DESTINATION ${data}/scripts PATTERN __pycache__ EXCLUDE)
+install(FILES scripts/common.sh scripts/make_map.py DESTINATION ${data}/scripts)
+install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN conf.py EXCLUDE)
+install(FILES README.md LICENSE CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+file(RELATIVE_PATH to_data ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/shearwake)
+foreach(tool IN ITEMS import-kwave make-map submit nightly)
+    set(arguments "")
+    if(tool STREQUAL "nightly")
+        set(arguments "--out out/nightly ") # the installed folder is not writable
+    endif()
+    configure_file(cmake/tool.in generated/shearwake-${tool} @ONLY)
+    install(PROGRAMS scripts/${tool} DESTINATION ${data}/scripts)
+    install(PROGRAMS ${CMAKE_BINARY_DIR}/generated/shearwake-${tool} DESTINATION ${CMAKE_INSTALL_BINDIR})
+endforeach()
+
+# The program prints its own manual page and completion.
+if(NOT CMAKE_CROSSCOMPILING)
+    add_custom_command(OUTPUT generated/shearwake.1 generated/shearwake.bash
+        COMMAND shearwake man > generated/shearwake.1
+        COMMAND shearwake completion > generated/shearwake.bash
+        DEPENDS shearwake VERBATIM)
+    add_custom_target(shell_support ALL DEPENDS generated/shearwake.1 generated/shearwake.bash)
+    install(FILES ${CMAKE_BINARY_DIR}/generated/shearwake.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+    install(FILES ${CMAKE_BINARY_DIR}/generated/shearwake.bash RENAME shearwake
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+endif()

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Registers the tests with CTest. Each CTest test is a group of test cases that scripts/run_group.py runs,
+# counts, and ends if it hangs. Labels: unit, mpi, verify, end_to_end, faults, integrity, docs, slurm, report,
+# scripts.
+
+# The first Python that has numpy and h5py, searched as in scripts/common.sh.
+foreach(candidate IN ITEMS "$ENV{SHEARWAKE_PYTHON}" python3 /usr/bin/python3)
+    if(candidate AND NOT SHEARWAKE_TEST_PYTHON)
+        execute_process(COMMAND ${candidate} -c "import numpy, h5py, sys; print(sys.executable)"
+            OUTPUT_VARIABLE found OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+        if(NOT failed)
+            set(SHEARWAKE_TEST_PYTHON ${found} CACHE FILEPATH "Python that runs the tests")
+        endif()
+    endif()
+endforeach()
+if(NOT SHEARWAKE_TEST_PYTHON)
+    message(WARNING "No Python with numpy and h5py found: no tests are registered; set SHEARWAKE_PYTHON to choose "
+        "one")
+endif()
+
+# add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses one core and may run
+# concurrently with any other group; groups that are ALONE use several cores and never run concurrently with
+# each other. There is no time limit: run_group.py ends groups that make no progress.
+function(add_group name label verdicts beside)
+    if(NOT SHEARWAKE_TEST_PYTHON)
+        return()
+    endif()
+    add_test(NAME ${name} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}
+        COMMAND ${SHEARWAKE_TEST_PYTHON} ${CMAKE_SOURCE_DIR}/scripts/run_group.py ${CMAKE_BINARY_DIR}
+            ${verdicts} ${name} ${ARGN})
+    set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 1000000)
+    if(beside STREQUAL "ALONE")
+        set_tests_properties(${name} PROPERTIES RESOURCE_LOCK several_cores)
+    endif()
+endfunction()
+
+# Adds the test cases of a Catch2 runner that ARGN selects, on one rank. -# tags them with their file.
+function(add_catch_group name label runner)
+    add_group(${name} ${label} catch BESIDE $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+endfunction()
+
+# Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle, since
+# other processes may use the cores: next to another program, two ranks took six times as long as one.
+function(add_mpi_group name label runner ranks)
+    set(launch "")
+    if(ranks GREATER 1)
+        set(launch mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 -n ${ranks})
+    endif()
+    add_group(${name} ${label} catch ALONE ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+endfunction()
+
+# Adds each tests/FOLDER/test_*.py as a group, with the folder as label.
+function(add_python_groups folder beside)
+    file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/tests/${folder}/test_*.py)
+    foreach(file IN LISTS files)
+        add_group(${file} ${folder} unittest ${beside} ${SHEARWAKE_TEST_PYTHON}
+            ${CMAKE_SOURCE_DIR}/scripts/test_runner/unittest_main.py ${CMAKE_SOURCE_DIR}/${file} REPORT)
+    endforeach()
+endfunction()

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands.hpp"
+
+#include "schedule/job_source.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::app {
+
+ExitCode check_command(const schedule::JobArguments& arguments, const Comm& world) {
+    const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
+    if (!world.is_root()) return ExitCode::done;
+    for (const config::Finding& finding : job.findings)
+        fmt::print("{}\n", config::text(finding));
+    fmt::print("{}: {} case{}, {} warning{}, no errors\n", arguments.job.string(),
+               job.plan.cases.size(), job.plan.cases.size() == 1 ? "" : "s", job.findings.size(),
+               job.findings.size() == 1 ? "" : "s");
+    return ExitCode::done;
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace shearwake::app {
+
+/// The manual page of the program in the format of man(7), made from the commands and options that
+/// `app` declares.
+std::string man_page(const CLI::App& app);
+
+/// One line for each exit code of the program.
+std::string exit_code_list();
+
+/// A script that bash sources to complete commands, options, their values and file names.
+std::string bash_completion(const CLI::App& app);
+
+} // namespace shearwake::app

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+#include "parallel/comm.hpp"
+#include "schedule/run_arguments.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::app {
+
+/// Each command has one function, in a file named after the command. The exceptions are `run`,
+/// which is run_sweep in schedule/, and `bench`, which is bench_command in bench/. All functions
+/// are collective over the world; commands that only read or draw do their work on rank 0.
+
+struct PlanArguments : schedule::JobArguments {
+    int ranks = 0;          // 0: the number of ranks of this program
+    int ranks_per_case = 0; // 0: choose
+};
+
+struct ShowModulationArguments : schedule::JobArguments {
+    std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
+};
+
+struct DiffArguments {
+    std::filesystem::path now, reference; // output folders, or tables (CSV)
+    std::vector<std::string> tolerances;  // COLUMN=RELATIVE
+    std::filesystem::path tolerance_file; // TOML; empty: none
+    std::filesystem::path json;           // where to write the differences; empty: nowhere
+};
+
+struct StatusArguments {
+    std::filesystem::path folder;
+    bool verify = false; // read the case files and check their checksums
+};
+
+struct VerifyArguments {
+    std::filesystem::path folder;
+    std::filesystem::path json; // where to write the result in addition; empty: nowhere
+    bool quiet = false;
+};
+
+struct RespondArguments {
+    std::filesystem::path motion;  // CSV or HDF5; empty: a prescribed carrier
+    std::string group;             // of the HDF5 file; empty: /traces or the root group
+    std::filesystem::path options; // TOML with [afferents]; empty: defaults
+    std::vector<std::string> overrides;
+    std::filesystem::path out;   // HDF5; empty: only the summary is printed
+    double duration_ms = 1000.0; // of a prescribed carrier
+    double modulation_Hz = 0.0;  // reference frequency of phase locking for a motion; 0: none
+
+    bool gives_radius() const;
+};
+
+ExitCode check_command(const schedule::JobArguments& arguments, const Comm& world);
+ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
+ExitCode status_command(const StatusArguments& arguments, const Comm& world);
+/// Checks every case file, the plan, the journals and the index against their checksums.
+ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);
+ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
+ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
+/// Draws path, speed and envelope of the job's first case.
+ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
+ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
+
+/// Reads the command line and calls the function of its command.
+ExitCode program(int argc, char** argv, const Comm& world);
+
+} // namespace shearwake::app

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/reduce.hpp"
+
+#include "app/commands.hpp"
+#include "app/reduce_folder.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/output_folder.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::app {
+
+ExitCode reduce_command(const std::filesystem::path& path, const Comm& world) {
+    const schedule::OutputFolder folder{path};
+    long damaged = 0;
+    on_root(world, [&] {
+        const reduce::ReducedTables written = reduce_folder(folder);
+        fmt::print("{} cases: {} complete, {} failed or missing\n", written.rows, written.whole,
+                   written.rows - written.whole);
+        if (written.programs.size() > 1)
+            fmt::print("warning: {} versions of the program computed the cases: {}\n",
+                       written.programs.size() == 2 ? "two"
+                                                    : std::to_string(written.programs.size()),
+                       fmt::join(written.programs, ", "));
+        damaged = static_cast<long>(written.damaged.size());
+        if (damaged > 0)
+            fmt::print(stderr,
+                       "error: {} damaged case file{}: {}; the rows of these cases are empty, the "
+                       "next run computes them again\n",
+                       damaged, damaged == 1 ? "" : "s", fmt::join(written.damaged, ", "));
+        if (written.without_checksum > 0)
+            fmt::print("note: {} case files were written by an earlier version without checksum: "
+                       "damage to them cannot be detected\n",
+                       written.without_checksum);
+        if (written.whole == 0)
+            throw UsageError(fmt::format("no case of {} is complete, so there is nothing to "
+                                         "reduce; shearwake status {} lists the reasons",
+                                         path.string(), path.string()),
+                             ExitCode::some_cases_failed);
+        fmt::print("table: {}\n       {}\nnext: shearwake report {}\n", written.csv.string(),
+                   written.markdown.string(), path.string());
+    });
+    return world.broadcast(damaged) > 0 ? ExitCode::some_cases_failed : ExitCode::done;
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/reduce_folder.hpp"
+
+#include "app/python_script.hpp"
+#include "base/error.hpp"
+
+#include <algorithm>
+
+namespace shearwake::app {
+namespace {
+
+bool holds_cases(const schedule::OutputFolder& folder) {
+    namespace fs = std::filesystem;
+    if (!fs::is_directory(folder.cases())) return false;
+    const fs::directory_iterator files(folder.cases());
+    return std::any_of(fs::begin(files), fs::end(files),
+                       [](const auto& entry) { return entry.path().extension() == ".h5"; });
+}
+
+/// The path of plan.json or, without it, of tables/plan.json, which is made from the case files.
+std::filesystem::path plan_of(const schedule::OutputFolder& folder) {
+    if (std::filesystem::exists(folder.plan()) || !holds_cases(folder)) return folder.plan();
+    if (run_python_script("from_cases.py", {folder.root.string()}) != 0)
+        throw UsageError("cannot reconstruct the plan from the case files in " +
+                             folder.cases().string(),
+                         ExitCode::environment);
+    return folder.tables() / "plan.json";
+}
+
+} // namespace
+
+reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder) {
+    return reduce::reduce(
+        {.folder = folder.root, .plan = plan_of(folder), .tables = folder.tables()});
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "reduce/reduce.hpp"
+#include "schedule/output_folder.hpp"
+
+namespace shearwake::app {
+
+/// Writes the tables of an output folder. Without plan.json the plan is reconstructed from the case
+/// files. Throws UsageError (environment) if this is not an output folder. Not collective.
+reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder);
+
+} // namespace shearwake::app

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands.hpp"
+
+#include "app/python_script.hpp"
+#include "app/reduce_folder.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/output_folder.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::app {
+
+ExitCode report_command(const std::filesystem::path& path, const Comm& world) {
+    ExitCode code = ExitCode::done; // of rank 0; the program exits with the largest of all ranks
+    on_root(world, [&] {
+        const schedule::OutputFolder folder{path};
+        reduce_folder(folder); // so that the table is up to date
+        const int status = run_python_script("report.py", {path.string()});
+        if (status == static_cast<int>(ExitCode::some_cases_failed))
+            code = ExitCode::some_cases_failed;
+        else if (status != 0)
+            throw UsageError(fmt::format("the report failed (exit {})", status),
+                             ExitCode::environment);
+    });
+    return code;
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands.hpp"
+
+#include "base/printable.hpp"
+#include "parallel/agree.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <sstream>
+
+namespace shearwake::app {
+namespace {
+
+std::string text_of(const storage::CaseSummary& summary, const std::string& name) {
+    const auto found = summary.texts.find(name);
+    return found == summary.texts.end() ? "unknown" : printable(found->second);
+}
+
+void print_solver(const storage::CaseSummary& s) {
+    const auto number = [&](const std::string& name) {
+        const auto found = s.numbers.find(name);
+        return found == s.numbers.end() ? 0.0 : found->second;
+    };
+    std::string indent = "solver:   ";
+    const auto line = [&](std::string_view text) {
+        fmt::print("{}{}\n", indent, text);
+        indent = "          ";
+    };
+    if (number("solver_steps") > 0.0)
+        line(fmt::format("{:.0f} steps, {:.0f} iterations, at most {:.0f} per step",
+                         number("solver_steps"), number("solver_iterations"),
+                         number("solver_most_iterations")));
+    if (const double work_J = number("solver_work_J"); work_J > 0.0)
+        line(fmt::format("work of the load: {:.3g} J; share that remains at the end as kinetic "
+                         "and strain energy: {:.3g}",
+                         work_J, number("solver_energy_J") / work_J));
+    if (!s.texts.contains("solver_notes")) return;
+    std::istringstream notes(s.texts.at("solver_notes"));
+    for (std::string note; std::getline(notes, note);)
+        line(note);
+}
+
+void print_case(const std::filesystem::path& path) {
+    storage::CaseSummary s;
+    try {
+        s = storage::read_case_summary(path);
+    } catch (const Error& error) {
+        throw UsageError(path.string() + " is not a complete case file: " + error.what(),
+                         ExitCode::environment);
+    }
+    fmt::print("case {}{}: {}\n", text_of(s, "case_id"),
+               text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
+    fmt::print("swept:    {}\n", text_of(s, "settings"));
+    if (s.texts.contains("overrides")) fmt::print("override: -S {}\n", text_of(s, "overrides"));
+    fmt::print("status:   {}, {}\n", text_of(s, "status"),
+               s.has_checksum
+                   ? "checksum verified"
+                   : "written by an earlier version without checksum: damage cannot be detected");
+    const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
+    const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;
+    fmt::print("computed: {} to {} on {}, {:.0f} rank{}, {:.3g} s\n", text_of(s, "started"),
+               text_of(s, "ended"), text_of(s, "host"), ranks, ranks == 1.0 ? "" : "s", wall_s);
+    fmt::print("program:  {}, git {}, {} ({}), {}, {}, HDF5 {}\n", text_of(s, "program"),
+               text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
+               text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));
+    print_solver(s);
+    fmt::print("\nmeasures:\n");
+    for (const Variable& v : s.scalars) {
+        const double value = v.values.at(0);
+        const std::string shown = std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
+        fmt::print("  {:<28} {:>12}  {}{}\n", v.name, shown, v.long_name,
+                   v.note.empty() ? "" : " [" + v.note + "]");
+    }
+    fmt::print("\nseries in the root group (dimensions depth, time):\n");
+    for (const Variable& v : s.shapes) {
+        std::string shape;
+        for (const std::string& extent : v.dimensions)
+            shape += (shape.empty() ? "" : " x ") + extent;
+        fmt::print("  {:<28} {:>12}  {} [{}]\n", v.name, shape, v.long_name, v.units);
+    }
+    fmt::print("\nthe case, in SI units:\n{}", text_of(s, "case"));
+}
+
+} // namespace
+
+ExitCode show_command(const std::filesystem::path& case_file, const Comm& world) {
+    on_root(world, [&] { print_case(case_file); });
+    return ExitCode::done;
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/csv.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace shearwake {
+
+std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view blanks = " \t\r";
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::optional<double> number_in(std::string_view cell) {
+    double value = 0.0;
+    const char* end = cell.data() + cell.size();
+    const auto [stopped, error] = std::from_chars(cell.data(), end, value);
+    return error == std::errc() && stopped == end ? std::optional(value) : std::nullopt;
+}
+
+std::optional<double> finite_number_in(std::string_view cell) {
+    const auto value = number_in(cell);
+    return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+CsvReader::CsvReader(std::string_view text, CsvText kind) : rest_(text), kind_(kind) {
+    constexpr std::string_view byte_order_mark = "\xef\xbb\xbf"; // spreadsheets write one
+    if (rest_.starts_with(byte_order_mark)) rest_.remove_prefix(byte_order_mark.size());
+}
+
+bool CsvReader::next() {
+    while (!rest_.empty()) {
+        line_ = next_line_;
+        text_ = trimmed(rest_.substr(0, rest_.find('\n')));
+        if (kind_ == CsvText::relaxed && (text_.empty() || text_.front() == '#')) {
+            rest_.remove_prefix(std::min(rest_.find('\n'), rest_.size() - 1) + 1);
+            ++next_line_;
+            continue;
+        }
+        cells_.clear();
+        do
+            cells_.push_back(cell());
+        while (take(','));
+        take('\r');
+        if (!rest_.empty() && !take('\n'))
+            throw CsvError(next_line_, "a quoted cell continues after its closing quote");
+        ++next_line_;
+        return true;
+    }
+    return false;
+}
+
+bool CsvReader::take(char c) {
+    if (rest_.empty() || rest_.front() != c) return false;
+    rest_.remove_prefix(1);
+    return true;
+}
+
+std::string CsvReader::cell() {
+    if (take('"')) return quoted_cell();
+    const std::string_view text = rest_.substr(0, rest_.find_first_of(",\r\n"));
+    rest_.remove_prefix(text.size());
+    return std::string(kind_ == CsvText::relaxed ? trimmed(text) : text);
+}
+
+std::string CsvReader::quoted_cell() {
+    std::string text;
+    std::size_t breaks = 0;
+    while (!rest_.empty()) {
+        const char c = rest_.front();
+        rest_.remove_prefix(1);
+        if (c == '"' && !take('"')) {
+            next_line_ += breaks;
+            return text;
+        }
+        breaks += c == '\n';
+        text += c;
+    }
+    throw CsvError(next_line_, "a quote that is never closed");
+}
+
+} // namespace shearwake

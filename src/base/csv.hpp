@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake {
+
+/// What is wrong with a CSV text, and in which line of it.
+struct CsvError : std::runtime_error {
+    CsvError(std::size_t at_line, const std::string& what)
+        : std::runtime_error(what), line(at_line) {}
+    std::size_t line;
+};
+
+/// What stands between the cells of a text: nothing (a table that a program wrote), or blanks,
+/// empty lines and lines that begin with # (numbers that a user wrote), which are passed over.
+enum class CsvText { exact, relaxed };
+
+/// Takes one row after the other off a CSV text (RFC 4180). A byte order mark is passed over.
+/// Throws CsvError.
+class CsvReader {
+public:
+    CsvReader(std::string_view text, CsvText kind);
+
+    /// Goes to the next row; false at the end.
+    bool next();
+    const std::vector<std::string>& cells() const { return cells_; }
+    /// The line on which the row begins, from 1, and its text.
+    std::size_t line() const { return line_; }
+    std::string_view text() const { return text_; }
+
+private:
+    bool take(char c);
+    std::string cell();
+    std::string quoted_cell();
+
+    std::string_view rest_, text_;
+    CsvText kind_;
+    std::size_t line_ = 0, next_line_ = 1;
+    std::vector<std::string> cells_;
+};
+
+/// Without the blanks around it.
+std::string_view trimmed(std::string_view text);
+/// The number that all of `cell` is, perhaps infinite or nan.
+std::optional<double> number_in(std::string_view cell);
+std::optional<double> finite_number_in(std::string_view cell);
+
+} // namespace shearwake

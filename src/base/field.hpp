@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/range.hpp"
+
+#include <array>
+#include <concepts>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace shearwake {
+
+// The description of an option struct stands beside it as
+//
+//     template <class Walk, Is<SineGain> Gain>
+//     void walk_fields(Walk& walk, Gain& g) {
+//         walk(g.frequency_Hz, {.key = "frequency_Hz", .given = Given::required, .meaning =
+//         "..."});
+//         ...
+//     }
+//
+// and everything else follows from it: config reads the fields from a job (config/read_fields.hpp),
+// canonical_text writes them and case_id hashes that (case/text_walk.hpp), `shearwake keys` lists
+// them (config/key_table.hpp), and a test changes each one. A walk takes
+//
+//     walk(field, {...})                a number, word, flag, enumerator, point or list of them
+//     walk.choice(variant, {...})       the name of the alternative, then its fields
+//     walk.each("table", list, {...})   one table [[table]] per element
+//     walk.maybe("table", optional)     a table that may be absent
+//     walk.section("table")             what follows stands in [table]
+//     walk.key({...})                   a key of job files from which config derives other fields
+//
+// in the order of the canonical text. The order, the text keys and `in_text` decide the ids of
+// cases: they must not change. A new field gets `.in_text = value != default`, so that the ids of
+// cases without it stay.
+
+/// Whether a job must give a key. `preset`: unless a preset does. `automatic`: a number or "auto".
+/// `by_hand`: the table's own reader in config/ asks for it, since it depends on other keys.
+enum class Given { optional, required, preset, automatic, by_hand };
+
+/// How one field stands in job files, in the canonical text and in the reference of keys.
+struct Field {
+    const char* key = "";  // in job files, with its unit; empty: derived from other keys
+    const char* text = ""; // in the canonical text; empty: the key in SI units
+    Range range = {};      // of numbers, in the unit of the key
+    Given given = Given::optional;
+    bool applies = true;        // to the values of the fields before it
+    const char* only_with = ""; // when it applies, in the words of a job; empty: config says it
+    bool in_text = true;
+    bool zero_in_text = false; // whatever the value: it means the same as 0
+    std::size_t most_in_text = static_cast<std::size_t>(-1); // a longer list is hashed
+    bool own_tables = false; // of a choice: its alternatives stand in tables of their names
+    /// In job files, where it differs from the type of the field or there is none: "number",
+    /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "point", "points", "point
+    /// or triple", "path", "table".
+    const char* type = "";
+    const char* fallback = ""; // in the reference, when the default is not the struct's own value
+    const char* meaning = "";  // in the reference
+};
+
+/// `T` is `Struct`, constant or not: one description serves readers and writers.
+template <class T, class Struct>
+concept Is = std::same_as<std::remove_const_t<T>, Struct>;
+
+/// Some value of a described type; specialised where there is no default constructor.
+template <class T>
+struct Example {
+    static T make() { return T{}; }
+};
+
+/// Whether job files and texts have names for the values of an enumeration:
+/// `names_of(std::type_identity<E>)` gives them in the order of the enumerators.
+template <class E>
+concept Named = std::is_enum_v<E> && requires {
+    names_of(std::type_identity<E>{});
+};
+
+template <Named E>
+const char* name_in_text(E value) {
+    return names_of(std::type_identity<E>{})[static_cast<std::size_t>(value)];
+}
+
+/// The name of a variant's alternative, `T::name`; "" where its fields alone tell what it is.
+template <class T>
+constexpr const char* alternative_name() {
+    if constexpr (requires { T::name; })
+        return T::name;
+    else
+        return "";
+}
+
+/// The same in job files, where it may differ: `T::name_in_jobs`.
+template <class T>
+constexpr const char* name_in_jobs() {
+    if constexpr (requires { T::name_in_jobs; })
+        return T::name_in_jobs;
+    else
+        return alternative_name<T>();
+}
+
+/// Calls `use` with an example of each alternative in turn.
+template <class... T>
+void for_each_alternative(std::type_identity<std::variant<T...>>, const auto& use) {
+    (use(Example<T>::make()), ...);
+}
+
+} // namespace shearwake

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/bench.hpp"
+
+#include "engines/engine.hpp"
+#include "engines/layered/layered_engine.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "fft/line_transform.hpp"
+#include "fft/slab_transform.hpp"
+#include "pipeline/surface_recorder.hpp"
+#include "simd/instruction_set.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::bench {
+namespace {
+
+ExitCode bench_layered(const Comm& world) {
+    const Case c = layered_bench_case();
+    const auto engine = engines::make_engine(c.solver);
+    const auto complete_case = [&] {
+        pipeline::SurfaceRecorder recorder(c, world, nullptr, {});
+        return seconds_of(world, [&] {
+            engine->run(c, world, recorder);
+            recorder.finish();
+        });
+    };
+    const double first = complete_case();
+    const double rest = best_of(5, complete_case);
+
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world);
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
+    const double transforms = best_of(5, [&] {
+        return seconds_of(world, [&] {
+            for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+                plane.assign(plane.size(), 0.0);
+                slabs.to_physical(plane.data());
+            }
+        });
+    });
+    const layered::TimeLines lines = layered::time_lines(c, slabs.share());
+    const fft::LineTransform in_time(lines.length, fft::Direction::backward);
+    fft::AlignedVector<std::complex<double>> line(static_cast<std::size_t>(lines.length));
+    const double in_time_s = best_of(3, [&] {
+        return seconds_of(world, [&] {
+            for (std::ptrdiff_t n = 0; n < lines.count; ++n)
+                in_time.execute(line.data());
+        });
+    });
+    const double copies_B_s = copy_rate_B_s(world);
+
+    if (!world.is_root()) return ExitCode::done;
+    const double points = static_cast<double>(c.domain.nx * c.domain.ny * c.time.frames);
+    fmt::print("engine layered, {} rank{}: {} x {} points, {} frames, three layers, kernels {}\n",
+               world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, c.time.frames,
+               simd::name_of(simd::instruction_set()));
+    fmt::print("  transfer function H        {:8.3f} s   once per medium and grid\n", first - rest);
+    fmt::print("  case with all measures     {:8.3f} s   {:.2g} ns per point and frame\n", rest,
+               1e9 * rest / points);
+    fmt::print("  lower bound: all FFTs      {:8.3f} s   the case takes {:.2f} times as long: {} "
+               "planes, and {} lines of {} samples in time\n",
+               transforms + in_time_s, rest / (transforms + in_time_s), c.time.frames, lines.count,
+               lines.length);
+    fmt::print("  FFTs of the planes         {:8.3f} s   the case takes {:.2f} times as long\n",
+               transforms, rest / transforms);
+    fmt::print("  memory copies              {:8.1f} GB/s\n", copies_B_s / 1e9);
+    return ExitCode::done;
+}
+
+} // namespace
+
+/// 256 x 192 points, a 3 mm focus, 14 ms in 280 frames.
+Case layered_bench_case() {
+    Case c;
+    const auto layer = [](const char* name, double thickness_m, double c_s_m_s) {
+        return Layer{.name = name,
+                     .thickness_m = thickness_m,
+                     .density_kg_m3 = 1000.0,
+                     .c_p_m_s = 1500.0,
+                     .c_s_m_s = c_s_m_s,
+                     .loss = KelvinVoigt{1.0}};
+    };
+    c.medium = {
+        {layer("epidermis", 0.1e-3, 36.5), layer("dermis", 2e-3, 3.65), layer("fat", 18e-3, 2.24)},
+        Base::rigid};
+    c.load.peak_Pa = 100.0;
+    c.load.footprint = GaussianFootprint{3e-3};
+    c.load.modulation = {
+        .kind = "AM-STM",
+        .trajectory = {{Travel{{{-49e-3, 0.0}, {49e-3, 0.0}}, ConstantSpeed{7.0}}}},
+        .envelope = {{SineGain{.frequency_Hz = 200.0}}}};
+    c.domain = {256, 192, 0.75e-3, 0.0};
+    c.time = {280, 50e-6};
+    c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};
+    c.record = {.traces_m = {{0.0, 0.0}}};
+    return c;
+}
+
+double copy_rate_B_s(const Comm& world) {
+    fft::AlignedVector<double> from(std::size_t{1} << 24, 1.0), to(std::size_t{1} << 24);
+    const double copy = best_of(5, [&] {
+        return seconds_of(world, [&] { std::copy(from.begin(), from.end(), to.begin()); });
+    });
+    return 2.0 * 8.0 * static_cast<double>(from.size()) / copy * world.size();
+}
+
+ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
+    if (arguments.engine == "neural") return bench_neural(world);
+    if (arguments.engine == "spectral") return bench_spectral(arguments, world);
+    if (arguments.engine == "pstd") return bench_pstd(arguments, world);
+    if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world);
+    if (arguments.engine == "machine") return bench_machine(world);
+    if (arguments.engine == "estimates") return bench_estimates(world);
+    return bench_layered(world);
+}
+
+} // namespace shearwake::bench

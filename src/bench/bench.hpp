@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+#include "case/case.hpp"
+#include "parallel/comm.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace shearwake::bench {
+
+struct BenchArguments {
+    std::string engine = "layered";
+    // `spectral` and `pstd`:
+    std::string grid; // points along x and y, then levels or points; empty: the engine's default
+    int steps = 20;
+    // `spectral`:
+    double contrast = 4.0;  // shear stiffness of the body relative to the layer; 1: no body
+    double sponge_mm = 0.0; // on each side
+    // `sweep`:
+    int cases = 2000;
+};
+
+/// The command `bench`. Collective.
+ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
+
+// Functions that several benchmarks use. All are collective.
+
+/// Wall-clock seconds of the slowest rank.
+double seconds_of(const Comm& world, const auto& work) {
+    using Clock = std::chrono::steady_clock;
+    world.barrier();
+    const auto began = Clock::now();
+    work();
+    return world.max(std::chrono::duration<double>(Clock::now() - began).count());
+}
+
+/// The best of several measurements, which is the least disturbed by other processes.
+double best_of(int times, const auto& measure) {
+    double best = measure();
+    for (int i = 1; i < times; ++i)
+        best = std::min(best, measure());
+    return best;
+}
+
+/// Bytes per second that all ranks together read and write when all of them copy memory.
+double copy_rate_B_s(const Comm& world);
+
+/// The case of `bench layered`: three layers of skin, a focus at 7 m/s.
+Case layered_bench_case();
+
+/// Calibrates the performance model of the machine and keeps it for `plan` and `run`, see
+/// cost/machine.hpp.
+ExitCode bench_machine(const Comm& world);
+/// Compares estimated with measured time, memory and disk of a dozen cases of all engines.
+ExitCode bench_estimates(const Comm& world);
+/// Measures the overhead per case and the idle time of teams with two sweeps in the working
+/// directory: one of small cases, one of cases with different costs and both engines.
+ExitCode bench_sweep(int tiny_cases, const Comm& world);
+
+/// Measures the time of a step and its phases for a layer with or without a body, and compares it
+/// with lower bounds set by FFTs and memory bandwidth.
+ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
+/// Measures the steps of the pseudospectral scheme in single and double precision, with and without
+/// losses, and compares them with a lower bound.
+ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world);
+/// Measures the response of the nerve fibres of a hand to moving pins and to a carrier.
+ExitCode bench_neural(const Comm& world);
+
+} // namespace shearwake::bench

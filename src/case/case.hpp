@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/afferents.hpp"
+#include "case/solver_options.hpp"
+#include "case/volume.hpp"
+#include "load/load.hpp"
+#include "medium/medium.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shearwake {
+
+/// Periodic rectangle centred on the origin with points x_i = (i - nx/2) spacing and y_j = (j -
+/// ny/2) spacing. nx and ny are even products of 2, 3, 5 and 7 of at least extent / spacing.
+struct Domain {
+    std::ptrdiff_t nx = 0;
+    std::ptrdiff_t ny = 0;
+    double spacing_m = 0.0;
+    double sponge_m = 0.0; // width of the margin on each side that is excluded from the measures
+    bool operator==(const Domain&) const = default;
+
+    double extent_x_m() const { return static_cast<double>(nx) * spacing_m; }
+    double extent_y_m() const { return static_cast<double>(ny) * spacing_m; }
+    double x_m(std::ptrdiff_t i) const { return static_cast<double>(i - nx / 2) * spacing_m; }
+    double y_m(std::ptrdiff_t j) const { return static_cast<double>(j - ny / 2) * spacing_m; }
+    bool holds(Vec2 at_m) const {
+        return std::abs(at_m.x) <= 0.5 * extent_x_m() && std::abs(at_m.y) <= 0.5 * extent_y_m();
+    }
+};
+
+template <class Walk, Is<Domain> D>
+void walk_fields(Walk& walk, D& domain) {
+    walk.section("domain");
+    walk.key(
+        {.key = "extent_mm",
+         .range = Range::above(0.0),
+         .given = Given::required,
+         .type = "point",
+         .meaning =
+             "width along x and y; enlarged to the next grid size with fast FFTs. The edges are "
+             "periodic: choose it so large that no wave returns (`check` reports how large)"});
+    walk(domain.nx, {.text = "nx"});
+    walk(domain.ny, {.text = "ny"});
+    walk(domain.spacing_m, {.key = "spacing_mm",
+                            .range = Range::above(0.0),
+                            .given = Given::required,
+                            .meaning = "grid spacing"});
+    walk(domain.sponge_m,
+         {.key = "sponge_mm",
+          .range = Range::at_least(0.0),
+          .meaning =
+              "margin on each side that is excluded from the measures. Engine `\"spectral\"`: it "
+              "absorbs waves that leave the domain, which can then be smaller; a width of four "
+              "FWHM absorbs 99 % of the energy of the longest waves at normal incidence, and six "
+              "to eight FWHM absorb 99 % of a pulse at all angles (`check` reports the energy that "
+              "returns; see docs/explanation/physics.md). Engine `\"pstd\"`: width of its "
+              "absorbing layer"});
+}
+
+/// Frames are at t = interval, 2 interval, ..., frames interval; at t = 0 nothing has moved.
+struct TimeAxis {
+    std::ptrdiff_t frames = 0;
+    double interval_s = 0.0;
+    bool operator==(const TimeAxis&) const = default;
+
+    double duration_s() const { return static_cast<double>(frames) * interval_s; }
+    double frame_s(std::ptrdiff_t n) const { return static_cast<double>(n + 1) * interval_s; }
+};
+
+template <class Walk, Is<TimeAxis> T>
+void walk_fields(Walk& walk, T& time) {
+    walk.section("time");
+    walk.key({.key = "duration_ms",
+              .range = Range::above(0.0),
+              .given = Given::required,
+              .type = "number",
+              .meaning = "simulated time, a whole number of output intervals"});
+    walk(time.frames, {.text = "frames"});
+    walk(time.interval_s,
+         {.key = "output_interval_us",
+          .text = "interval_s",
+          .range = Range::above(0.0),
+          .given = Given::required,
+          .meaning = "time between the frames from which the measures are computed"});
+}
+
+struct FrequencyBand {
+    double low_Hz = 0.0, high_Hz = 0.0;
+    bool operator==(const FrequencyBand&) const = default;
+};
+
+/// Position and time of the measurements.
+struct MeasureOptions {
+    double at_s = 0.0; // the instant, and the end of the window of the `_period_` columns
+    double settled_after_s = 0.0; // the window begins after this time
+    double focal_radius_m = 0.0;
+    std::vector<double> depths_m = {0.0};
+    std::vector<FrequencyBand>
+        bands; // each gives a column with its share of the energy at the centre
+    bool operator==(const MeasureOptions&) const = default;
+};
+
+template <class Walk, Is<MeasureOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk.section("measure");
+    walk(o.at_s, {.key = "at_ms",
+                  .range = Range::above(0.0),
+                  .given = Given::by_hand,
+                  .fallback = "the end of the run",
+                  .meaning = "the instant of the `_at_` columns, and the end of the window of the "
+                             "`_period_` columns"});
+    walk(o.settled_after_s,
+         {.key = "settled_after_ms",
+          .range = Range::at_least(0.0),
+          .given = Given::by_hand,
+          .fallback = "a quarter of `at_ms`",
+          .meaning = "the window of the `_period_` columns begins after this time"});
+    walk(o.focal_radius_m, {.key = "focal_radius_mm",
+                            .range = Range::above(0.0),
+                            .given = Given::by_hand,
+                            .fallback = "1 FWHM",
+                            .meaning = "radius of the focal disc; or `focal_radius_fwhm`"});
+    walk.key({.key = "focal_radius_fwhm",
+              .range = Range::above(0.0),
+              .type = "number",
+              .fallback = "1",
+              .meaning =
+                  "instead of `focal_radius_mm`: the radius divided by the FWHM of the footprint"});
+    walk(o.depths_m, {.key = "depths_mm",
+                      .range = Range::at_least(0.0),
+                      .meaning = "depths at which u_z is computed"});
+    walk(o.bands, {.key = "bands_Hz",
+                   .given = Given::by_hand,
+                   .in_text = !o.bands.empty(),
+                   .type = "points",
+                   .fallback = "none",
+                   .meaning = "bands `[[low, high], ...]`: for each, a column with its share of "
+                              "the spectral energy above 1/T at the centre"});
+}
+
+/// Data that are stored in addition to the measures.
+struct RecordOptions {
+    std::vector<Vec2> traces_m;
+    std::vector<double> snapshots_s;
+    bool frames = false;
+    std::vector<double> volumes_s;          // ascending times of frames
+    std::vector<VolumeField> volume_fields; // without duplicates; empty without volumes
+    bool operator==(const RecordOptions&) const = default;
+};
+
+template <class Walk, Is<RecordOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk.section("record");
+    walk(o.traces_m, {.key = "traces_mm",
+                      .text = "traces_{}_m",
+                      .given = Given::by_hand,
+                      .fallback = "[[0, 0]]",
+                      .meaning = "points whose u_z(t) and spectrum are stored"});
+    walk(o.snapshots_s, {.key = "snapshots_ms",
+                         .given = Given::by_hand,
+                         .fallback = "[`at_ms`]",
+                         .meaning = "times at which the surface is stored"});
+    walk(o.frames,
+         {.key = "frames", .meaning = "store every frame, with an .xdmf file for ParaView"});
+    walk(o.volumes_s, {.key = "volumes_ms",
+                       .given = Given::by_hand,
+                       .in_text = !o.volumes_s.empty(),
+                       .fallback = "none",
+                       .meaning = "times at which the whole volume is stored, with an .xdmf file "
+                                  "for ParaView; engines `spectral` and `pstd`"});
+    walk(o.volume_fields, {.key = "volume_fields",
+                           .given = Given::by_hand,
+                           .applies = !o.volumes_s.empty(),
+                           .only_with = "volumes_ms",
+                           .fallback = "[\"u\"]",
+                           .meaning = "fields that are stored at these times (`pstd`: only "
+                                      "`\"u\"`), see [results.md](results.md)"});
+}
+
+/// All parameters of one simulation in SI units, as a comparable value.
+struct Case {
+    Medium medium;
+    Load load;
+    Domain domain;
+    TimeAxis time;
+    MeasureOptions measure;
+    RecordOptions record;
+    SolverOptions solver;
+    std::optional<AfferentOptions> afferents; // none: no afferents are simulated
+    bool operator==(const Case&) const = default;
+};
+
+template <class Walk, Is<Case> C>
+void walk_fields(Walk& walk, C& c) {
+    walk_fields(walk, c.medium);
+    walk_fields(walk, c.load);
+    walk_fields(walk, c.domain);
+    walk_fields(walk, c.time);
+    walk_fields(walk, c.measure);
+    walk_fields(walk, c.record);
+    walk.section("solver");
+    walk.choice(
+        c.solver,
+        {.key = "engine",
+         .text = "engine",
+         .own_tables = true,
+         .meaning =
+             "`\"layered\"`: exact for layered media; `\"spectral\"`: time stepping for layers, "
+             "bodies and maps, Kelvin-Voigt or lossless; `\"pstd\"`: the scheme of k-Wave for the "
+             "same media, with Gaussian foci and c_p limited to a multiple of c_s. The options are "
+             "in `[solver.layered]`, `[solver.spectral]` and `[solver.pstd]`; those of the other "
+             "engines are checked and otherwise ignored, so that a sweep can compare engines"});
+    walk.maybe("afferents", c.afferents);
+}
+
+/// The depths of the receptors at which a case requests the stress, ascending; empty if it does
+/// not.
+std::vector<double> stress_depths_m(const Case& c);
+
+/// The engine's name in job files and tables.
+std::string engine_name(const SolverOptions& solver);
+/// The names of all engines, in the order of the variant.
+std::vector<std::string> engine_names();
+
+/// The smallest even product of 2, 3, 5 and 7 that is at least `n`, a length with fast FFTs.
+std::ptrdiff_t good_even_length(std::ptrdiff_t n);
+
+/// The complete case as TOML in SI units, with defaults, exact numbers and a fixed order of keys.
+/// Two cases have the same text if and only if they are equal.
+std::string canonical_text(const Case& c);
+
+/// Sixteen hexadecimal digits: the hash of the canonical text.
+std::string case_id(const Case& c);
+
+} // namespace shearwake

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// A swept key as written in the job file ("load.modulation.am_frequency_Hz", in the unit of the
+/// job) and its value in this case. Words and flags are text.
+struct Setting {
+    std::string key;
+    std::variant<double, std::string> value;
+    bool operator==(const Setting&) const = default;
+};
+
+/// A case with its place in the sweep.
+struct PlannedCase {
+    std::string id; // case_id(physics)
+    Case physics;
+    std::vector<Setting> settings; // one per swept key of this case, in the order of the job
+    bool is_reference = false;     // the unmodulated case in addition to the sweep
+    std::string reference_id; // id of the case that it is compared with; empty if there is none
+    bool operator==(const PlannedCase&) const = default;
+};
+
+/// Layout of the results: rows and curves.
+struct TableOptions {
+    std::string x;                   // swept key of the horizontal axis; empty: none
+    std::vector<std::string> series; // swept keys, one curve per combination of their values
+    bool operator==(const TableOptions&) const = default;
+};
+
+/// An expanded job, the content of `plan.json`.
+struct Plan {
+    std::string name;
+    std::string title;
+    std::vector<std::string> swept_keys; // in the order of the job
+    TableOptions table;
+    std::vector<PlannedCase> cases; // in the order of the job, references last
+    bool operator==(const Plan&) const = default;
+};
+
+} // namespace shearwake

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "config/document/tree.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake::config {
+
+/// All presets for [medium].
+std::vector<std::string> preset_names();
+
+/// The presets of a single layer, for [[medium.layer]].
+std::vector<std::string> layer_preset_names();
+
+/// The preset as a [medium] table, with `place` as the location of every value. Null if there is no
+/// preset of that name.
+NodePtr medium_preset(std::string_view name, const Place& place);
+
+/// `layer`, with missing keys supplied by the preset that it names, if any.
+NodePtr with_layer_preset(const NodePtr& layer);
+
+/// The presets for [[medium.body]], and its table with missing keys supplied by the preset that it
+/// names, if any.
+std::vector<std::string> body_preset_names();
+NodePtr with_body_preset(const NodePtr& body);
+
+/// `root` with medium.preset replaced by its base and layers. A base or layers that the job gives
+/// are not replaced. An unknown name is left in place and reported by the reader.
+NodePtr with_medium_preset(const NodePtr& root);
+
+} // namespace shearwake::config

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/range.hpp"
+#include "base/vec2.hpp"
+#include "config/document/tree.hpp"
+
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake::config {
+
+/// Reads one table of a job with strict types. Units are converted only here: the suffix of a key
+/// is its unit ("_mm"), and results are in SI. After an error, the reader reports its location and
+/// continues with a valid substitute, so that one pass finds all errors. A requested key is known
+/// from then on; `finish` reports all other keys as unknown.
+class Reader {
+public:
+    /// A null `table` represents an absent table: it has no keys, and none are reported as missing.
+    Reader(NodePtr table, std::string path, Diagnostics& findings);
+
+    bool has(std::string_view key);
+    bool empty() const { return !table_; }
+
+    double number(std::string_view key, const Range& range);
+    double number_or(std::string_view key, double fallback_SI, const Range& range);
+    std::optional<double> find_number(std::string_view key, const Range& range);
+
+    std::string word(std::string_view key);
+    std::optional<std::string> find_word(std::string_view key);
+    /// One of `allowed`; after an error, the first of them.
+    std::string choice(std::string_view key, std::span<const std::string> allowed);
+    std::string choice_or(std::string_view key, const std::string& fallback,
+                          std::span<const std::string> allowed);
+    std::optional<std::string> find_choice(std::string_view key,
+                                           std::span<const std::string> allowed);
+    std::optional<bool> find_flag(std::string_view key);
+
+    std::optional<std::vector<double>> find_numbers(std::string_view key, const Range& range);
+    std::optional<std::vector<std::string>> find_words(std::string_view key);
+    Vec2 point(std::string_view key, const Range& range = Range::any());
+    Vec2 point_or(std::string_view key, Vec2 fallback_SI);
+    std::optional<std::vector<Vec2>> find_points(std::string_view key);
+
+    Reader table(std::string_view key);          // required
+    Reader optional_table(std::string_view key); // empty() if absent
+    std::vector<Reader> tables(std::string_view key);
+    /// The node of this key, or null.
+    NodePtr node(std::string_view key);
+
+    /// Marks keys as known without reading them.
+    template <class Keys>
+    void allow(const Keys& keys) {
+        known_.insert(known_.end(), std::begin(keys), std::end(keys));
+    }
+
+    /// Reports an error; `message` follows the full name of the key. Its location is the value, if
+    /// present.
+    void error(std::string_view key, std::string_view message) const;
+    void missing(std::string_view key);
+    /// Reports unknown and missing keys. Call it after all keys have been requested.
+    void finish();
+
+    std::string full(std::string_view key) const; // "load.peak_Pa"
+    Place place(std::string_view key) const;
+    const std::string& path() const { return path_; }
+    Diagnostics& findings() const { return *findings_; }
+
+private:
+    std::string unknown_message(std::string_view key, std::optional<std::string>& meant) const;
+    void wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const;
+    bool is_clean(std::string_view key, const std::string& word, const Node& node) const;
+    std::optional<double> checked(std::string_view key, const Node& node, const Range& range) const;
+    std::optional<Vec2> checked_point(std::string_view key, const Node& node,
+                                      const Range& range) const;
+    const ListNode* list(std::string_view key, std::string_view wanted);
+
+    NodePtr table_;
+    std::string path_;
+    Diagnostics* findings_;
+    std::vector<std::string> known_;
+    std::vector<std::string> missing_;
+};
+
+} // namespace shearwake::config

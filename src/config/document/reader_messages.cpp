@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of Reader about keys: names, locations, unknown and missing keys.
+#include "config/document/reader.hpp"
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+
+std::string Reader::full(std::string_view key) const {
+    return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
+}
+
+Place Reader::place(std::string_view key) const {
+    if (!table_) return {};
+    const Entry* entry = std::get<TableNode>(table_->value).find(key);
+    return entry ? entry->value->at : table_->at;
+}
+
+void Reader::error(std::string_view key, std::string_view message) const {
+    findings_->error(place(key), fmt::format("{} {}", full(key), message));
+}
+
+void Reader::wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const {
+    const auto* word = std::get_if<std::string>(&found.value);
+    findings_->error(found.at,
+                     fmt::format("{} must be {}, but is {}{}", full(key), wanted, kind_name(found),
+                                 word ? fmt::format(" (\"{}\")", excerpt(*word)) : ""));
+}
+
+void Reader::missing(std::string_view key) {
+    if (std::find(missing_.begin(), missing_.end(), key) == missing_.end())
+        missing_.emplace_back(key);
+}
+
+std::string Reader::unknown_message(std::string_view key, std::optional<std::string>& meant) const {
+    const std::string start = full(excerpt(key)) + " is unknown";
+    if (key.size() > 60) return start;
+    for (const std::string& known : known_) {
+        const auto unit = unit_of(known);
+        if (!unit || without_unit(known) != without_unit(key)) continue;
+        meant = known;
+        return fmt::format("{}; the unit of {} is {}: use {}", start, without_unit(known),
+                           unit->suffix.substr(1), known);
+    }
+    meant = nearest(key, known_);
+    return start + (meant ? fmt::format("; did you mean {}?", *meant) : "");
+}
+
+void Reader::finish() {
+    if (!table_) return;
+    for (const Entry& entry : std::get<TableNode>(table_->value).entries) {
+        if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
+        std::optional<std::string> meant;
+        std::string message;
+        if (!findings_->full()) message = unknown_message(entry.key, meant);
+        findings_->error(entry.key_at, std::move(message));
+        // The same error is not reported twice.
+        if (meant) std::erase(missing_, *meant);
+    }
+    for (const std::string& key : missing_)
+        findings_->error(table_->at, fmt::format("{} is missing", full(key)));
+    missing_.clear();
+}
+
+} // namespace shearwake::config

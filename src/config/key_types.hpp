@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/field.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake::config {
+
+/// The allowed words of a field whose type is "word:a|b"; none for other types.
+inline std::vector<std::string> words_of(const Field& field) {
+    const std::string type = field.type;
+    if (!type.starts_with("word:")) return {};
+    std::vector<std::string> words;
+    for (std::size_t at = 5, end = 0; end != std::string::npos; at = end + 1) {
+        end = type.find('|', at);
+        words.push_back(type.substr(at, end == std::string::npos ? end : end - at));
+    }
+    return words;
+}
+
+} // namespace shearwake::config

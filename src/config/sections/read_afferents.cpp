@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_afferents.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "config/files/afferents_file.hpp"
+#include "config/sections/read_fields.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+namespace {
+
+const Range lengths = Range::between(1e-3, 1e4);
+constexpr double most_points = 1e5; // limit for a grid of pins or afferents
+
+void refuse_unless(Reader& reader, const char* key, bool has_use, const char* where) {
+    if (!has_use && reader.has(key)) reader.error(key, fmt::format("applies only with {}", where));
+}
+
+AfferentPlaces read_list(Reader& reader, const TextLoader& load_text) {
+    const std::string name = reader.word("file");
+    if (name.empty()) return AfferentList{};
+    if (!load_text) {
+        reader.error("file", "names a file, but no files can be read in this context");
+        return AfferentList{};
+    }
+    try {
+        AfferentsFile file = read_listed_afferents(load_text(name));
+        if (!file.problem.empty()) reader.error("file", file.problem);
+        return AfferentList{std::move(file.afferents)};
+    } catch (const UsageError& error) {
+        reader.error("file", error.what());
+    }
+    return AfferentList{};
+}
+
+AfferentPlaces read_grid(Reader& reader) {
+    GridAfferents grid;
+    read_fields(reader, grid);
+    const double points =
+        (grid.extent_m.x / grid.pitch_m + 1.0) * (grid.extent_m.y / grid.pitch_m + 1.0);
+    if (!(points <= most_points))
+        reader.error("pitch_mm",
+                     fmt::format("results in {:.0f} points; at most {:.0f} are supported", points,
+                                 most_points));
+    return grid;
+}
+
+AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
+    static const std::array<std::string, 5> all = {"palm", "fingertip", "hand", "grid", "csv"};
+    const std::string where = reader.choice_or("where", "palm", all);
+    refuse_unless(reader, "extent_mm", where == "grid", "where = \"grid\"");
+    refuse_unless(reader, "pitch_mm", where == "grid", "where = \"grid\"");
+    refuse_unless(reader, "file", where == "csv", "where = \"csv\"");
+    if (where == "csv" || where == "grid")
+        refuse_unless(reader, "digit", false, "where = \"fingertip\"");
+    refuse_unless(reader, "classes", where != "csv",
+                  "a where other than \"csv\", whose file specifies the classes");
+    if (where == "csv") return read_list(reader, load_text);
+    if (where == "grid") return read_grid(reader);
+    HandAfferents part{.part = where};
+    read_fields(reader, part);
+    return part;
+}
+
+std::vector<AfferentClass> read_classes(Reader& reader) {
+    const auto names = reader.find_words("classes");
+    if (!names) return {all_classes.begin(), all_classes.end()};
+    std::vector<AfferentClass> classes; // in a fixed order, without duplicates
+    for (const AfferentClass kind : all_classes)
+        if (std::find(names->begin(), names->end(), name_of(kind)) != names->end())
+            classes.push_back(kind);
+    for (const std::string& name : *names)
+        if (!class_named(name))
+            reader.error(
+                "classes",
+                fmt::format("must contain only \"SA1\", \"RA\" and \"PC\", but contains \"{}\"",
+                            excerpt(name)));
+    if (names->empty())
+        reader.error("classes", "must contain at least one class: \"SA1\", \"RA\" or \"PC\"");
+    return classes;
+}
+
+CarrierInput read_carrier(Reader table) {
+    CarrierInput carrier{.am_depth = 1.0};
+    read_fields(table, carrier);
+    const double fewest_Hz = fewest_samples_a_cycle * carrier.frequency_Hz;
+    if (!table.has("sampling_kHz")) carrier.sampling_Hz = std::max(5000.0, fewest_Hz);
+    if (carrier.am_frequency_Hz == 0.0) {
+        if (table.has("am_depth") && carrier.am_depth > 0.0)
+            table.error("am_depth", "requires am_frequency_Hz above 0");
+        carrier.am_depth = 0.0;
+    }
+    if (carrier.sampling_Hz < fewest_Hz * (1.0 - 1e-9))
+        table.error("sampling_kHz",
+                    fmt::format("gives {:.3g} samples per cycle of {:g} kHz, so the sampled "
+                                "carrier is aliased; it must be at least {:g}",
+                                carrier.sampling_Hz / carrier.frequency_Hz,
+                                1e-3 * carrier.frequency_Hz, 1e-3 * fewest_Hz));
+    table.finish();
+    return carrier;
+}
+
+AfferentInput read_input(Reader& reader) {
+    const std::string input =
+        reader.find_choice("input", alternative_names<AfferentInput>()).value_or(PinInput::name);
+    refuse_unless(reader, "carrier", input == "carrier", "input = \"carrier\"");
+    if (input == "stress") return StressInput{};
+    if (input == "carrier") return read_carrier(reader.table("carrier"));
+    return PinInput{};
+}
+
+std::vector<Vec2> read_pin_line(Reader table) {
+    const Vec2 from_m = table.point("from_mm"), to_m = table.point("to_mm");
+    const double count = table.number("count", Range::between(2.0, 1000.0));
+    if (count != std::floor(count)) table.error("count", "must be a whole number");
+    table.finish();
+    if (!(count >= 2.0)) return {{}}; // already reported
+    std::vector<Vec2> pins_m;
+    for (int i = 0; i < static_cast<int>(count); ++i)
+        pins_m.push_back(from_m + static_cast<double>(i) / (count - 1.0) * (to_m - from_m));
+    return pins_m;
+}
+
+std::vector<Vec2> read_pin_grid(Reader table) {
+    const Vec2 extent_m = table.point("extent_mm", Range::between(0.0, 1e4)),
+               center_m = table.point_or("center_mm", {});
+    const double pitch_m = table.number("pitch_mm", lengths);
+    table.finish();
+    const auto half = [&](double length_m) { return std::floor(0.5 * length_m / pitch_m + 1e-9); };
+    std::vector<Vec2> pins_m;
+    const double half_x = half(extent_m.x), half_y = half(extent_m.y);
+    if ((2.0 * half_x + 1.0) * (2.0 * half_y + 1.0) > 1000.0) {
+        table.error("pitch_mm", fmt::format("results in {:.0f} pins; at most 1000 are supported",
+                                            (2.0 * half_x + 1.0) * (2.0 * half_y + 1.0)));
+        return {{}};
+    }
+    for (double i = -half_x; i <= half_x; ++i)
+        for (double j = -half_y; j <= half_y; ++j)
+            pins_m.push_back(center_m + pitch_m * Vec2{i, j});
+    return pins_m;
+}
+
+std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
+    const int given = reader.has("pins_mm") + reader.has("pin_line") + reader.has("pin_grid");
+    std::vector<Vec2> pins_m = {{}};
+    const char* key = "pins_mm";
+    if (given > 1)
+        reader.error("pins_mm", "cannot be combined with pin_line or pin_grid, nor these with each "
+                                "other; specify only one of them");
+    if (const auto points_m = reader.find_points("pins_mm")) pins_m = *points_m;
+    if (reader.has("pin_line")) {
+        pins_m = read_pin_line(reader.optional_table("pin_line"));
+        key = "pin_line";
+    }
+    if (reader.has("pin_grid")) {
+        pins_m = read_pin_grid(reader.optional_table("pin_grid"));
+        key = "pin_grid";
+    }
+    if (pins_m.empty() || pins_m.size() > 1000)
+        reader.error(key,
+                     fmt::format("must contain 1 to 1000 pins, but contains {}", pins_m.size()));
+    for (const Vec2& pin_m : pins_m) {
+        if (domain.nx == 0 || domain.holds(pin_m)) continue;
+        reader.error(key, fmt::format("must lie inside the domain, within {:.6g} and {:.6g} mm of "
+                                      "its centre; [{:.6g}, {:.6g}] does not",
+                                      500.0 * domain.extent_x_m(), 500.0 * domain.extent_y_m(),
+                                      1e3 * pin_m.x, 1e3 * pin_m.y));
+        break;
+    }
+    return pins_m;
+}
+
+} // namespace
+
+std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
+                                              const TextLoader& load_text) {
+    if (reader.empty()) return std::nullopt;
+    AfferentOptions options;
+    options.places = read_places(reader, load_text);
+    options.classes = read_classes(reader);
+    read_fields(reader, options);
+    static const std::array<std::string, 2> sheets = {"hand", "flat"};
+    const bool on_hand = std::holds_alternative<HandAfferents>(options.places);
+    options.sheet = reader.choice_or("skin", on_hand ? "hand" : "flat", sheets) == "hand"
+                        ? SkinSheet::hand
+                        : SkinSheet::flat;
+    options.input = read_input(reader);
+    options.pins_m = read_pins(reader, domain);
+    reader.finish();
+    return options;
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+#include "config/document/reader.hpp"
+#include "config/files/text_loader.hpp"
+
+#include <optional>
+
+namespace shearwake::config {
+
+/// Reads [afferents]; nothing if the table is absent. The pins must lie inside the domain, if that
+/// has an extent.
+std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
+                                              const TextLoader& load_text);
+
+} // namespace shearwake::config

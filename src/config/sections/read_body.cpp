@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_case.hpp"
+
+#include "config/document/presets.hpp"
+#include "config/sections/read_fields.hpp"
+#include "medium/bulk_modulus.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace shearwake::config {
+namespace {
+
+std::string in_milli(double x_SI) {
+    return fmt::format("{:.6g}", 1e3 * x_SI);
+}
+
+/// Converts back to degrees without rounding errors from the conversion to radians: 30, not
+/// 30.000000000000004.
+double in_degrees(double angle_rad) {
+    constexpr double parts = 1e9; // of a degree
+    return std::round(angle_rad * 180.0 / std::numbers::pi * parts) / parts;
+}
+
+void read_direction(Reader& reader, Cylinder& cylinder) {
+    static const std::array<std::string, 3> axes = {"x", "y", "z"};
+    const auto axis = reader.find_choice("axis", axes);
+    const auto azimuth_rad = reader.find_number("azimuth_deg", Range::between(-360.0, 360.0));
+    if (reader.has("axis") && reader.has("azimuth_deg"))
+        reader.error("azimuth_deg", "and axis are both given; specify only one of them");
+    else if (!reader.has("axis") && !reader.has("azimuth_deg"))
+        reader.missing("axis");
+    if (axis == "y") cylinder.azimuth_deg = 90.0;
+    if (axis == "z") cylinder.axis = CylinderAxis::vertical;
+    if (azimuth_rad) cylinder.azimuth_deg = in_degrees(*azimuth_rad);
+}
+
+/// `center_mm` is [x, y, z], or [x, y] together with `depth_mm`, which can be swept as a number.
+Vec3 read_centre_m(Reader& reader, bool has_depth) {
+    const auto depth_m = reader.find_number("depth_mm", Range::any());
+    const auto values = reader.find_numbers("center_mm", Range::any());
+    if (!reader.has("center_mm")) reader.missing("center_mm");
+    if (!values) return {0.0, 0.0, depth_m.value_or(0.0)};
+    if (values->size() != 2 && values->size() != 3) {
+        reader.error("center_mm",
+                     fmt::format("must be [x, y, z], or [x, y] with depth_mm, but has {} values",
+                                 values->size()));
+        return {};
+    }
+    const bool is_whole = values->size() == 3;
+    if (is_whole && reader.has("depth_mm"))
+        reader.error("depth_mm",
+                     "and the z of center_mm = [x, y, z] are both given; remove one of them");
+    if (!is_whole && !reader.has("depth_mm") && has_depth) reader.missing("depth_mm");
+    return {(*values)[0], (*values)[1], is_whole ? (*values)[2] : depth_m.value_or(0.0)};
+}
+
+void check_properties(Reader& reader) {
+    for (const char* key : {"density_kg_m3", "c_p_m_s", "c_s_m_s", "viscosity_Pa_s"})
+        if (reader.has(key)) return;
+    reader.error("shape", "has the same material as its surroundings; give density_kg_m3, c_p_m_s, "
+                          "c_s_m_s, viscosity_Pa_s or a preset");
+}
+
+void check_edge(const Reader& reader, const Body& body) {
+    if (body.edge_m > thickness_m(body))
+        reader.error("edge_mm",
+                     fmt::format("must not exceed {}, the smallest width of the body, but is {}",
+                                 in_milli(thickness_m(body)), in_milli(body.edge_m)));
+}
+
+/// Checks that at least a part of the body lies inside the medium.
+void check_depth(const Reader& reader, const char* key, const Body& body, const Medium& medium) {
+    const double bottom_m = depths(medium, medium.layers.size() - 1).bottom_m;
+    const Bounds box = bounds(body);
+    if (box.high_m.z <= 0.0)
+        reader.error(key, fmt::format("places the body above the surface: z is counted downward "
+                                      "from the surface, and the body ends at {} mm",
+                                      in_milli(box.high_m.z)));
+    else if (box.low_m.z >= bottom_m)
+        reader.error(
+            key,
+            fmt::format("places the body below the rigid base at {} mm: the body begins at {} mm",
+                        in_milli(bottom_m), in_milli(box.low_m.z)));
+}
+
+/// Properties that the body does not give are those of each layer that it intersects.
+void check_bulk_modulus(const Reader& reader, const Body& body, const Medium& medium) {
+    if (!body.c_p_m_s && !body.c_s_m_s) return; // reported for the layer or the map
+    const Bounds box = bounds(body);
+    for (std::size_t i = 0; i < medium.layers.size(); ++i) {
+        const DepthRange layer = depths(medium, i);
+        if (box.low_m.z >= layer.bottom_m || box.high_m.z <= layer.top_m) continue;
+        const Speeds speeds = softest_against_pressure(medium, i, &body);
+        if (has_positive_bulk_modulus(speeds)) continue;
+        reader.error(
+            body.c_p_m_s ? "c_p_m_s" : "c_s_m_s",
+            fmt::format("gives c_p = {:.6g} and c_s = {:.6g} m/s in layer \"{}\": c_p must be "
+                        "above {:.6g}, 1.1547 times c_s, for a positive bulk modulus",
+                        speeds.c_p_m_s, speeds.c_s_m_s, excerpt(medium.layers[i].name),
+                        speeds.c_s_m_s * least_speed_ratio));
+        return;
+    }
+}
+
+} // namespace
+
+Body read_body(Reader reader, std::size_t number, const Medium& medium) {
+    const std::size_t before = reader.findings().errors();
+    if (reader.has("preset")) reader.find_choice("preset", body_preset_names());
+    Body body;
+    body.name = fmt::format("body {}", number);
+    read_fields(reader, body);
+    if (!reader.has("shape")) reader.missing("shape");
+    using Shape = decltype(Body::shape);
+    const std::string shape = reader.find_choice("shape", alternative_names<Shape>()).value_or("");
+    if (const auto read = read_alternative<Shape>(reader, shape)) body.shape = *read;
+    bool has_depth = true;
+    if (auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
+        read_direction(reader, *cylinder);
+        has_depth = cylinder->axis == CylinderAxis::horizontal || !cylinder->is_endless();
+    }
+    body.centre_m = read_centre_m(reader, has_depth);
+    check_properties(reader);
+    if (shape.empty()) // its keys may belong to any shape
+        reader.allow(std::array<std::string_view, 6>{"semi_axes_mm", "size_mm", "radius_mm",
+                                                     "length_mm", "axis", "azimuth_deg"});
+    reader.finish();
+    if (reader.findings().errors() != before || medium.layers.empty()) return body;
+    check_edge(reader, body);
+    check_depth(reader, reader.has("depth_mm") ? "depth_mm" : "center_mm", body, medium);
+    check_bulk_modulus(reader, body, medium);
+    return body;
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+#include "config/document/reader.hpp"
+#include "config/files/text_loader.hpp"
+
+#include <optional>
+
+namespace shearwake::config {
+
+/// Whether [load.modulation] may contain keys that do not apply to its kind.
+enum class OtherKinds { refused, ignored };
+
+/// Readers of the parts of a case, one per table.
+Medium read_medium(Reader& reader, const MapLoader& load_map);
+/// Reads body `number` (counted from 1) of a medium whose layers and map have been read.
+Body read_body(Reader reader, std::size_t number, const Medium& medium);
+Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+               const TextLoader& load_text);
+Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
+                           const TextLoader& load_text);
+Domain read_domain(Reader& reader);
+TimeAxis read_time(Reader& reader);
+SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
+MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
+                            const Medium& medium);
+RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
+                          const MeasureOptions& measure);
+
+/// The case that the complete job `root` describes; nothing after an error, which is reported.
+std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, const FileLoaders& files,
+                              Diagnostics& findings);
+
+/// The tables of a job that define a case.
+std::span<const std::string_view> case_tables();
+
+/// Whether a key of [load.modulation] applies to this kind.
+bool has_meaning(std::string_view key, std::string_view kind);
+
+} // namespace shearwake::config

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_fields.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+
+Vec3 read_triple(Reader& reader, std::string_view key, const Range& range) {
+    const auto values = reader.find_numbers(key, range);
+    if (values && values->size() != 3)
+        reader.error(key,
+                     fmt::format("must be three numbers [x, y, z], but has {}", values->size()));
+    return values && values->size() == 3 ? Vec3{(*values)[0], (*values)[1], (*values)[2]}
+                                         : Vec3{1.0, 1.0, 1.0};
+}
+
+void FieldReader::read(double& value, const std::string& key, const Range& range,
+                       const Field& field) {
+    // A valid substitute after an error: required keys have no default.
+    value = reader_.number_or(key, is_required(field) ? 1.0 : value, range);
+}
+
+void FieldReader::read(std::optional<double>& value, const std::string& key, const Range& range,
+                       const Field& field) {
+    if (field.given == Given::automatic) {
+        const NodePtr node = reader_.node(key);
+        const auto* word = node ? std::get_if<std::string>(&node->value) : nullptr;
+        if (word && *word == "auto") return;
+    }
+    value = reader_.find_number(key, range);
+}
+
+void FieldReader::read(Vec2& value, const std::string& key, const Range& range,
+                       const Field& field) {
+    // A missing required point has been reported.
+    if (is_required(field))
+        value = reader_.has(key) ? reader_.point(key, range) : Vec2{1.0, 1.0};
+    else
+        value = reader_.point_or(key, value);
+}
+
+double FieldReader::whole(const std::string& key, double fallback, const Range& range) {
+    const double number = reader_.number_or(key, fallback, range);
+    if (number != std::floor(number)) reader_.error(key, "must be a whole number");
+    return std::floor(number);
+}
+
+} // namespace shearwake::config

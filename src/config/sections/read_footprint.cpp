@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_footprint.hpp"
+
+#include "config/sections/read_fields.hpp"
+#include "load/array_field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+namespace {
+
+struct ArrayPreset {
+    std::string name;
+    ArrayFootprint array;
+};
+
+const std::array<ArrayPreset, 2>& presets() {
+    // 16 x 16: the 10 mm transducers of hobby and laboratory boards at a pitch of 10.47 mm, whose
+    // active piston has a radius of 4.5 mm. 249: AUTD3, whose published driver (hapislab,
+    // autd3-library-software) has 18 x 14 positions at a pitch of 10.16 mm, of which (1, 1), (2, 1)
+    // and (16, 1) are occupied by screws; the radius of the piston is our choice.
+    static const std::array<ArrayPreset, 2> all = {
+        ArrayPreset{"array-16x16", {}},
+        ArrayPreset{"array-249",
+                    {.columns = 18, .rows = 14, .pitch_m = 10.16e-3, .missing = {19, 20, 34}}},
+    };
+    return all;
+}
+
+/// Air at 25 degrees Celsius, where the speed of sound is 346.1 m/s.
+constexpr double air_density_kg_m3 = 1.184;
+/// Default reach of the pattern, in multiples of its width.
+constexpr double reach_in_widths = 4.0;
+
+const std::vector<std::string>& preset_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const ArrayPreset& preset : presets())
+            all.push_back(preset.name);
+        return all;
+    }();
+    return names;
+}
+
+void read_elements(Reader& reader, ArrayFootprint& array, bool has_preset) {
+    if (!has_preset && !reader.has("elements")) reader.missing("elements");
+    const auto counts = reader.find_numbers("elements", Range::between(1, 100));
+    if (!counts) return;
+    if (counts->size() != 2 || counts->front() != std::floor(counts->front()) ||
+        counts->back() != std::floor(counts->back())) {
+        reader.error("elements",
+                     "must be two whole numbers, the number of elements along x and along y");
+        return;
+    }
+    array.columns = static_cast<std::ptrdiff_t>(counts->front());
+    array.rows = static_cast<std::ptrdiff_t>(counts->back());
+    array.missing.clear();
+}
+
+/// Pairs [column, row], counted from 1 at the smallest x and y.
+void read_missing(Reader& reader, ArrayFootprint& array) {
+    const auto places = reader.find_points("missing");
+    if (!places) return;
+    array.missing.clear();
+    for (const Vec2& place : *places) {
+        const auto column = static_cast<std::ptrdiff_t>(place.x),
+                   row = static_cast<std::ptrdiff_t>(place.y);
+        const bool is_there = static_cast<double>(column) == place.x &&
+                              static_cast<double>(row) == place.y && column >= 1 && row >= 1 &&
+                              column <= array.columns && row <= array.rows;
+        if (is_there)
+            array.missing.push_back(column - 1 + (row - 1) * array.columns);
+        else
+            reader.error("missing", fmt::format("must contain positions [column, row] from [1, 1] "
+                                                "to [{}, {}], but contains [{:.6g}, {:.6g}]",
+                                                array.columns, array.rows, place.x, place.y));
+    }
+    std::sort(array.missing.begin(), array.missing.end());
+    array.missing.erase(std::unique(array.missing.begin(), array.missing.end()),
+                        array.missing.end());
+    if (std::ssize(array.missing) == array.columns * array.rows)
+        reader.error("missing", "contains every element; at least one must remain");
+}
+
+FootprintAndPeak read_array(Reader& reader) {
+    const std::size_t before = reader.findings().errors();
+    ArrayFootprint array;
+    const auto name = reader.find_choice("preset", preset_names());
+    for (const ArrayPreset& preset : presets())
+        if (name == preset.name) array = preset.array;
+    const bool has_preset = reader.has("preset");
+    read_elements(reader, array, has_preset);
+    read_missing(reader, array);
+    read_fields(reader, array, {.has_preset = has_preset});
+    const auto strength_Pa_m = reader.find_number("pressure_Pa_m", Range::above(0.0));
+    const double density_kg_m3 =
+        reader.number_or("air_density_kg_m3", air_density_kg_m3, Range::above(0.0));
+    const auto reach_m = reader.find_number("reach_mm", Range::between(5.0, 500.0));
+    FootprintAndPeak read{.footprint = array, .gives_peak = reader.has("pressure_Pa_m")};
+    reader.finish();
+    if (reader.findings().errors() != before) return read;
+    array.reach_m = reach_m ? *reach_m : reach_in_widths * fwhm_m(array);
+    read.footprint = array;
+    if (strength_Pa_m) read.peak_Pa = peak_Pa(array, *strength_Pa_m, density_kg_m3);
+    return read;
+}
+
+} // namespace
+
+FootprintAndPeak read_footprint(Reader reader) {
+    if (reader.empty()) return {.footprint = GaussianFootprint{}};
+    if (!reader.has("shape")) reader.missing("shape");
+    const auto shape = reader.find_choice("shape", alternative_names<Footprint>());
+    if (!shape && reader.has("shape")) return {.footprint = GaussianFootprint{}};
+    if (shape == "array") return read_array(reader);
+    GaussianFootprint footprint;
+    read_fields(reader, footprint);
+    reader.finish();
+    return {.footprint = footprint};
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_path.hpp"
+
+#include "base/error.hpp"
+#include "config/files/points_file.hpp"
+#include "config/sections/read_fields.hpp"
+
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <numeric>
+
+namespace shearwake::config {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+const Range lengths = Range::between(1e-3, 1e4);
+
+struct Context {
+    Reader& reader;
+    const PathContext& path;
+    LeastLength least;
+
+    Range sizes() const { return least == LeastLength::none ? Range::between(0.0, 1e4) : lengths; }
+};
+
+Curve read_line(Context& c) {
+    const std::size_t before = c.reader.findings().errors();
+    Line line;
+    read_fields(c.reader, line);
+    if (!c.reader.empty() && c.reader.findings().errors() == before && c.reader.has("from_mm") &&
+        c.reader.has("to_mm") && line.from_m == line.to_m && c.least == LeastLength::some)
+        c.reader.error("to_mm", "equals the start of the path, so the path has no length");
+    return line;
+}
+
+Curve read_circle(Context& c) {
+    Arc arc{.sweep_rad = two_pi};
+    read_fields(c.reader, arc, {.ranges = {{"radius_mm", c.sizes()}}, .without = {"sweep_deg"}});
+    if (c.reader.find_flag("clockwise").value_or(false)) arc.sweep_rad = -two_pi;
+    return arc;
+}
+
+Curve read_arc(Context& c) {
+    Arc arc;
+    read_fields(c.reader, arc, {.ranges = {{"radius_mm", c.sizes()}}});
+    if (arc.sweep_rad == 0.0) c.reader.error("sweep_deg", "is 0, so the path has no length");
+    return arc;
+}
+
+/// Straight lines through points, none of which equals the previous point.
+Curve checked_polyline(Context& c, const char* key, std::vector<Vec2> points_m, Ends ends) {
+    const std::size_t least = ends == Ends::closed ? 3 : 2;
+    std::string problem;
+    if (points_m.size() < least)
+        problem =
+            fmt::format("must contain at least {} points, but contains {}", least, points_m.size());
+    for (std::size_t i = 1; i < points_m.size() && problem.empty(); ++i)
+        if (points_m[i] == points_m[i - 1])
+            problem = fmt::format("has points {} and {} at the same position", i, i + 1);
+    if (problem.empty() && ends == Ends::closed && points_m.front() == points_m.back())
+        problem = "ends where it starts; a closed path returns to its start by itself, so remove "
+                  "the last point";
+    if (problem.empty()) return Polyline(std::move(points_m), ends);
+    c.reader.error(key, problem);
+    return {};
+}
+
+Curve read_polyline(Context& c) {
+    const bool closed = c.reader.find_flag("closed").value_or(false);
+    if (!c.reader.has("points_mm")) c.reader.missing("points_mm");
+    auto points_m = c.reader.find_points("points_mm");
+    if (!points_m) return {};
+    return checked_polyline(c, "points_mm", std::move(*points_m),
+                            closed ? Ends::closed : Ends::open);
+}
+
+/// A polygon given by its corners, or a regular polygon, which stands on a side by default.
+Curve read_polygon(Context& c) {
+    if (c.reader.has("corners_mm")) {
+        auto points_m = c.reader.find_points("corners_mm");
+        if (!points_m) return {};
+        return checked_polyline(c, "corners_mm", std::move(*points_m), Ends::closed);
+    }
+    const Vec2 center_m = c.reader.point_or("center_mm", {});
+    const int sides = read_count(c.reader, "sides", Range::between(3, 1000));
+    const auto radius_m = c.reader.find_number("radius_mm", lengths);
+    const auto side_m = c.reader.find_number("side_mm", lengths);
+    if (c.reader.has("radius_mm") && c.reader.has("side_mm"))
+        c.reader.error("side_mm", "and radius_mm are both given; specify only one of them");
+    if (!c.reader.has("radius_mm") && !c.reader.has("side_mm")) c.reader.missing("radius_mm");
+    const double start_rad =
+        c.reader.number_or("start_deg", -0.25 * two_pi + 0.5 * two_pi / sides, Range::any());
+    const double of_side_m = side_m.value_or(1.0) / (2.0 * std::sin(std::numbers::pi / sides));
+    return regular_polygon(center_m, radius_m.value_or(of_side_m), sides, start_rad);
+}
+
+Curve read_lissajous(Context& c) {
+    Lissajous curve = Example<Lissajous>::make();
+    read_fields(c.reader, curve);
+    LissajousShape shape = curve.shape();
+    const auto counts = c.reader.find_numbers("frequencies", Range::between(1, 50));
+    if (!c.reader.has("frequencies")) c.reader.missing("frequencies");
+    if (!counts) return {};
+    const bool is_pair = counts->size() == 2 && counts->front() == std::floor(counts->front()) &&
+                         counts->back() == std::floor(counts->back());
+    if (!is_pair) {
+        c.reader.error("frequencies", "must be two whole numbers [along x, along y]");
+        return {};
+    }
+    shape.p = static_cast<int>(counts->front());
+    shape.q = static_cast<int>(counts->back());
+    if (const int common = std::gcd(shape.p, shape.q); common > 1) {
+        c.reader.error("frequencies",
+                       fmt::format("have the common factor {}, so the figure would be drawn {} "
+                                   "times; [{}, {}] draws it once",
+                                   common, common, shape.p / common, shape.q / common));
+        return {};
+    }
+    return Lissajous(shape);
+}
+
+Curve read_csv(Context& c) {
+    const bool closed = c.reader.find_flag("closed").value_or(false);
+    if (!c.reader.has("file")) c.reader.missing("file");
+    const auto name = c.reader.find_word("file");
+    if (!name) return {};
+    if (!c.path.load_text) {
+        c.reader.error("file", "names a file, but no files can be read in this context");
+        return {};
+    }
+    try {
+        PointsFile file = read_points(c.path.load_text(*name));
+        if (file.problem.empty())
+            return checked_polyline(c, "file", std::move(file.points_m),
+                                    closed ? Ends::closed : Ends::open);
+        c.reader.error("file", fmt::format("cannot be used: {}: {}", *name, file.problem));
+    } catch (const UsageError& problem) {
+        c.reader.error("file", fmt::format("cannot be used: {}", problem.what()));
+    }
+    return {};
+}
+
+struct Shape {
+    const char* name;
+    Curve (*read)(Context&);
+};
+constexpr std::array shapes = {
+    Shape{"line", read_line},
+    Shape{"circle", read_circle},
+    Shape{"arc", read_arc},
+    Shape{"polygon", read_polygon},
+    Shape{"lissajous", read_lissajous},
+    Shape{"polyline", read_polyline},
+    Shape{"csv", read_csv},
+};
+
+} // namespace
+
+int read_count(Reader& reader, std::string_view key, const Range& range) {
+    const double count = reader.number(key, range);
+    if (count != std::floor(count))
+        reader.error(key, fmt::format("must be a whole number, but is {:.6g}", count));
+    return static_cast<int>(std::max(count, range.least));
+}
+
+PathAndEnd read_path(Reader reader, const PathContext& context, LeastLength least) {
+    constexpr auto names_of_ends = names_of(std::type_identity<AtEnd>{});
+    const std::vector<std::string> ends(names_of_ends.begin(), names_of_ends.end());
+    PathAndEnd read;
+    if (reader.empty()) return read;
+    std::vector<std::string> names;
+    for (const Shape& shape : shapes)
+        names.emplace_back(shape.name);
+    const auto name = reader.find_choice("shape", names);
+    const auto end = reader.find_choice("at_end", ends);
+    if (!name) { // its other keys belong to some shape
+        if (!reader.has("shape")) reader.error("shape", "is missing");
+        return read;
+    }
+    Context c{reader, context, least};
+    for (const Shape& shape : shapes)
+        if (*name == shape.name) read.path = shape.read(c);
+    reader.finish();
+    read.end_is_given = end.has_value();
+    read.at_end = is_closed(read.path) ? AtEnd::repeat : AtEnd::off;
+    for (std::size_t i = 0; i < ends.size(); ++i)
+        if (end == ends[i]) read.at_end = static_cast<AtEnd>(i);
+    return read;
+}
+
+} // namespace shearwake::config

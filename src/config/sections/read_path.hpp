@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "config/document/reader.hpp"
+#include "config/files/text_loader.hpp"
+#include "load/motion/trajectory.hpp"
+#include "medium/medium.hpp"
+
+namespace shearwake::config {
+
+/// Context of the readers of paths, in addition to their table.
+struct PathContext {
+    const Medium& medium; // Mach numbers refer to c_s of its first layer
+    const TextLoader& load_text;
+};
+
+/// Whether a path may be a point.
+enum class LeastLength { some, none };
+
+/// Reads a path and its behaviour at the end: by default, closed paths repeat and the focus is
+/// switched off at the end of open paths. A valid substitute after an error.
+struct PathAndEnd {
+    Curve path;
+    AtEnd at_end = AtEnd::off;
+    bool end_is_given = false;
+};
+PathAndEnd read_path(Reader reader, const PathContext& context,
+                     LeastLength least = LeastLength::some);
+
+enum class SpeedKind { constant, oscillating, either };
+/// The keys path, speed_m_s, mach, draw_frequency_Hz, corner_..., and speed_deviation_m_s,
+/// sm_frequency_Hz, sm_phase_deg of a table.
+Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed);
+
+/// A whole number; after an error, the smallest allowed one.
+int read_count(Reader& reader, std::string_view key, const Range& range);
+
+} // namespace shearwake::config

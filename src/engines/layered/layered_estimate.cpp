@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/layered/layered_engine.hpp"
+#include "engines/layered/layered_keys.hpp"
+#include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/work_kinds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake::layered {
+namespace {
+
+using namespace kinds;
+using Complex = std::complex<double>;
+
+/// Limit for the spectra of all frames of a rank. Above it, the time transforms are repeated for
+/// each batch of frames.
+constexpr double largest_batch_B = 200e6;
+
+/// Number of frequencies at which the panels of H are fitted for an estimate.
+constexpr std::ptrdiff_t tried_frequencies = 6;
+
+/// Number of evaluations of H for all frequencies. It depends on how finely its poles divide |k|. A
+/// few frequencies are therefore fitted, which takes some milliseconds.
+double evaluations(const TransferKey& key) {
+    if (key.depths_m.empty()) return 0.0;
+    const double k_max = std::numbers::pi / key.spacing_m * std::numbers::sqrt2;
+    const std::ptrdiff_t frequencies = key.time.samples / 2 + 1;
+    const std::ptrdiff_t tried = std::min(tried_frequencies, frequencies);
+    double count = 0.0;
+    for (std::ptrdiff_t i = 0; i < tried; ++i) {
+        // Each frequency represents the middle of its share.
+        const std::ptrdiff_t m = (2 * i + 1) * frequencies / (2 * tried);
+        const StackResponse response(key.medium, key.time.omega(m), key.depths_m, key.quantity);
+        RadialInterpolant::fit(
+            [&](double k, std::span<Complex> out) {
+                count += 1.0;
+                response.evaluate(k, out);
+            },
+            key.depths_m.size(), k_max, key.tolerance);
+    }
+    return count * static_cast<double>(frequencies) / static_cast<double>(tried);
+}
+
+/// A case with two layers, dermis and fat.
+Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frames) {
+    return engines::calibration_case({{2e-3, 3.65, 1.0}, {18e-3, 2.24, 1.0}}, 4e-3,
+                                     {nx, ny, 1e-3, 0.0}, {frames, 100e-6});
+}
+
+} // namespace
+
+TransferKey key_of(const Case& c, const LayeredOptions& options) {
+    return {.medium = c.medium,
+            .depths_m = c.measure.depths_m,
+            .nx = c.domain.nx,
+            .ny = c.domain.ny,
+            .spacing_m = c.domain.spacing_m,
+            .time = time_transform(c, options),
+            .tolerance = options.interpolation_tolerance};
+}
+
+TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
+    TransferKey key = key_of(c, options);
+    key.depths_m = stress_depths_m(c);
+    key.quantity = StackQuantity::compression;
+    return key;
+}
+
+std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
+    const double frame_B =
+        static_cast<double>(c.domain.nx) * static_cast<double>(ky_count) * sizeof(Complex);
+    const auto fitting = static_cast<std::ptrdiff_t>(largest_batch_B / std::max(frame_B, 1.0));
+    return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
+}
+
+engines::Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
+    const auto& options = std::get<LayeredOptions>(c.solver);
+    const TransferKey key = key_of(c, options);
+    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+    const double stresses = static_cast<double>(stress_depths_m(c).size());
+    const double depths = static_cast<double>(c.measure.depths_m.size()) + stresses;
+    const double samples = static_cast<double>(key.time.samples);
+    const double frames = static_cast<double>(c.time.frames);
+    const std::ptrdiff_t modes = c.domain.ny / 2 + 1;
+    const std::ptrdiff_t ky_count = (modes + ranks - 1) / ranks;
+    const std::ptrdiff_t in_batch = frames_per_batch(c, ky_count);
+    const double batches = std::ceil(frames / static_cast<double>(in_batch));
+    const bool along_x =
+        LoadSpectrum::keeps_y(c, key.time); // kx < 0 is then the mirror image of kx > 0
+    const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
+    const double own_B = TransferTable::expanded_bytes(key, ky_count);
+    const double stress_B = TransferTable::expanded_bytes(stress_key_of(c, options), ky_count);
+    const auto is_kept = [](double table_B) {
+        return table_B <= TransferTable::largest_expansion_B;
+    };
+    const double kept_B = (is_kept(own_B) ? own_B : 0.0) + (is_kept(stress_B) ? stress_B : 0.0);
+    engines::Estimate e;
+    // The program, the spectra, H, the phases of the load, and the transformed plane.
+    e.memory_per_rank_B = engines::program_B + batch_B + kept_B + points * sizeof(double) / ranks +
+                          static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex) +
+                          LoadSpectrum::memory_B(c, key.time, ky_count);
+    const double far =
+        engines::share_from_memory(batch_B + (is_kept(own_B) ? own_B : 0.0) / (depths - stresses));
+    const double all_samples = batches * depths * samples * static_cast<double>(kept_nx) *
+                               static_cast<double>(c.domain.ny);
+    e.work = {{of_sample, all_samples * (1.0 - far)},
+              {of_far_sample, all_samples * far},
+              {of_frame, depths * points * frames * (1.0 - far)},
+              {of_far_frame, depths * points * frames * far}};
+    if (!along_x) e.work.push_back({of_load, all_samples});
+    TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
+    curves.nx = curves.ny = 0;
+    curves.time = {};
+    const double frequencies = std::floor(samples / 2.0) + 1.0;
+    if (!tried_ || !(tried_->curves == curves))
+        tried_ = {curves,
+                  (evaluations(key) + evaluations(stress_key_of(c, options))) / frequencies};
+    e.shared = {{of_response,
+                 frequencies * tried_->evaluations * static_cast<double>(c.medium.layers.size())},
+                {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
+    const auto expand = [&](double table_B, double table_depths) {
+        const double amount = table_depths * points * samples;
+        if (is_kept(table_B))
+            e.shared.push_back({of_expansion, amount});
+        else
+            e.work.push_back({of_expansion, batches * amount});
+    };
+    expand(own_B, depths - stresses);
+    if (stresses > 0.0) expand(stress_B, stresses);
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, modes));
+    e.all_to_alls = depths * frames;
+    e.all_to_all_B = sizeof(Complex) * static_cast<double>(c.domain.nx * modes);
+    return e;
+}
+
+std::vector<engines::Calibration> LayeredEngine::calibrations() const {
+    const Case near = calibration_case(48, 36, 100), far = calibration_case(256, 192, 220),
+               response = calibration_case(64, 48, 60);
+    Case expansion = calibration_case(192, 144, 16), load = near;
+    std::get<Travel>(load.load.modulation.trajectory.parts[0]).path = {{-1e-2, 0.0}, {1.0, 0.1}};
+    expansion.measure.depths_m = {0.0, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3};
+    return {{of_frame.name, near},         {of_far_frame.name, far}, {of_sample.name, near},
+            {of_far_sample.name, far},     {of_load.name, load},     {of_response.name, response},
+            {of_expansion.name, expansion}};
+}
+
+} // namespace shearwake::layered

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/layered/transfer_table.hpp"
+
+namespace shearwake::layered {
+
+/// Everything that the transfer function of the displacement, or of the stress at the receptors,
+/// depends on. Not collective.
+TransferKey key_of(const Case& c, const LayeredOptions& options);
+TransferKey stress_key_of(const Case& c, const LayeredOptions& options);
+
+/// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not
+/// collective.
+std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count);
+
+} // namespace shearwake::layered

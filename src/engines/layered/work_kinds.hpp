@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/work.hpp"
+
+namespace shearwake::layered::kinds {
+
+// Unit: one point, time sample and depth; with the spectra in caches or in memory.
+inline constexpr engines::WorkKind of_sample = {"layered.sample.cached", 1.5e-9};
+inline constexpr engines::WorkKind of_far_sample = {"layered.sample.memory", 2e-9};
+inline constexpr engines::WorkKind of_load = {"layered.load", 3e-9}; // for loads that move in y
+// Unit: one point, frame and depth; in caches or in memory.
+inline constexpr engines::WorkKind of_frame = {"layered.frame.cached", 5e-9};
+inline constexpr engines::WorkKind of_far_frame = {"layered.frame.memory", 7e-9};
+inline constexpr engines::WorkKind of_response = {"layered.response",
+                                                  4e-7}; // per evaluation of H and layer
+inline constexpr engines::WorkKind of_expansion = {"layered.expansion",
+                                                   2.5e-9}; // per point, time sample and depth
+
+} // namespace shearwake::layered::kinds

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/limits.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::engines {
+
+std::vector<Remark> refused_losses(const Case& c) {
+    std::vector<Remark> refused;
+    for (const Layer& layer : c.medium.layers)
+        if (!std::holds_alternative<Lossless>(layer.loss) &&
+            !std::holds_alternative<KelvinVoigt>(layer.loss))
+            refused.push_back(
+                {Severity::error, "solver.engine",
+                 fmt::format(
+                     "\"{}\" supports only lossless or Kelvin-Voigt layers (viscosity_Pa_s), but "
+                     "layer \"{}\" has another loss law; \"layered\" supports all laws",
+                     engine_name(c.solver), layer.name)});
+    return refused;
+}
+
+} // namespace shearwake::engines

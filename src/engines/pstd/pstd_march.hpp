@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/march.hpp"
+#include "engines/pstd/scene/displacement_volumes.hpp"
+#include "engines/pstd/scene/frames.hpp"
+#include "engines/pstd/scheme/sensor.hpp"
+
+#include <optional>
+
+namespace shearwake::pstd {
+
+/// Runs a scene or a grid study of the engine "pstd": u_z at the measured depths for each frame,
+/// displacements for each snapshot, and the samples of a sensor in every step.
+template <class Real>
+class PstdMarch : public engines::Marching {
+public:
+    /// Output of the run, set up by the caller on all ranks together.
+    struct Outputs {
+        Frames frames;
+        std::optional<DisplacementVolumes> volumes;
+        std::optional<Sensor> sensor;
+    };
+    /// Stores references, which must outlive this object. `displacement` is the name of u_z in
+    /// checkpoints. Not collective.
+    PstdMarch(const Case& c, std::ptrdiff_t steps_per_frame, Stepper<Real>& stepper,
+              Outputs& outputs, std::string displacement, const Comm& team)
+        : case_(c), per_frame_(steps_per_frame), stepper_(stepper), outputs_(outputs),
+          displacement_(std::move(displacement)), team_(team) {}
+
+    std::ptrdiff_t step() const override { return stepper_.steps(); }
+    void advance() override;
+    void give(engines::Observer& observer) override;
+    void save(engines::StateWriter& state) const override;
+    void restore(engines::StateReader& state) override;
+
+private:
+    const Case& case_;
+    std::ptrdiff_t per_frame_;
+    Stepper<Real>& stepper_;
+    Outputs& outputs_;
+    std::string displacement_;
+    Comm team_;
+};
+
+} // namespace shearwake::pstd

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/pstd/scene/case_grid.hpp"
+
+#include "medium/material_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake::pstd {
+namespace {
+
+/// Density of a rigid base relative to the last layer; it then moves by a millionth of it.
+constexpr double rigid_density = 1e6;
+/// Number of points of the rigid base above the absorbing layer.
+constexpr std::ptrdiff_t base_points = 2;
+/// Number of empty points between the skin and the absorbing layer above, into which the load is
+/// continued.
+constexpr std::ptrdiff_t empty_points = 4;
+
+double total_thickness_m(const Medium& medium) {
+    double sum_m = 0.0;
+    for (const Layer& layer : medium.layers)
+        sum_m += layer.thickness_m;
+    return sum_m;
+}
+
+/// Waves that travel downward must not be cut off while the focus acts.
+double chosen_depth_m(const Case& c) {
+    double lowest_m = total_thickness_m(c.medium);
+    const auto reach_down = [&](double z_m) { // unbounded bodies do not limit the depth
+        if (std::isfinite(z_m)) lowest_m = std::max(lowest_m, z_m);
+    };
+    for (const Body& body : c.medium.bodies)
+        reach_down(bounds(body).high_m.z);
+    if (c.medium.map) reach_down(depths(*c.medium.map).bottom_m);
+    const double reach_m = 4.0 * fwhm_m(c.load.footprint);
+    return std::max(reach_m, lowest_m + 0.5 * reach_m);
+}
+
+/// Maximum compressional wave speed of a fluid, which has no shear waves: that of the layers. 0 if
+/// no body is a fluid.
+double fluid_limit_m_s(const Medium& medium, double c_p_over_c_s) {
+    const bool fluid = std::any_of(medium.bodies.begin(), medium.bodies.end(), is_fluid);
+    double limit_m_s = 0.0;
+    for (const Layer& layer : medium.layers)
+        if (fluid) limit_m_s = std::max(limit_m_s, c_p_over_c_s * layer.c_s_m_s);
+    return limit_m_s;
+}
+
+NodeMaterial capped(const Material& m, double c_p_over_c_s, double fluid_m_s = 0.0) {
+    NodeMaterial node;
+    node.density_kg_m3 = m.density_kg_m3;
+    node.c_s_m_s = std::sqrt(m.mu_Pa / m.density_kg_m3);
+    node.c_p_m_s = std::min(std::sqrt((m.lambda_Pa + 2.0 * m.mu_Pa) / m.density_kg_m3),
+                            std::max(c_p_over_c_s * node.c_s_m_s, fluid_m_s));
+    node.eta_Pa_s = m.viscosity_Pa_s;
+    return node;
+}
+
+/// Mean material of the layers and their inclusions over a cell.
+Material cell_material(const Case& c, Vec3 centre_m, double d_m) {
+    const double top_m = centre_m.z - 0.5 * d_m, bottom_m = centre_m.z + 0.5 * d_m;
+    Material sum;
+    double layer_top_m = 0.0;
+    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
+        const bool last = l + 1 == c.medium.layers.size();
+        const double layer_bottom_m = layer_top_m + c.medium.layers[l].thickness_m;
+        const double from_m = l == 0 ? top_m : std::max(top_m, layer_top_m);
+        const double to_m = last ? bottom_m : std::min(bottom_m, layer_bottom_m);
+        layer_top_m = layer_bottom_m;
+        const double share = (to_m - from_m) / d_m;
+        if (share < 1e-9) continue;
+        const Material part =
+            material_of_cell(c.medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
+                             {d_m, d_m, to_m - from_m});
+        sum.density_kg_m3 += share * part.density_kg_m3;
+        sum.lambda_Pa += share * part.lambda_Pa;
+        sum.mu_Pa += share * part.mu_Pa;
+        sum.viscosity_Pa_s += share * part.viscosity_Pa_s;
+    }
+    return sum;
+}
+
+} // namespace
+
+CaseGrid case_grid(const Case& c, const PstdOptions& options) {
+    const double d_m = c.domain.spacing_m;
+    const std::ptrdiff_t layer = options.absorbing_points;
+    const double deepest_m =
+        *std::max_element(c.measure.depths_m.begin(), c.measure.depths_m.end());
+    const double clear_m = std::max(options.depth_m > 0.0 ? options.depth_m : chosen_depth_m(c),
+                                    deepest_m + 2.0 * d_m);
+    CaseGrid grid;
+    grid.spacing_m = d_m;
+    grid.clear = static_cast<std::ptrdiff_t>(std::ceil(clear_m / d_m - 1e-9));
+    if (c.medium.base == Base::rigid) {
+        grid.levels =
+            static_cast<std::ptrdiff_t>(std::ceil(total_thickness_m(c.medium) / d_m - 1e-9));
+        grid.clear = grid.levels + base_points;
+    }
+    grid.above = options.top == PstdTop::nothing ? empty_points : grid.clear;
+    grid.surface = layer + grid.above;
+    const std::ptrdiff_t nz = good_even_length(grid.surface + grid.clear + layer);
+    grid.clear = nz - grid.surface - layer;
+    if (c.medium.base == Base::half_space) grid.levels = grid.clear;
+    const std::ptrdiff_t around = options.absorbing_edges ? layer : 0;
+    const std::ptrdiff_t nx = good_even_length(c.domain.nx + 2 * around),
+                         ny = good_even_length(c.domain.ny + 2 * around);
+    grid.first_x = around;
+    grid.first_y = around;
+    grid.points = {nx, ny, nz};
+    return grid;
+}
+
+PmlOptions absorbing_layer(const Case& c, const PstdOptions& options) {
+    const std::ptrdiff_t layer = options.absorbing_points;
+    const auto margin =
+        static_cast<std::ptrdiff_t>(std::lround(c.domain.sponge_m / c.domain.spacing_m));
+    const std::ptrdiff_t lateral = options.absorbing_edges ? layer : margin;
+    const double strength = options.absorbing_strength;
+    PmlOptions pml;
+    pml.points = {lateral, lateral, layer};
+    pml.strength_1 = {lateral > 0 ? strength : 0.0, lateral > 0 ? strength : 0.0, strength};
+    for (const Layer& l : c.medium.layers)
+        pml.reference_speed_m_s =
+            std::max(pml.reference_speed_m_s, capped_material(l, options).c_p_m_s);
+    return pml;
+}
+
+NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                         Node node) {
+    const double z_m = grid.node_depth_m(node[2]);
+    if (z_m < 0.0 && options.top != PstdTop::continued) {
+        if (options.top == PstdTop::fluid)
+            return {options.fluid_density_kg_m3,
+                    std::min(options.fluid_c_p_m_s,
+                             options.c_p_over_c_s * c.medium.layers.front().c_s_m_s)};
+        return {.density_kg_m3 = c.medium.layers.front().density_kg_m3, .empty = true};
+    }
+    if (c.medium.base == Base::rigid && z_m > total_thickness_m(c.medium)) {
+        NodeMaterial base = capped_material(c.medium.layers.back(), options);
+        base.density_kg_m3 *= rigid_density;
+        const double slower = 1.0 / std::sqrt(rigid_density); // of the same stiffness
+        base.c_p_m_s *= slower;
+        base.c_s_m_s *= slower;
+        return base;
+    }
+    if (z_m < 0.0) return capped_material(c.medium.layers.front(), options);
+    const std::ptrdiff_t i = std::clamp<std::ptrdiff_t>(node[0] - grid.first_x, 0, c.domain.nx - 1),
+                         j = std::clamp<std::ptrdiff_t>(node[1] - grid.first_y, 0, c.domain.ny - 1);
+    return capped(cell_material(c, {c.domain.x_m(i), c.domain.y_m(j), z_m}, c.domain.spacing_m),
+                  options.c_p_over_c_s, fluid_limit_m_s(c.medium, options.c_p_over_c_s));
+}
+
+NodeMaterial capped_material(const Layer& layer, const PstdOptions& options) {
+    return capped(material_of(layer), options.c_p_over_c_s);
+}
+
+bool is_lossy(const Medium& medium) {
+    const auto viscous = [](const auto& of) { return of.viscosity_Pa_s.value_or(0.0) > 0.0; };
+    bool lossy = medium.map != nullptr && !medium.map->viscosity_Pa_s.empty();
+    for (const Layer& layer : medium.layers)
+        lossy = lossy || material_of(layer).viscosity_Pa_s > 0.0;
+    return lossy || std::any_of(medium.bodies.begin(), medium.bodies.end(), viscous);
+}
+
+} // namespace shearwake::pstd

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/pstd/scheme/placed_source.hpp"
+
+namespace shearwake::pstd {
+
+template <class Real>
+PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
+                                 const FieldState<Real>& state, const MaterialOfNode& material,
+                                 double first_node_c_p_m_s)
+    : source_(source) {
+    const Grid& grid = slabs.grid;
+    // As in k-Wave, stresses are scaled with dx along every axis.
+    const double d_m = grid.spacing_m[is_velocity(source.field) ? index_of(source.field) : 0];
+    for (std::size_t n = 0; n < source.nodes.size(); ++n) {
+        const Node& node = source.nodes[n];
+        if (!slabs.has(node[0])) continue;
+        const double c_p_m_s = source.scaling == SourceScaling::kwave_of_first_node
+                                   ? first_node_c_p_m_s
+                                   : material(node).c_p_m_s;
+        const bool scaled =
+            source.mode == SourceMode::additive && source.scaling != SourceScaling::none;
+        const std::ptrdiff_t row = (node[0] - slabs.x_start()) * slabs.ny() + node[1];
+        which_.push_back(n);
+        Place place{.total = slabs.offset(node),
+                    .part = {-1, -1},
+                    .keeps_own = false,
+                    .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0};
+        if (const SplitRun* run = state.runs.run_at(row, node[2])) {
+            const Parts parts = parts_of(source.field);
+            const auto kept = [&](std::size_t p) {
+                return run->face < 0 || parts.axes[p] == static_cast<std::size_t>(run->face);
+            };
+            if (kept(0) || kept(1) || kept(2)) place.part[0] = run->offset + node[2] - run->begin;
+            if (run->face < 0 && parts.count == 3)
+                place.part[1] = run->second + node[2] - run->begin;
+            place.keeps_own = run->face >= 0 && kept(0);
+        }
+        places_.push_back(place);
+    }
+    values_.resize(which_.size());
+    source_.nodes.clear();
+}
+
+template <class Real>
+void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
+                               std::span<Real> leaps) {
+    if (sample >= source_.samples || which_.empty()) return;
+    source_.values(sample, which_, values_);
+    const Parts parts = parts_of(source_.field);
+    const bool velocity = is_velocity(source_.field);
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+        const Place& place = places_[i];
+        const double value = values_[i] * place.scale, third = value / 3.0;
+        auto& total = state.total[static_cast<std::size_t>(place.total)];
+        const Real was = total;
+        const double into_total = velocity ? value : third * static_cast<double>(parts.count);
+        double kept = 0.0; // sum of the other parts of a prescribed velocity
+        for (std::size_t p = 0; p < place.part.size(); ++p) {
+            if (place.part[p] < 0) continue;
+            auto& part = state.part[p][static_cast<std::size_t>(place.part[p])];
+            if (velocity && source_.mode == SourceMode::additive)
+                part += static_cast<Real>(place.keeps_own ? value : 0.0);
+            else if (velocity)
+                kept += static_cast<double>(part);
+            else if (source_.mode == SourceMode::additive)
+                part += static_cast<Real>(third);
+            else
+                part = static_cast<Real>(third);
+        }
+        // A prescribed velocity keeps its other parts (the stepper stores all of them there); its
+        // own part is the difference.
+        if (source_.mode == SourceMode::additive)
+            total += static_cast<Real>(into_total);
+        else
+            total =
+                static_cast<Real>(source_.mode == SourceMode::whole ? value : kept + into_total);
+        if (source_.in_rates && !leaps.empty())
+            leaps[static_cast<std::size_t>(place.total)] += total - was;
+    }
+}
+
+template class PlacedSource<double>;
+template class PlacedSource<float>;
+
+} // namespace shearwake::pstd

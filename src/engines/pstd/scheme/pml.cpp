@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/pstd/scheme/pml.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake::pstd {
+namespace {
+
+bool in_layer(const Grid& grid, const PmlOptions& options, std::size_t axis, std::ptrdiff_t i) {
+    if (options.strength_1[axis] == 0.0) return false;
+    return i < options.points[axis] || i >= grid.points[axis] - options.points[axis];
+}
+
+} // namespace
+
+PmlProfile pml_profile(const Grid& grid, const PmlOptions& options, std::size_t axis,
+                       PmlPlaces places, double reference_speed_m_s) {
+    const std::ptrdiff_t n = grid.points[axis], layer = options.points[axis];
+    const double o = places == PmlPlaces::nodes ? 0.0 : 0.5, length = static_cast<double>(layer);
+    PmlProfile profile{std::vector<double>(static_cast<std::size_t>(n), 1.0),
+                       std::vector<double>(static_cast<std::size_t>(n), 1.0)};
+    for (std::ptrdiff_t i = 0; i < n; ++i) {
+        if (!in_layer(grid, options, axis, i)) continue;
+        const double depth = i < layer ? static_cast<double>(layer - i) - o
+                                       : static_cast<double>(i - (n - layer) + 1) + o;
+        const double s = options.strength_1[axis] * reference_speed_m_s / grid.spacing_m[axis] *
+                         std::pow(depth / length, 4);
+        profile.main[static_cast<std::size_t>(i)] = std::exp(-0.5 * s * grid.dt_s);
+        profile.other[static_cast<std::size_t>(i)] =
+            std::exp(-0.5 * options.multi_axial_ratio_1 * s * grid.dt_s);
+    }
+    return profile;
+}
+
+void SplitRuns::add(std::ptrdiff_t begin, std::ptrdiff_t end, int face, const Parts& parts) {
+    const auto of_face = static_cast<std::size_t>(std::max(face, 0));
+    const auto last = parts.axes.begin() + static_cast<std::ptrdiff_t>(parts.count);
+    const std::ptrdiff_t values = (end - begin + line - 1) / line * line;
+    runs_.push_back({begin, end, sizes_[0], sizes_[1], face});
+    if (face < 0 || std::find(parts.axes.begin(), last, of_face) != last) sizes_[0] += values;
+    if (face < 0 && parts.count == 3) sizes_[1] += values;
+}
+
+SplitRuns::SplitRuns(const Slabs& slabs, const PmlOptions& options, const Parts& parts,
+                     const std::vector<Node>& nodes) {
+    // What a value keeps: nothing, the part of one axis (0, 1, 2), or all.
+    constexpr int nothing = 3, all = -1;
+    std::vector<Node> asked = nodes;
+    std::sort(asked.begin(), asked.end());
+    auto next = asked.begin();
+    const std::ptrdiff_t nz = slabs.nz();
+    // A short rest between the layers of z goes with them: its factors are 1, and whole rows are
+    // faster than three short pieces.
+    const bool whole_rows = in_layer(slabs.grid, options, 2, 0) && nz - 2 * options.points[2] < 32;
+    std::vector<int> kept(static_cast<std::size_t>(nz));
+    for (std::ptrdiff_t x = 0; x < slabs.x_count(); ++x) {
+        for (std::ptrdiff_t y = 0; y < slabs.ny(); ++y) {
+            const bool in_x = in_layer(slabs.grid, options, 0, slabs.x_start() + x),
+                       in_y = in_layer(slabs.grid, options, 1, y);
+            const int between = in_x && in_y ? all : in_x ? 0 : in_y ? 1 : nothing;
+            for (std::ptrdiff_t z = 0; z < nz; ++z) {
+                const bool in_z = whole_rows || in_layer(slabs.grid, options, 2, z);
+                kept[static_cast<std::size_t>(z)] = !in_z ? between : in_x || in_y ? all : 2;
+            }
+            for (; next != asked.end() && (*next)[0] == slabs.x_start() + x && (*next)[1] == y;
+                 ++next)
+                kept[static_cast<std::size_t>((*next)[2])] = all;
+            for (auto from = kept.begin(); from != kept.end();) {
+                const auto to = std::find_if(from, kept.end(), [&](int k) { return k != *from; });
+                if (*from != nothing) add(from - kept.begin(), to - kept.begin(), *from, parts);
+                from = to;
+            }
+            starts_.push_back(runs_.size());
+        }
+    }
+}
+
+} // namespace shearwake::pstd

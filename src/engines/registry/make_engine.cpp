@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/registry/make_engine.hpp"
+
+#include "base/overloaded.hpp"
+#include "engines/layered/layered_engine.hpp"
+#include "engines/pstd/pstd_engine.hpp"
+#include "engines/spectral/spectral_engine.hpp"
+
+#include <type_traits>
+
+namespace shearwake::engines {
+
+std::unique_ptr<Engine> make_engine(const SolverOptions& solver) {
+    return std::visit(overloaded{
+                          [](const LayeredOptions&) -> std::unique_ptr<Engine> {
+                              return std::make_unique<layered::LayeredEngine>();
+                          },
+                          [](const SpectralOptions&) -> std::unique_ptr<Engine> {
+                              return std::make_unique<spectral::SpectralEngine>();
+                          },
+                          [](const PstdOptions&) -> std::unique_ptr<Engine> {
+                              return std::make_unique<pstd::PstdEngine>();
+                          },
+                      },
+                      solver);
+}
+
+std::vector<std::unique_ptr<Engine>> all_engines() {
+    std::vector<std::unique_ptr<Engine>> all;
+    [&]<class... Options>(std::type_identity<std::variant<Options...>>) {
+        (all.push_back(make_engine(Options{})), ...);
+    }(std::type_identity<SolverOptions>{});
+    return all;
+}
+
+} // namespace shearwake::engines

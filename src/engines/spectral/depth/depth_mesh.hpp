@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+#include "engines/spectral/depth/absorbing_bottom.hpp"
+#include "engines/spectral/depth/gauss_lobatto.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace shearwake::spectral {
+
+/// Spectral elements in z with boundaries at the layer interfaces, graded towards the surface. Node
+/// i of element e is the global level e * degree + i. Levels are numbered downward from the surface
+/// at 0.
+struct DepthMesh {
+    int degree = 8;
+    GaussLobatto rule;
+    std::vector<double> ends_m;      // elements + 1, ascending from 0
+    std::vector<std::size_t> layers; // layer of each element
+    /// Absorber of a half-space, which forms the last elements.
+    std::optional<AbsorbingBottom> bottom;
+
+    std::size_t elements() const { return layers.size(); }
+    std::size_t levels() const { return elements() * static_cast<std::size_t>(degree) + 1; }
+    double length_m(std::size_t element) const { return ends_m[element + 1] - ends_m[element]; }
+    /// Depth of a level in metres.
+    double z_m(std::size_t level) const;
+    /// Number of levels whose motion is that of the medium: all above the absorber, including its
+    /// top.
+    std::size_t clear_levels() const;
+    /// Depth of the top of the absorber, or of the base.
+    double clear_depth_m() const { return ends_m.back() - (bottom ? bottom->depth_m : 0.0); }
+};
+
+/// Chooses elements short enough for the motion that the load excites. At the surface they resolve
+/// fields that decay as e^{-k z} up to the k where the spectrum of the footprint is 1e-3 (k h <= 9:
+/// relative error 1e-4 at degree 8). Each element is at most 1.5 times as long as the previous one.
+/// No element exceeds `longest_element_m` or twenty times the inverse wavenumber of shear waves at
+/// the highest frequency that the load excites by 1 %. Where the time step would require
+/// stabilisation of the finest shear mode of the first element, which reduces accuracy, this
+/// element is up to twice as long, provided that losses damp the shortest waves or the requested
+/// accuracy permits it. In the absorber of a half-space, which short waves do not reach, the length
+/// is not limited. Throws UsageError if too many elements are needed. Not collective.
+DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step_s);
+
+/// The largest eigenvalue of the stiffness D^T w D of the reference element relative to its mass w:
+/// the squared wavenumber of the finest mode. For an element of length h multiply by (2/h)^2
+/// [1/m^2].
+double finest_mode(const GaussLobatto& rule);
+
+} // namespace shearwake::spectral

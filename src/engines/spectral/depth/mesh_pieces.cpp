@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/depth/mesh_pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake::spectral {
+namespace {
+
+/// An inclusion in the layers between two depths.
+struct Inclusion {
+    double top_m, bottom_m, longest_m;
+    bool ends_sharply;
+};
+
+/// Whether the body has faces that are not horizontal.
+bool is_curved(const Body& body) {
+    if (std::holds_alternative<Box>(body.shape)) return false;
+    const auto* cylinder = std::get_if<Cylinder>(&body.shape);
+    return !cylinder || cylinder->axis != CylinderAxis::vertical;
+}
+
+Inclusion inclusion_of(const Body& body, double per_degree, double omega_rad_s) {
+    const Bounds box = bounds(body);
+    Inclusion in{box.low_m.z, box.high_m.z, std::numeric_limits<double>::infinity(),
+                 !(body.edge_m > 0.0)};
+    if (body.edge_m > 0.0)
+        in.longest_m = per_degree * body.edge_m;
+    else if (is_curved(body))
+        in.longest_m = per_degree * (in.bottom_m - in.top_m) / elements_of_body;
+    if (body.c_s_m_s)
+        in.longest_m =
+            std::min(in.longest_m, 20.0 * per_degree * *body.c_s_m_s / std::max(omega_rad_s, 1.0));
+    return in;
+}
+
+Inclusion inclusion_of(const MaterialMap& map, double per_degree) {
+    constexpr double endless_m = 1e9;
+    if (!(map.spacing_m.z > 0.0))
+        return {-endless_m, endless_m, std::numeric_limits<double>::infinity(), false};
+    const double half_m = 0.5 * map.spacing_m.z;
+    const double last_m = map.origin_m.z + map.spacing_m.z * static_cast<double>(map.counts[2] - 1);
+    return {map.origin_m.z - half_m, last_m + half_m, 8.0 * per_degree * map.spacing_m.z, true};
+}
+
+} // namespace
+
+std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m, int degree,
+                                   double omega_rad_s) {
+    const double per_degree = degree / 8.0;
+    std::vector<Inclusion> inclusions;
+    for (const Body& body : c.medium.bodies)
+        inclusions.push_back(inclusion_of(body, per_degree, omega_rad_s));
+    if (c.medium.map) inclusions.push_back(inclusion_of(*c.medium.map, per_degree));
+
+    std::vector<MeshPiece> pieces;
+    double top_m = 0.0;
+    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
+        const bool last = l + 1 == c.medium.layers.size();
+        const double bottom_m = last ? depth_m : top_m + c.medium.layers[l].thickness_m;
+        std::vector<double> cuts_m;
+        for (const Inclusion& in : inclusions)
+            if (in.ends_sharply) cuts_m.insert(cuts_m.end(), {in.top_m, in.bottom_m});
+        std::sort(cuts_m.begin(), cuts_m.end());
+        std::vector<double> ends_m = {top_m};
+        for (const double cut_m : cuts_m)
+            if (cut_m - ends_m.back() > least_m && bottom_m - cut_m > least_m)
+                ends_m.push_back(cut_m);
+        ends_m.push_back(bottom_m);
+        for (std::size_t i = 0; i + 1 < ends_m.size(); ++i) {
+            MeshPiece piece{l, ends_m[i], ends_m[i + 1]};
+            for (const Inclusion& in : inclusions)
+                if (in.top_m < piece.bottom_m - least_m && in.bottom_m > piece.top_m + least_m)
+                    piece.longest_m = std::min(piece.longest_m, in.longest_m);
+            pieces.push_back(piece);
+        }
+        top_m = bottom_m;
+    }
+    return pieces;
+}
+
+} // namespace shearwake::spectral

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/spectral/depth/skyline_matrix.hpp"
+#include "engines/spectral/kernels/vertical.hpp"
+
+#include <vector>
+
+namespace shearwake::spectral {
+
+/// Coefficients of the implicit operator at every node of every element ([element * nodes + node]),
+/// laterally constant. The matrix is
+///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
+/// m = max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2), where kappa^2 is the largest
+/// eigenvalue on the element of K_1, the stiffness of unit mu. The value 1/12 makes shear motion
+/// fourth order in dt; the excess above it makes the scheme stable at any step.
+struct Background {
+    std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
+    std::vector<double> swirl_viscosity_Pa_s; // absorbs shear waves below a half-space
+    /// For the forces, which use mu_accurate_Pa and the viscosity theta mu_accurate_Pa. Its
+    /// stiffness must not exceed what the implicit operator alone stabilises; otherwise rounding
+    /// errors, which the separately advanced strains do not contain, grow.
+    std::vector<double> force_lambda_Pa;
+    std::vector<double> theta_s; // per element
+};
+
+/// The background of a medium without bodies. Throws CaseFailure for an unsupported loss law. Not
+/// collective.
+Background background_of(const DepthMesh& mesh, const Medium& medium);
+
+/// Motion over depth for one |k|, u_r = i U(z), u_t = i V(z), u_z = W(z), on spectral elements:
+///     a = integral of lambda (W' - kU)^2 + 2 mu (k^2 U^2 + W'^2) + mu (U' + kW)^2   (P-SV)
+///       + mu (V'^2 + k^2 V^2)                                                        (SH)
+/// and, in an absorber, a dissipation that acts on curl v alone,
+///     integral of swirl_viscosity ((U' - kW)^2 + V'^2 + k^2 V^2),   with velocities U, V, W.
+/// It damps shear waves but not potential flow, which reaches as deep as the domain is wide. The
+/// surface traction is the natural condition, the mass is diagonal (quadrature at the nodes), and
+/// the last level is fixed (rigid base). A pencil is stored as [2 level + {U, W}][part] for all
+/// moving levels, followed by [level][part] for V. No member function is collective.
+class VerticalOperator {
+public:
+    VerticalOperator(const DepthMesh& mesh, Background background);
+
+    std::ptrdiff_t levels() const { return levels_; } // moving levels
+    std::ptrdiff_t psv() const { return 2 * levels_; }
+    std::ptrdiff_t unknowns() const { return 3 * levels_; }
+    std::ptrdiff_t nodes() const { return nodes_; } // per element
+    double mass_kg_m2(std::ptrdiff_t level) const { return mass_[static_cast<std::size_t>(level)]; }
+    /// Number of Blocks in the two factors of one pencil.
+    std::ptrdiff_t factor_size() const { return psv_matrix_.entries() + sh_matrix_.entries(); }
+
+    /// Assembles and factorises the implicit operator for the eight k [rad/m] of a block.
+    void factorise_implicit(const Block& k, double dt_s, Block* factor) const;
+
+    /// Solves in place with the factors of factorise_implicit().
+    void solve_implicit(const Block* factor, Block* pencil) const;
+
+    /// x.A x of the implicit operator A, summed over the parts with weights `counted`. Overwrites
+    /// the pencil.
+    Block implicit_form(const Block* factor, Block* pencil, const Block* counted) const;
+
+    /// Adds -K u - C (u - before)/dt to `force`; `rate` is 1/dt. If `factor` is given, it is
+    /// prefetched at the same time.
+    void add_internal_force(const Block& k, double rate, const Block* u, const Block* before,
+                            Block* force, const Block* factor = nullptr) const;
+
+    /// Twice the kinetic energy per area [J/m^2] with the background's mass, summed over the parts
+    /// with weights `counted`.
+    Block twice_kinetic(double rate, const Block* u, const Block* before,
+                        const Block* counted) const;
+
+    /// The stabilising shear modulus [Pa] for a stiffness mu in an element, at the largest
+    /// wavenumber.
+    double stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m, double dt_s) const;
+
+private:
+    /// Arrays for the kernels; valid for the lifetime of this object.
+    VerticalArrays arrays() const;
+    std::size_t point(std::size_t element, std::ptrdiff_t node) const {
+        return element * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(node);
+    }
+
+    std::vector<VerticalElement> elements_;
+    Background background_;
+    double finest_;                  // eigenvalue of the reference element's finest mode
+    std::vector<double> mass_;       // per level [kg/m^2]
+    std::vector<double> derivative_; // of the reference element
+    std::vector<double> weights_;
+    std::ptrdiff_t nodes_, levels_;
+    const AssemblyKernels& assembly_;
+    const VerticalKernels& kernels_;
+    const SkylineKernels& solver_;
+    SkylineMatrix psv_matrix_, sh_matrix_;
+};
+
+} // namespace shearwake::spectral

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/work.hpp"
+
+namespace shearwake::spectral::kinds {
+
+// Seconds on a typical core of 2020. Unit of the solves: one mode, level, node of an element and
+// step. Separate kinds for the first solve with data in caches or in memory, and for further solves
+// of an iteration.
+inline constexpr engines::WorkKind of_solve = {"spectral.solve.cached", 2.2e-9};
+inline constexpr engines::WorkKind of_far_solve = {"spectral.solve.memory", 2.8e-9};
+inline constexpr engines::WorkKind of_iteration = {"spectral.iteration", 1.9e-9};
+inline constexpr engines::WorkKind of_factors = {"spectral.factors",
+                                                 4e-9}; // per mode, level and squared nodes
+inline constexpr engines::WorkKind of_materials = {"spectral.materials",
+                                                   1.5e-7}; // per grid point and strain point
+// Transfer of strains to planes and of stresses back; unit: one plane and point if cells fill every
+// row.
+inline constexpr engines::WorkKind of_transfer = {"spectral.transfer.cached", 4e-9};
+inline constexpr engines::WorkKind of_far_transfer = {"spectral.transfer.memory", 9e-9};
+inline constexpr engines::WorkKind of_cell = {"spectral.cell", 1e-8}; // per cell and component
+inline constexpr engines::WorkKind of_sponge = {"spectral.sponge",
+                                                1.1e-8}; // per value that the sponge acts on
+/// Per point, frame and depth.
+inline constexpr engines::WorkKind of_frame = {"spectral.frame", 7e-9};
+inline constexpr engines::WorkKind of_displacement = {"spectral.volume.u",
+                                                      1e-8}; // per point and level of a snapshot
+/// Per point and level of a snapshot.
+inline constexpr engines::WorkKind of_tensor = {"spectral.volume.tensor", 1e-7};
+inline constexpr engines::WorkKind of_felt = {"spectral.receptor_stress",
+                                              2e-8}; // per point and plane of stress
+
+} // namespace shearwake::spectral::kinds

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/kernels/slices.hpp"
+#include "engines/spectral/kernels/vertical.hpp"
+#include "simd/kernels.hpp"
+
+namespace shearwake::spectral {
+namespace {
+
+/// Assembles a slice of the matrices of one block of wavenumbers.
+struct Assembly {
+    const VerticalArrays& v;
+    SkylineRows rows;
+    Block* matrix;
+    std::ptrdiff_t slice;
+
+    /// Adds to an entry of the lower triangle if the row belongs to a moving level.
+    [[gnu::always_inline]] void add(std::ptrdiff_t row, std::ptrdiff_t column, Vector value) const {
+        if (column > row || row >= rows.count) return;
+        Block& entry = matrix[rows.row[row].start + column];
+        set(entry, slice, get(entry, slice) + value);
+    }
+    double d(std::ptrdiff_t q, std::ptrdiff_t i) const { return v.derivative[q * v.nodes + i]; }
+};
+
+/// max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2)
+[[gnu::always_inline]] inline Vector implicit_mu(const VerticalArrays& v, std::ptrdiff_t element,
+                                                 std::ptrdiff_t at, Vector k, double dt_s) {
+    const VerticalElement& el = v.element[element];
+    const Vector kappa2 = greatest_stiffness<Vector>(k * k, v.finest * el.slope * el.slope);
+    const Vector stable =
+        0.25 * v.mu_stable_Pa[at] - stable_share * el.density / (kappa2 * dt_s * dt_s);
+    return simd::greater(simd::all_lanes(v.mu_accurate_Pa[at] / 12.0), stable);
+}
+
+void clear(SkylineRows rows, Block* matrix) {
+    const SkylineRow& last = rows.row[rows.count - 1];
+    for (std::ptrdiff_t i = 0; i < last.start + rows.count; ++i)
+        for (std::ptrdiff_t s = 0; s < slices; ++s)
+            set(matrix[i], s, Vector{});
+}
+
+/// Moduli times the quadrature weights of the nodes.
+struct ElementModuli {
+    Vector lambda[most_nodes], mu[most_nodes], swirl[most_nodes];
+};
+
+void add_psv_pair(const Assembly& a, std::ptrdiff_t first, double slope, Vector k,
+                  const ElementModuli& m, std::ptrdiff_t i, std::ptrdiff_t j) {
+    Vector l_slopes{}, m_slopes{}, s_slopes{}; // integrals of products of two nodal derivatives
+    for (std::ptrdiff_t q = 0; q < a.v.nodes; ++q) {
+        const double dd = a.d(q, i) * a.d(q, j) * slope * slope;
+        l_slopes += m.lambda[q] * dd;
+        m_slopes += m.mu[q] * dd;
+        s_slopes += m.swirl[q] * dd;
+    }
+    const std::ptrdiff_t ui = first + 2 * i, uj = first + 2 * j;
+    Vector uu = m_slopes + s_slopes, ww = l_slopes + 2.0 * m_slopes;
+    if (i == j) {
+        uu += k * k * (m.lambda[i] + 2.0 * m.mu[i]);
+        ww += k * k * (m.mu[i] + m.swirl[i]);
+    }
+    // Test function V_i and W_j: -lambda k V W' + mu V' k W - swirl V' k W.
+    const Vector uw = k * slope * ((m.mu[j] - m.swirl[j]) * a.d(j, i) - m.lambda[i] * a.d(i, j));
+    const Vector wu = k * slope * ((m.mu[i] - m.swirl[i]) * a.d(i, j) - m.lambda[j] * a.d(j, i));
+    a.add(ui, uj, uu);
+    a.add(ui + 1, uj + 1, ww);
+    a.add(ui, uj + 1, uw);
+    a.add(ui + 1, uj, wu);
+}
+
+void assemble_psv(const VerticalArrays& v, const Block& k8, double dt_s, Block* matrix) {
+    clear(v.psv, matrix);
+    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+        const Assembly a{v, v.psv, matrix, s};
+        const Vector k = get(k8, s);
+        for (std::ptrdiff_t i = 0; i < v.psv.count; ++i)
+            a.add(i, i, simd::all_lanes(v.mass_kg_m2[i / 2] / (dt_s * dt_s)));
+        for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
+            const VerticalElement& el = v.element[e];
+            ElementModuli m;
+            for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
+                const std::ptrdiff_t at = e * v.nodes + q;
+                const double w = v.weights[q] * el.half;
+                m.lambda[q] = simd::all_lanes(w * stabilising_lambda * v.lambda_Pa[at]);
+                m.mu[q] = w * (implicit_mu(v, e, at, k, dt_s) + 0.5 * v.viscosity_Pa_s[at] / dt_s);
+                m.swirl[q] = simd::all_lanes(w * 0.5 * v.swirl_viscosity_Pa_s[at] / dt_s);
+            }
+            for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
+                for (std::ptrdiff_t j = 0; j <= i; ++j)
+                    add_psv_pair(a, 2 * e * (v.nodes - 1), el.slope, k, m, i, j);
+        }
+    }
+}
+
+void assemble_sh(const VerticalArrays& v, const Block& k8, double dt_s, Block* matrix) {
+    clear(v.sh, matrix);
+    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+        const Assembly a{v, v.sh, matrix, s};
+        const Vector k = get(k8, s);
+        for (std::ptrdiff_t i = 0; i < v.sh.count; ++i)
+            a.add(i, i, simd::all_lanes(v.mass_kg_m2[i] / (dt_s * dt_s)));
+        for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
+            const VerticalElement& el = v.element[e];
+            const std::ptrdiff_t first = e * (v.nodes - 1);
+            for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
+                const std::ptrdiff_t at = e * v.nodes + q;
+                const double w = v.weights[q] * el.half;
+                const double viscosity = v.viscosity_Pa_s[at] + v.swirl_viscosity_Pa_s[at];
+                const Vector mw = w * (implicit_mu(v, e, at, k, dt_s) + 0.5 * viscosity / dt_s);
+                a.add(first + q, first + q, k * k * mw);
+                for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
+                    for (std::ptrdiff_t j = 0; j <= i; ++j)
+                        a.add(first + i, first + j,
+                              mw * (a.d(q, i) * a.d(q, j) * el.slope * el.slope));
+            }
+        }
+    }
+}
+
+constexpr AssemblyKernels table = {assemble_psv, assemble_sh};
+
+} // namespace
+} // namespace shearwake::spectral
+
+template <>
+const shearwake::spectral::AssemblyKernels&
+shearwake::simd::compiled<shearwake::spectral::AssemblyKernels, shearwake::simd::this_set>() {
+    return spectral::table;
+}

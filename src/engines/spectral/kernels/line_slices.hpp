@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/kernels/lines.hpp"
+#include "engines/spectral/kernels/slices.hpp"
+
+// For kernels only: transfers slices between registers and lines of spectra.
+
+namespace shearwake::spectral {
+namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
+
+/// i v and -i v.
+[[gnu::always_inline]] inline Value times_i(const Value& v) {
+    return {{-v.part[plus_im], v.part[plus_re], -v.part[minus_im], v.part[minus_re]}};
+}
+[[gnu::always_inline]] inline Value times_minus_i(const Value& v) {
+    return {{v.part[plus_im], -v.part[plus_re], v.part[minus_im], -v.part[minus_re]}};
+}
+
+/// Whether the wave vectors +kx and -kx all exist and differ for the slice that begins at index i.
+[[gnu::always_inline]] inline bool is_full(const WaveBlock& waves, std::ptrdiff_t i) {
+    return i > 0 && 2 * (i + width - 1) < waves.nx;
+}
+
+[[gnu::always_inline]] inline void put_slice(const WaveBlock& waves, std::ptrdiff_t slice,
+                                             const Value& v, double* line) {
+    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
+    if (is_full(waves, first)) {
+        simd::store_ascending(v.part[plus_re], v.part[plus_im], line + 2 * first);
+        simd::store_descending(v.part[minus_re], v.part[minus_im],
+                               line + 2 * (nx - first - width + 1));
+        return;
+    }
+    for (std::ptrdiff_t lane = 0; lane < width && 2 * (first + lane) < nx; ++lane) {
+        const std::ptrdiff_t i = first + lane;
+        line[2 * i] = v.part[plus_re][lane];
+        line[2 * i + 1] = v.part[plus_im][lane];
+        if (i == 0) continue;
+        line[2 * (nx - i)] = v.part[minus_re][lane];
+        line[2 * (nx - i) + 1] = v.part[minus_im][lane];
+    }
+}
+
+[[gnu::always_inline]] inline Value take_slice(const WaveBlock& waves, std::ptrdiff_t slice,
+                                               const double* line) {
+    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
+    Value v{};
+    if (is_full(waves, first)) {
+        simd::load_ascending(line + 2 * first, v.part[plus_re], v.part[plus_im]);
+        simd::load_descending(line + 2 * (nx - first - width + 1), v.part[minus_re],
+                              v.part[minus_im]);
+        return v;
+    }
+    for (std::ptrdiff_t lane = 0; lane < width && 2 * (first + lane) < nx; ++lane) {
+        const std::ptrdiff_t i = first + lane, mirrored = (nx - i) % nx;
+        v.part[plus_re][lane] = line[2 * i];
+        v.part[plus_im][lane] = line[2 * i + 1];
+        v.part[minus_re][lane] = line[2 * mirrored];
+        v.part[minus_im][lane] = line[2 * mirrored + 1];
+    }
+    return v;
+}
+
+/// c = kx/k and s = ky/k for +kx and -kx; the direction of x where k = 0.
+struct Direction {
+    Vector kx[2], c[2], s, ky;
+};
+[[gnu::always_inline]] inline Direction direction(const WaveBlock& waves, std::ptrdiff_t slice) {
+    const Vector kx = get(waves.kx, slice), k = get(waves.k, slice);
+    const Vector ky = simd::all_lanes(waves.ky), zero{}, one = simd::all_lanes(1.0);
+    const Vector divisor = k > 0.0 ? k : one;
+    const Vector c = kx / divisor;
+    return {{kx, -kx}, {k > 0.0 ? c : one, k > 0.0 ? -c : one}, k > 0.0 ? ky / divisor : zero, ky};
+}
+
+} // namespace
+} // namespace shearwake::spectral

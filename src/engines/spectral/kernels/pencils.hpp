@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/kernels/lines.hpp"
+
+namespace shearwake::spectral {
+
+/// One load sample that contributes to a step, for the pencils of one ky.
+struct LoadSample {
+    const double* x;    // e^{-i kx x} for eight kx, complex
+    double y_re, y_im;  // e^{-i ky y} times the amplitude
+    const Block* shape; // spectrum of a changing pattern: re, im at +kx, re, im at -kx; or null
+};
+
+/// Operations of a step on arrays of pencils.
+struct PencilKernels {
+    /// before = 2 u - before + scale * change, for `count` blocks.
+    void (*advance)(std::ptrdiff_t count, double scale, const Block* u, const Block* change,
+                    Block* before);
+    /// to += scale * x.
+    void (*add_scaled)(std::ptrdiff_t count, double scale, const Block* x, Block* to);
+    /// to = scale * (a - b).
+    void (*difference)(std::ptrdiff_t count, double scale, const Block* a, const Block* b,
+                       Block* to);
+    /// Sum of a * b over the unknowns, with weights `counted` for the parts.
+    Block (*product)(std::ptrdiff_t count, const Block* a, const Block* b, const Block* counted);
+    /// Sum of three samples times the spectrum of a constant pattern (null: each sample has its
+    /// own).
+    void (*put_load)(const LoadSample* three, const Block* shape, Block* surface);
+};
+
+/// Transfers the velocity for the sponge between pencils and three planes per level (u_x, u_y,
+/// u_z); `stride` is the number of doubles between the lines of consecutive planes.
+struct SpongeKernels {
+    void (*put)(const WaveBlock& waves, std::ptrdiff_t levels, const Block* now,
+                const Block* before, double* line, std::ptrdiff_t stride);
+    /// Writes scale[level] times the contents of the lines to the pencil.
+    void (*take)(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale,
+                 const double* line, std::ptrdiff_t stride, Block* pencil);
+};
+
+} // namespace shearwake::spectral

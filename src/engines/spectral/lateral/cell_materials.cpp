@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/lateral/cell_materials.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake::spectral {
+
+DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t node) {
+    const double half = 0.5 * mesh.length_m(element);
+    double top = mesh.ends_m[element];
+    for (std::size_t i = 0; i < node; ++i)
+        top += half * mesh.rule.weights[i];
+    return {top + 0.5 * half * mesh.rule.weights[node], half * mesh.rule.weights[node]};
+}
+
+bool is_smooth(const Medium& medium) {
+    return std::all_of(medium.bodies.begin(), medium.bodies.end(),
+                       [](const Body& body) { return body.edge_m > 0.0; });
+}
+
+double shear_reflection(double stiffness_ratio, double density_ratio) {
+    const double z = std::sqrt(stiffness_ratio * density_ratio);
+    return (z - 1.0) / (z + 1.0);
+}
+
+CappedMaterials::CappedMaterials(const Case& c, const Material& layer)
+    : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa),
+      layer_viscosity_Pa_s_(layer.viscosity_Pa_s),
+      omega_rad_s_(bandwidth_rad_m(c.load.footprint, 0.5) *
+                       greatest_speed_m_s(c.load.modulation.trajectory) +
+                   2.0 * std::numbers::pi *
+                       greatest_envelope_frequency_Hz(c.load.modulation.envelope)) {}
+
+Material CappedMaterials::operator()(Material m) const {
+    m.mu_Pa = std::min(m.mu_Pa, most_mu_Pa_);
+    const double less_Pa_s = layer_viscosity_Pa_s_ - m.viscosity_Pa_s;
+    if (less_Pa_s > 0.0 && omega_rad_s_ * less_Pa_s < unseen_loss * m.mu_Pa)
+        m.viscosity_Pa_s = layer_viscosity_Pa_s_;
+    return m;
+}
+
+namespace {
+
+std::vector<Material> plane_of_materials(const Case& c, std::size_t layer,
+                                         const fft::SlabShare& share, double z_m,
+                                         const DepthCell& cell) {
+    const bool smooth = is_smooth(c.medium);
+    const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
+    std::vector<Material> all;
+    all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
+    for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
+            all.push_back(material_of_cell(
+                c.medium, layer,
+                {c.domain.x_m(share.x_start + i), c.domain.y_m(j), smooth ? z_m : cell.centre_m},
+                size_m));
+    return all;
+}
+
+} // namespace
+
+std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
+                                     const fft::SlabShare& share, const StrainPoint& point) {
+    const auto node = static_cast<std::size_t>(point.node);
+    return plane_of_materials(
+        c, mesh.layers[point.element], share,
+        mesh.z_m(point.element * static_cast<std::size_t>(mesh.degree) + node),
+        depth_cell(mesh, point.element, node));
+}
+
+std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
+                                     const fft::SlabShare& share, std::size_t element,
+                                     double depth_m) {
+    std::size_t node = 0;
+    const auto bottom_m = [&](const DepthCell& cell) { return cell.centre_m + 0.5 * cell.size_m; };
+    while (node + 1 < mesh.rule.nodes.size() && bottom_m(depth_cell(mesh, element, node)) < depth_m)
+        ++node;
+    return plane_of_materials(c, mesh.layers[element], share, depth_m,
+                              depth_cell(mesh, element, node));
+}
+
+} // namespace shearwake::spectral

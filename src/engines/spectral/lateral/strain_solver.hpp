@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/lateral/lateral_field.hpp"
+#include "engines/spectral/lateral/step_clock.hpp"
+#include "parallel/comm.hpp"
+
+#include <functional>
+
+namespace shearwake::spectral {
+
+/// Conjugate gradients for the strain e of a step where the medium varies laterally:
+///     (1 + G S) e = b,   G = E B^-1 E^T,
+/// self-adjoint in the product (a, S b), where S is the stiffness in addition to that of the
+/// background B. The iteration starts from zero. An extrapolated initial guess was tried; it
+/// contains residuals of previous steps, which cost more iterations than the guess saved.
+class StrainSolver {
+public:
+    using Values = LateralField::Values;
+
+    /// Applies G to a stress. The result in `strain` has the sign of a force (minus). Collective.
+    using Response = std::function<void(const Values& stress, Values& strain)>;
+
+    /// `rows` is the total number of rows of x.
+    StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team,
+                 StepClock& clock);
+
+    struct Outcome {
+        int iterations = 0;
+        bool converged = false; // false if a value is not a number
+    };
+    /// On entry `residual` is b, on return the final residual b - G S e. The iteration ends when
+    /// sqrt((r, S r)) is below `tolerance` times the square root of `reference`, which measures the
+    /// motion. The error of the displacement in the energy norm of the operator is at most the
+    /// residual's error in that of S. A mode that is too weak to affect the residual may grow until
+    /// it does; therefore the sums are independent of the number of ranks, and all results have the
+    /// same bits on any number of ranks. Collective.
+    Outcome solve(Values& residual, double reference, double tolerance, const Response& respond);
+
+    const Values& strain() const { return strain_; } // e
+    /// S e.
+    const Values& stress();
+    double memory_B() const { return static_cast<double>(4 * strain_.size() * sizeof(double)); }
+
+private:
+    double curvature();
+    double sum_over_team();
+    double bytes(double times) const { return times * 0.25 * memory_B(); }
+    double step_along(double alpha, Values& residual);
+    void turn(double beta, const Values& residual);
+
+    const StrainKernels& kernels_;
+    const LateralField& field_;
+    Comm team_;
+    StepClock& clock_;
+    RowSums sums_;
+    Values strain_, direction_, stress_, image_; // stress_ is S direction
+};
+
+} // namespace shearwake::spectral

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/spectral_kinds.hpp"
+
+#include "engines/spectral/depth/work_kinds.hpp"
+
+#include "base/block.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake::spectral::kinds {
+namespace {
+
+/// Sizes of the planes of strain, which are read and written line by line.
+constexpr double planes_in_cache_B = 6e6, planes_in_memory_B = 25e6;
+// Share of the x transforms in a transfer; those in y are proportional to the rows with cells.
+constexpr double share_of_modes = 0.65;
+
+Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t steps) {
+    Case c = engines::calibration_case({{16e-3, 5.0, 1.0}}, 6e-3, {nx, ny, 2e-3, 0.0},
+                                       {1, static_cast<double>(steps) * 50e-6});
+    c.solver = SpectralOptions{.time_step_s = 50e-6, .longest_element_m = 4e-3};
+    return c;
+}
+
+/// A case of one frame of N steps with a body in the middle.
+Case with_body(Case c, double c_s_m_s, SpectralMethod method) {
+    c.medium.bodies.push_back({.name = "body",
+                               .shape = Box{{6e-2, 6e-2, 6e-3}},
+                               .centre_m = {0.0, 0.0, 8e-3},
+                               .c_s_m_s = c_s_m_s});
+    std::get<SpectralOptions>(c.solver).method = method;
+    return c;
+}
+
+} // namespace
+
+void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
+    const VariationEstimate& v = m.variation;
+    const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
+    const double points = nx * ny, rows_ky = std::floor(ny / 2.0) + 1.0;
+    const double modes = 2.0 * lane_count * std::ceil(nx / (2.0 * lane_count)) * rows_ky;
+    const double more = v.iterations > 0.0 ? v.iterations + 1.0 : 0.0;
+    const double solves = modes * m.levels * m.nodes * m.steps;
+    const auto add = [&](const engines::WorkKind& kind, double amount) {
+        if (amount > 0.0) e.work.push_back({kind, amount});
+    };
+    add(of_solve, solves * (1.0 - m.from_memory));
+    add(of_far_solve, solves * m.from_memory);
+    add(of_iteration, solves * more);
+    add(of_factors, modes * m.levels * m.nodes * m.nodes);
+    add(of_materials, v.points * points);
+    // In y only rows with cells are transformed. The square root overestimates their number for a
+    // bar along x and never underestimates it.
+    const double rows =
+        v.points > 0.0 ? std::sqrt(std::min(1.0, v.cells / (v.points * points))) : 0.0;
+    const double planes = v.points * v.components * (1.0 + more) * m.steps;
+    const double moved = planes * points * (share_of_modes + (1.0 - share_of_modes) * rows);
+    const double far =
+        engines::share_from_memory(v.points * v.components * modes * 2.0 * sizeof(double),
+                                   planes_in_cache_B, planes_in_memory_B);
+    add(of_transfer, moved * (1.0 - far));
+    add(of_far_transfer, moved * far);
+    add(of_cell, v.cells * v.components * (1.0 + more) * m.steps);
+    if (m.sponge_every > 0.0) add(of_sponge, m.sponge_values * m.steps / m.sponge_every);
+    const double frames = static_cast<double>(c.time.frames);
+    add(of_frame, points * frames * static_cast<double>(c.measure.depths_m.size()));
+    const double snapshots = static_cast<double>(c.record.volumes_s.size());
+    for (const VolumeField field : c.record.volume_fields)
+        add(field == VolumeField::u ? of_displacement : of_tensor, snapshots * m.levels * points);
+    add(of_felt, points * frames * m.felt);
+}
+
+std::vector<engines::Calibration> calibrations() {
+    const Case near = calibration_case(32, 16, 40), far = calibration_case(192, 144, 5);
+    const Case one = calibration_case(64, 48, 1);
+    Case few = calibration_case(64, 48, 16);
+    std::get<SpectralOptions>(few.solver).longest_element_m = 8e-3;
+    Case factors = calibration_case(96, 72, 1);
+    Case materials = with_body(one, 6.0, SpectralMethod::one_solve);
+    Case transfer = with_body(few, 6.0, SpectralMethod::one_solve);
+    transfer.medium.bodies[0].shape = Box{{2e-3, 2e-3, 12e-3}};
+    Case far_transfer = with_body(calibration_case(192, 144, 4), 6.0, SpectralMethod::one_solve);
+    far_transfer.medium.bodies[0].shape = Box{{2e-2, 2e-2, 16e-3}};
+    Case cell = with_body(few, 6.0, SpectralMethod::one_solve);
+    cell.medium.bodies[0].shape = Box{{1.0, 1.0, 12e-3}};
+    Case iteration = with_body(few, 20.0, SpectralMethod::iterative);
+    iteration.medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
+    iteration.time.interval_s = 4.0 * 50e-6;
+    iteration.measure.at_s = iteration.time.interval_s;
+    Case sponge = calibration_case(64, 48, 40);
+    sponge.domain.sponge_m = 2e-2;
+    Case frame = one;
+    frame.time.frames = 8;
+    frame.measure.at_s = frame.time.duration_s();
+    std::get<SpectralOptions>(frame.solver).longest_element_m = 16e-3;
+    for (int depth = 1; depth < 40; ++depth)
+        frame.measure.depths_m.push_back(4e-4 * depth);
+    Case displacement = calibration_case(96, 72, 1), tensor = displacement, felt = one;
+    for (Case* c : {&displacement, &tensor})
+        c->record.volumes_s = {c->time.duration_s()};
+    displacement.record.volume_fields = {VolumeField::u};
+    tensor.record.volume_fields = {VolumeField::strain};
+    felt.time.frames = 6;
+    felt.measure.at_s = felt.time.duration_s();
+    felt.afferents = AfferentOptions{.places = AfferentList{{{{}, AfferentClass::SA1, 0},
+                                                             {{}, AfferentClass::RA, 0},
+                                                             {{}, AfferentClass::PC, 0}}},
+                                     .input = StressInput{}};
+    return {{of_solve.name, near},
+            {of_far_solve.name, far},
+            {of_iteration.name, iteration},
+            {of_factors.name, factors},
+            {of_materials.name, materials},
+            {of_transfer.name, transfer},
+            {of_far_transfer.name, far_transfer},
+            {of_cell.name, cell},
+            {of_sponge.name, sponge},
+            {of_frame.name, frame},
+            {of_displacement.name, displacement},
+            {of_tensor.name, tensor},
+            {of_felt.name, felt}};
+}
+
+} // namespace shearwake::spectral::kinds

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/engine.hpp"
+#include "engines/spectral/spectral_estimate.hpp"
+
+namespace shearwake::spectral::kinds {
+
+/// Quantities from which the work of a case is computed.
+struct Measures {
+    const VariationEstimate& variation;
+    double nodes = 0.0, levels = 0.0, steps = 0.0;
+    double sponge_values = 0.0, sponge_every = 0.0; // 0: no sponge
+    double felt = 0.0;                              // planes of receptor stress per frame
+    double from_memory = 0.0;                       // share of the solves that is limited by memory
+};
+
+/// Adds the work of the case to the estimate. Not collective.
+void add_work(const Case& c, const Measures& measures, engines::Estimate& e);
+
+/// One case for each kind of work, in which that kind dominates. Not collective.
+std::vector<engines::Calibration> calibrations();
+
+} // namespace shearwake::spectral::kinds

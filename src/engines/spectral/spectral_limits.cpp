@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/limits.hpp"
+#include "engines/spectral/spectral_engine.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
+#include "medium/body.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::spectral {
+
+std::vector<Remark> SpectralEngine::limits(const Case& c) const {
+    std::vector<Remark> refused = engines::refused_losses(c);
+    for (std::size_t i = 0; i < c.medium.bodies.size(); ++i)
+        if (is_fluid(c.medium.bodies[i]))
+            refused.push_back({Severity::error, fmt::format("medium.body[{}].c_s_m_s", i + 1),
+                               "is 0, a fluid, which only the engine \"pstd\" supports"});
+    return refused;
+}
+
+engines::Edges SpectralEngine::edges(const Case& c) const {
+    return c.domain.sponge_m > 0.0 ? engines::Edges::sponge : engines::Edges::periodic;
+}
+
+bool SpectralEngine::probes_step(const Case& c) const {
+    return !std::get<SpectralOptions>(c.solver).time_step_s;
+}
+
+double SpectralEngine::probed_step_s(const Case& c) const {
+    return choose_time_step(c, std::get<SpectralOptions>(c.solver)).step_s;
+}
+
+Case SpectralEngine::with_step(const Case& c, double step_s) const {
+    Case given = c;
+    std::get<SpectralOptions>(given.solver).time_step_s = step_s;
+    return given;
+}
+
+} // namespace shearwake::spectral

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/stepping/step_probe.hpp"
+
+#include "engines/spectral/depth/vertical_operator.hpp"
+#include "engines/spectral/lateral/moving_load.hpp"
+#include "simd/kernels.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace shearwake::spectral {
+namespace {
+
+/// kx up to where the spectrum of the footprint is 1e-2; ky = 0 and half of that.
+constexpr std::ptrdiff_t columns = 2 * lane_count, rows = 2;
+
+Case with_few_wave_vectors(Case c) {
+    c.domain = {columns, 2 * rows, std::numbers::pi / bandwidth_rad_m(c.load.footprint, 1e-2), 0.0};
+    return c;
+}
+
+/// The layers under a load at a few wave vectors.
+class Probe {
+public:
+    Probe(const Case& c, const VerticalOperator& vertical, const WaveVectors& vectors,
+          double step_s)
+        : kernels_(simd::kernels<PencilKernels>()), vertical_(vertical), vectors_(vectors),
+          load_(c, vectors, step_s), step_s_(step_s) {
+        factors_.resize(static_cast<std::size_t>(rows * vertical.factor_size()));
+        now_.assign(static_cast<std::size_t>(rows * size()), Block{});
+        before_ = now_;
+        force_.resize(static_cast<std::size_t>(size()));
+        for (std::ptrdiff_t row = 0; row < rows; ++row)
+            vertical.factorise_implicit(vectors.waves(row, 0).k, step_s,
+                                        factors_.data() + row * vertical.factor_size());
+    }
+
+    void advance() {
+        const double scale = step_ == 0 ? 0.5 : 1.0; // starts from rest
+        load_.sample(step_);
+        for (std::ptrdiff_t row = 0; row < rows; ++row) {
+            const Block* u = now_.data() + row * size();
+            Block *before = before_.data() + row * size(), *force = force_.data();
+            std::fill(force_.begin(), force_.end(), Block{});
+            load_.put(row, 0, force + parts); // unknown 1: W at the surface
+            vertical_.add_internal_force(vectors_.waves(row, 0).k, 1.0 / step_s_, u, before, force);
+            vertical_.solve_implicit(factors_.data() + row * vertical_.factor_size(), force);
+            kernels_.advance(size(), scale, u, force, before);
+        }
+        std::swap(now_, before_);
+        ++step_;
+    }
+
+    /// The four parts of W at the surface.
+    const Block* surface(std::ptrdiff_t row) const { return now_.data() + row * size() + parts; }
+
+private:
+    std::ptrdiff_t size() const { return vertical_.unknowns() * parts; }
+
+    const PencilKernels& kernels_;
+    const VerticalOperator& vertical_;
+    const WaveVectors& vectors_;
+    MovingLoad load_;
+    double step_s_;
+    std::ptrdiff_t step_ = 0;
+    fft::AlignedVector<Block> factors_, now_, before_, force_;
+};
+
+} // namespace
+
+double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
+    const Case few = with_few_wave_vectors(c);
+    fft::SlabShare share;
+    share.ky_count = rows; // without the Nyquist mode
+    const WaveVectors vectors(few.domain, share);
+    const VerticalOperator vertical(mesh, background_of(mesh, c.medium));
+    Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
+    const PencilKernels& kernels = simd::kernels<PencilKernels>();
+    const long steps = std::lround(c.time.duration_s() / step_s);
+    double difference = 0.0, all = 0.0;
+    for (long n = 0; n < steps; ++n) {
+        whole.advance();
+        half.advance();
+        half.advance();
+        for (std::ptrdiff_t row = 0; row < rows; ++row) {
+            Counted counted = vectors.counted(row, 0);
+            // The mean over the surface is pure compression, which no step resolves and which
+            // hardly contributes to a complete field.
+            if (row == 0)
+                for (Block& part : counted.part)
+                    part[0] = 0.0;
+            Block apart[parts];
+            kernels.difference(parts, 1.0, whole.surface(row), half.surface(row), apart);
+            difference += sum_of(kernels.product(parts, apart, apart, counted.part));
+            all +=
+                sum_of(kernels.product(parts, half.surface(row), half.surface(row), counted.part));
+        }
+    }
+    return 4.0 / 3.0 * std::sqrt(difference / all);
+}
+
+} // namespace shearwake::spectral

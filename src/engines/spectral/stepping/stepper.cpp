@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/stepping/stepper.hpp"
+
+#include "base/error.hpp"
+#include "engines/spectral/depth/work_kinds.hpp"
+#include "parallel/agree.hpp"
+#include "simd/kernels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::spectral {
+
+using namespace kinds;
+
+Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
+                 double step_s, const Comm& team)
+    : case_(c), mesh_(mesh), slabs_(slabs), team_(team), vectors_(c.domain, slabs.share()),
+      step_s_(step_s), tolerance_(std::get<SpectralOptions>(c.solver).residual),
+      field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
+      operator_(mesh, field_.variation().background),
+      transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
+      load_(c, vectors_, step_s),
+      sponge_(c, vectors_, slabs, field_.variation().empty() ? Lateral::uniform : Lateral::varies,
+              step_s, team),
+      // Checked at every step if steps iterate, because the failure of an iteration describes the
+      // cause less well.
+      watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
+      work_(c.domain.ny / 2 + 1), kernels_(simd::kernels<PencilKernels>()),
+      strain_kernels_(simd::kernels<StrainKernels>()) {
+    planes_.emplace(field_, slabs_, team_, clock_);
+    together(team, [&] { assemble(); });
+}
+
+void Stepper::assemble() {
+    const engines::Timed timed(of_factors);
+    const std::ptrdiff_t pencils = vectors_.pencils(), factor_size = operator_.factor_size();
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    factors_.resize(static_cast<std::size_t>(pencils * factor_size));
+    now_.assign(static_cast<std::size_t>(pencils * size), Block{});
+    before_ = now_;
+    sponge_.assemble(operator_.levels());
+    pencil_.resize(static_cast<std::size_t>(size));
+    planes_->assemble();
+    for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
+        values->assign(field_.size(), 0.0);
+    if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
+            operator_.factorise_implicit(vectors_.waves(row, block).k, step_s_,
+                                         factors_.data() +
+                                             (row * vectors_.blocks() + block) * factor_size);
+}
+
+void Stepper::advance() {
+    const engines::Timed timed(of_solve);
+    const LateralVariation& variation = field_.variation();
+    clock_.start();
+    if (sponge_.acts_at(step_)) begin_damping();
+    clock_.lap(Phase::sponge);
+    load_.sample(step_);
+    clock_.lap(Phase::rest);
+    if (variation.empty()) {
+        first_pass();
+    } else {
+        {
+            const engines::Timed cells(of_cell);
+            field_.stress(strain_, strain_before_, 1.0 / step_s_, stress_);
+        }
+        // Reading or writing an array counts 1, the moduli 1/2.
+        clock_.lap(Phase::products, value_bytes(4.5));
+        planes_->set(stress_);
+        first_pass();
+        planes_->get(change_);
+        if (variation.iterates) iterate();
+        advance_strains();
+        clock_.lap(Phase::products, value_bytes(4.0));
+        statistics_.transforms = planes_->transforms();
+    }
+    std::swap(now_, before_);
+    ++step_;
+    ++statistics_.steps;
+}
+
+template <class Use>
+void Stepper::each_pencil(Use use) {
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        const bool is_nyquist = vectors_.is_nyquist(row);
+        planes_->begin_row(row);
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block)
+            use(row, block, row * vectors_.blocks() + block);
+        planes_->end_row(row,
+                         is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
+    }
+}
+
+void Stepper::first_pass() {
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    Block* force = pencil_.data();
+    kinetic_.clear();
+    work_.clear();
+    const bool damps = sponge_.acts_at(step_) && field_.variation().empty();
+    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+        if (damps) {
+            if (block == 0) sponge_.begin_row(row);
+            if (sponge_.acts_on(row, block)) damp(row, block, at, force);
+            clock_.lap(Phase::sponge);
+        }
+        const Block* u = now_.data() + at * size;
+        Block* before = before_.data() + at * size;
+        const Counted counted = vectors_.counted(row, block);
+        std::fill(pencil_.begin(), pencil_.end(), Block{});
+        Block pressure[parts];
+        load_.put(row, block, pressure);
+        std::copy_n(pressure, parts, force + parts); // unknown 1 is W at the surface
+        operator_.add_internal_force(vectors_.waves(row, block).k, 1.0 / step_s_, u, before, force,
+                                     factor(at));
+        clock_.lap(Phase::solves, pencil_bytes(3.0));
+        add_planes_force(row, block, force);
+        const std::ptrdiff_t ky = slabs_.share().ky_start + row;
+        kinetic_.add(ky, sum_of(operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part)));
+        operator_.solve_implicit(factor(at), force);
+        const auto motion = [&](std::ptrdiff_t p, std::ptrdiff_t lane) { // (u+ - u-)/2
+            return u[parts + p][lane] - before[parts + p][lane] +
+                   0.5 * scale * force[parts + p][lane];
+        };
+        work_.add(ky, work_of(counted, pressure, motion));
+        clock_.lap(Phase::solves);
+        put_strain(row, block, force);
+        kernels_.advance(size, scale, u, force, before);
+        clock_.lap(Phase::solves);
+    });
+    watch_.look(step_, 0.5 * kinetic_.mine());
+    watch_.add_work(scale * work_.mine());
+    if (solver_) reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
+    clock_.lap(Phase::rest);
+}
+
+const Block* Stepper::factor(std::ptrdiff_t pencil) const {
+    return factors_.data() + pencil * operator_.factor_size();
+}
+
+template <class Motion>
+double Stepper::work_of(const Counted& counted, const Block* pressure, Motion motion) {
+    Block work{};
+    for (std::ptrdiff_t p = 0; p < parts; ++p)
+        for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane)
+            work[lane] += counted.part[p][lane] * pressure[p][lane] * motion(p, lane);
+    return sum_of(work);
+}
+
+void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
+    const engines::Timed timed(of_transfer);
+    const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
+    transfer_.add_force(row, block, planes_->line(row), planes_->stride(), per_point, force);
+    clock_.lap(Phase::transfer, block_bytes());
+}
+
+void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement) {
+    const engines::Timed timed(of_transfer);
+    transfer_.strain(row, block, displacement, planes_->line(row), planes_->stride());
+    clock_.lap(Phase::transfer, block_bytes());
+}
+
+template <class Use>
+void Stepper::respond(const LateralField::Values& stress, Use use) {
+    const engines::Timed timed(of_iteration);
+    Block* force = pencil_.data();
+    planes_->set(stress);
+    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+        std::fill(pencil_.begin(), pencil_.end(), Block{});
+        add_planes_force(row, block, force);
+        operator_.solve_implicit(factor(at), force);
+        clock_.lap(Phase::solves, pencil_bytes(0.0));
+        use(row, block, at, force);
+    });
+}
+
+void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values& strain) {
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
+                        const Block* displacement) { put_strain(row, block, displacement); });
+    planes_->get(strain);
+}
+
+void Stepper::displace(const LateralField::Values& stress) {
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    double work = 0.0;
+    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
+                        const Block* displacement) {
+        kernels_.add_scaled(size, scale, displacement, before_.data() + pencil * size);
+        Block pressure[parts];
+        load_.put(row, block, pressure);
+        work += work_of(vectors_.counted(row, block), pressure,
+                        [&](std::ptrdiff_t p, std::ptrdiff_t lane) {
+                            return 0.5 * scale * displacement[parts + p][lane];
+                        });
+    });
+    watch_.add_work(scale * work);
+}
+
+double Stepper::block_bytes() const {
+    return static_cast<double>(planes_->count() * parts) * sizeof(Block);
+}
+
+double Stepper::pencil_bytes(double times) const {
+    return (static_cast<double>(operator_.factor_size()) +
+            times * static_cast<double>(operator_.unknowns() * parts)) *
+           sizeof(Block);
+}
+
+double Stepper::value_bytes(double times) const {
+    return times * static_cast<double>(field_.size() * sizeof(double));
+}
+
+double Stepper::memory_B() const {
+    const LateralVariation& v = field_.variation();
+    const std::size_t blocks = factors_.size() + now_.size() + before_.size();
+    std::size_t values = static_cast<std::size_t>(lane_count) * blocks;
+    for (const auto* kept : {&strain_, &strain_before_, &stress_, &change_, &v.lambda, &v.mu,
+                             &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
+        values += kept->size();
+    return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
+           (solver_ ? solver_->memory_B() : 0.0);
+}
+
+/// On entry `change_` is E B^-1 rhs, on return e = E d.
+void Stepper::iterate() {
+    const engines::Timed timed(of_cell);
+    const double points = static_cast<double>(case_.domain.nx * case_.domain.ny);
+    // The products are sums over cells, the reference is per area. The tolerance refers to the
+    // motion and not to d; otherwise it would be too loose while a load begins and too strict after
+    // it ends.
+    const StrainSolver::Outcome outcome =
+        solver_->solve(change_, points * reference_, tolerance_,
+                       [&](const auto& stress, auto& strain) { strain_of(stress, strain); });
+    if (!outcome.converged)
+        throw CaseFailure(fmt::format(
+            "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "
+            "shorter solver.spectral.time_step_us or a smaller contrast_cap may help",
+            step_, 1e3 * static_cast<double>(step_) * step_s_, outcome.iterations));
+    statistics_.iterations += outcome.iterations;
+    statistics_.most_iterations = std::max(statistics_.most_iterations, outcome.iterations);
+    // d = B^-1 (rhs - E^T S e); its strain is e plus the remaining residual.
+    if (outcome.iterations > 0) displace(solver_->stress());
+    for (std::size_t i = 0; i < change_.size(); ++i)
+        change_[i] += solver_->strain()[i];
+}
+
+void Stepper::advance_strains() {
+    const engines::Timed timed(of_cell);
+    const double scale = step_ == 0 ? 0.5 : 1.0;
+    strain_kernels_.advance(std::ssize(change_), scale, strain_.data(), change_.data(),
+                            strain_before_.data());
+    std::swap(strain_, strain_before_);
+}
+
+engines::StateRows Stepper::state_rows() const {
+    const fft::SlabShare& share = slabs_.share();
+    return {.total = case_.domain.ny / 2 + 1,
+            .start = share.ky_start,
+            .count = share.ky_count,
+            .row_length = vectors_.blocks() * operator_.unknowns() * parts * lane_count};
+}
+
+void Stepper::save(engines::StateWriter& state) const {
+    state.put("step", static_cast<double>(step_));
+    state.put("iterations", static_cast<double>(statistics_.iterations));
+    state.put("most_iterations", statistics_.most_iterations);
+    state.put("work_J_m2", watch_.work_J_m2());
+    state.put("now", state_rows(), scalars(now_.data()));
+    state.put("before", state_rows(), scalars(before_.data()));
+    if (field_.variation().empty()) return;
+    const engines::StateRows rows = field_.rows(case_.domain.nx);
+    state.put("strain", rows, field_.to_rows(strain_).data());
+    state.put("strain_before", rows, field_.to_rows(strain_before_).data());
+}
+
+void Stepper::restore(engines::StateReader& state) {
+    step_ = std::lround(state.get("step"));
+    statistics_.steps = step_;
+    statistics_.iterations = std::lround(state.get("iterations"));
+    statistics_.most_iterations = static_cast<int>(std::lround(state.get("most_iterations")));
+    watch_.restore(state.get("work_J_m2"));
+    state.get("now", state_rows(), scalars(now_.data()));
+    state.get("before", state_rows(), scalars(before_.data()));
+    if (field_.variation().empty()) return;
+    const engines::StateRows rows = field_.rows(case_.domain.nx);
+    std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));
+    state.get("strain", rows, buffer.data());
+    field_.from_rows(buffer, strain_);
+    state.get("strain_before", rows, buffer.data());
+    field_.from_rows(buffer, strain_before_);
+}
+
+} // namespace shearwake::spectral

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/checkpoint.hpp"
+#include "engines/spectral/depth/vertical_operator.hpp"
+#include "engines/spectral/kernels/strains.hpp"
+#include "engines/spectral/lateral/lateral_field.hpp"
+#include "engines/spectral/lateral/lateral_sponge.hpp"
+#include "engines/spectral/lateral/moving_load.hpp"
+#include "engines/spectral/lateral/strain_planes.hpp"
+#include "engines/spectral/lateral/strain_solver.hpp"
+#include "engines/spectral/lateral/strain_transfer.hpp"
+#include "engines/spectral/stepping/energy_watch.hpp"
+#include "fft/slab_transform.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shearwake::spectral {
+
+/// Effort of the steps so far.
+struct StepStatistics {
+    std::ptrdiff_t steps = 0;
+    std::ptrdiff_t iterations = 0; // total number of conjugate-gradient iterations
+    /// Plane transforms in both directions, since the start of this run.
+    std::ptrdiff_t transforms = 0;
+    int most_iterations = 0; // maximum in one step
+};
+
+/// The energy that the scheme preserves (energy_watch.hpp), half a step before the current time,
+/// and the work of the load so far.
+struct EnergyBalance {
+    double energy_J = 0.0, work_J = 0.0;
+};
+
+/// The displacement over depth at this rank's wave vectors, and the step that advances it:
+///     [M/dt^2 + a_lambda K_lambda + a_mu K_mu + C/(2 dt)] d = f - K u - C (u - u-)/dt,
+///     u+ = 2u - u- + d;   from rest, u(dt) = d / 2.
+/// Second order in dt for compressional and viscous forces, fourth order for shear. Where the
+/// medium varies laterally, the stress in addition to that of the layers is computed in (x, y)
+/// space from strains that are advanced together with u. The operator is then either a background
+/// at least as stiff as the medium (one solve per step) or the true operator, A = B + E^T S E. With
+/// e = E d the latter becomes (1 + E B^-1 E^T S) e = E B^-1 rhs, which is solved by conjugate
+/// gradients. This takes the same number of iterations as preconditioning A with B, but its vectors
+/// cover only the cells where the medium varies.
+class Stepper {
+public:
+    /// Throws CaseFailure on all ranks together. Collective.
+    Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs, double step_s,
+            const Comm& team);
+
+    /// Advances from t = n dt to (n + 1) dt. Throws CaseFailure or FieldDiverges on all ranks
+    /// together. Collective.
+    void advance();
+    /// Number of steps so far.
+    std::ptrdiff_t step() const { return step_; }
+
+    /// Save and restore everything that changes from step to step; the stepper must be of the same
+    /// case. Collective.
+    void save(engines::StateWriter& state) const;
+    void restore(engines::StateReader& state);
+
+    /// Energy and work, exact up to rounding and the residual of iterations. Costs about one step.
+    /// Throws FieldDiverges on all ranks together if the field diverges. Collective.
+    EnergyBalance energy();
+
+    /// u_z [m] at a depth as rows of the transposed spectrum, in the layout of SlabTransform. Not
+    /// collective.
+    void plane_of_w(double depth_m, double* plane) const;
+
+    /// A component of u (0: x, 1: y, 2: z) at a level, in the same layout as plane_of_w(). Not
+    /// collective.
+    void plane_of_u(std::size_t component, std::size_t level, double* plane) const;
+
+    /// The pencils of the displacement at the current and the previous step, row by row.
+    const fft::AlignedVector<Block>& now() const { return now_; }
+    const fft::AlignedVector<Block>& before() const { return before_; }
+
+    const std::vector<std::string>& notes() const { return field_.variation().notes; }
+    const StepStatistics& statistics() const { return statistics_; }
+    const StepClock& clock() const { return clock_; }
+    /// Memory of this rank's arrays in bytes.
+    double memory_B() const;
+    const StrainPlanes& planes() const { return *planes_; }
+    const LateralField& field() const { return field_; }
+
+private:
+    void assemble();
+    /// Layout of now_ and before_ as rows of ky, which can be distributed over any number of ranks.
+    engines::StateRows state_rows() const;
+    /// One pass over the pencils: forces, solve and update. Collective.
+    void first_pass();
+    /// Apply B^-1 E^T to a stress with the sign of a force: strain_of() computes the strain of the
+    /// result, displace() adds the result to the next displacement.
+    void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
+    void displace(const LateralField::Values& stress);
+    /// Solves B for the force of the planes at every pencil and calls use(row, block, pencil,
+    /// displacement).
+    template <class Use>
+    void respond(const LateralField::Values& stress, Use use);
+    /// Calls use(row, block, pencil) for all blocks of all ky while the lines of their planes are
+    /// spectra.
+    template <class Use>
+    void each_pencil(Use use);
+    void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
+    void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement);
+    const Block* factor(std::ptrdiff_t pencil) const;
+    const Block* pencil(const fft::AlignedVector<Block>& of, std::ptrdiff_t row,
+                        std::ptrdiff_t block) const {
+        return of.data() + (row * vectors_.blocks() + block) * operator_.unknowns() * parts;
+    }
+    /// Work of the load on a motion of the surface, given by motion(part, lane).
+    template <class Motion>
+    static double work_of(const Counted& counted, const Block* pressure, Motion motion);
+    /// Memory traffic in bytes: of one pencil in the planes; of the factors and `times` the
+    /// displacement of one pencil; and of `times` an array of values where the medium varies.
+    double block_bytes() const;
+    double pencil_bytes(double times) const;
+    double value_bytes(double times) const;
+    void iterate();
+    void advance_strains();
+    /// Removes the sponge's share of the velocity. In a laterally uniform medium this is part of
+    /// first_pass(), when the factors are in the cache. Collective.
+    void begin_damping();
+    void damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil, Block* change);
+
+    const Case& case_;
+    DepthMesh mesh_;
+    const fft::SlabTransform& slabs_;
+    Comm team_;
+    WaveVectors vectors_;
+    double step_s_;
+    double tolerance_;
+    std::ptrdiff_t step_ = 0;
+    LateralField field_;
+    VerticalOperator operator_;
+    StrainTransfer transfer_;
+    MovingLoad load_;
+    LateralSponge sponge_;
+    StepStatistics statistics_;
+    EnergyWatch watch_;
+    RowSums kinetic_, work_; // per ky: twice the kinetic energy before a step, and its work
+    double reference_ = 0.0; // the larger of both, sum over all ranks
+    const PencilKernels& kernels_;
+    const StrainKernels& strain_kernels_;
+    fft::AlignedVector<Block> factors_, now_, before_, pencil_;
+    StepClock clock_;
+    std::optional<StrainPlanes> planes_;
+    LateralField::Values strain_, strain_before_, stress_, change_;
+    std::optional<StrainSolver> solver_; // empty unless steps iterate
+};
+
+} // namespace shearwake::spectral

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "load/envelope.hpp"
+
+#include "base/overloaded.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+constexpr double two_pi = 2.0 * std::numbers::pi;
+
+/// Rises from 0 at time 0 to 1 at `duration_s`.
+double risen(double since_s, double duration_s) {
+    if (since_s >= duration_s) return 1.0;
+    if (since_s <= 0.0) return 0.0;
+    return std::pow(std::sin(0.25 * two_pi * since_s / duration_s), 2);
+}
+
+double drive(const SineGain& g, double t_s) {
+    return 1.0 - 0.5 * g.depth * (1.0 + std::cos(two_pi * g.frequency_Hz * t_s + g.phase_rad));
+}
+
+double drive(const RampGain& g, double t_s) {
+    return g.from + (g.to - g.from) * risen(t_s - g.start_s, g.duration_s);
+}
+
+double drive(const SquareGain& g, double t_s) {
+    const double periods = g.frequency_Hz * t_s + g.phase_rad / two_pi;
+    const double since_rise_s = (periods - std::floor(periods)) / g.frequency_Hz;
+    const double high_s = g.duty / g.frequency_Hz;
+    const double up = since_rise_s < high_s ? risen(since_rise_s, g.edge_s)
+                                            : 1.0 - risen(since_rise_s - high_s, g.edge_s);
+    return 1.0 - g.depth * (1.0 - up);
+}
+
+double drive(const WindowGain& g, double t_s) {
+    if (t_s < g.from_s || t_s > g.to_s) return 0.0;
+    return std::min(risen(t_s - g.from_s, g.edge_s), risen(g.to_s - t_s, g.edge_s));
+}
+
+/// The highest frequency of an edge of this duration; a jump has none and is ignored.
+double edge_frequency_Hz(double edge_s) {
+    return edge_s > 0.0 ? 2.0 / edge_s : 0.0;
+}
+
+double greatest_frequency_Hz(const SineGain& g) {
+    return g.frequency_Hz;
+}
+double greatest_frequency_Hz(const RampGain& g) {
+    return edge_frequency_Hz(g.duration_s);
+}
+double greatest_frequency_Hz(const SquareGain& g) {
+    return std::max(g.frequency_Hz, edge_frequency_Hz(g.edge_s));
+}
+double greatest_frequency_Hz(const WindowGain& g) {
+    return edge_frequency_Hz(g.edge_s);
+}
+
+} // namespace
+
+double gain(const Envelope& envelope, double t_s) {
+    double product = 1.0;
+    for (const Gain& factor : envelope.gains)
+        product *= std::visit(
+            [&](const auto& g) {
+                const double driven = drive(g, t_s);
+                return g.on == GainOn::pressure ? driven * driven : driven;
+            },
+            factor);
+    return product;
+}
+
+double gain_frequency_Hz(const Envelope& envelope) {
+    for (const Gain& factor : envelope.gains) {
+        const auto* sine = std::get_if<SineGain>(&factor);
+        if (sine && sine->depth != 0.0) return sine->frequency_Hz;
+        const auto* square = std::get_if<SquareGain>(&factor);
+        if (square && square->depth != 0.0) return square->frequency_Hz;
+    }
+    return 0.0;
+}
+
+double greatest_envelope_frequency_Hz(const Envelope& envelope) {
+    double sum = 0.0;
+    for (const Gain& factor : envelope.gains)
+        sum += std::visit(
+            [](const auto& g) {
+                return (g.on == GainOn::pressure ? 2.0 : 1.0) * greatest_frequency_Hz(g);
+            },
+            factor);
+    return sum;
+}
+
+} // namespace shearwake

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/field.hpp"
+
+#include <limits>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// The quantity that an envelope multiplies. The force is proportional to the square of the
+/// acoustic pressure.
+enum class GainOn { force, pressure };
+constexpr auto names_of(std::type_identity<GainOn>) {
+    return std::array{"force", "pressure"};
+}
+
+/// Allowed ranges of modulation frequencies and of fractions.
+inline constexpr Range modulation_range_Hz = Range::between(1e-3, 1e5);
+inline constexpr Range share_range = Range::between(0.0, 1.0);
+/// Default duration of an edge, which the time samples of the engines resolve.
+inline constexpr double usual_edge_s = 250e-6;
+
+template <class Walk, Is<GainOn> On>
+void walk_on(Walk& walk, On& on, Field field = {}) {
+    field.key = "on";
+    field.meaning = "quantity that the gain multiplies: the force, or the acoustic pressure, in "
+                    "which case the force is multiplied by its square";
+    walk(on, field);
+}
+
+/// 1 - depth/2 (1 + cos(2 pi f t + phase)): from 1 - depth to 1; squared when on pressure.
+struct SineGain {
+    static constexpr const char* name = "sine";
+    double frequency_Hz = 0.0;
+    double depth = 1.0;
+    double phase_rad = 0.0;
+    GainOn on = GainOn::force;
+    bool operator==(const SineGain&) const = default;
+};
+
+template <class Walk, Is<SineGain> G>
+void walk_fields(Walk& walk, G& g) {
+    walk(g.frequency_Hz, {.key = "frequency_Hz",
+                          .range = modulation_range_Hz,
+                          .given = Given::required,
+                          .meaning = "f in 1 - depth/2 (1 + cos(2 pi f t + phase))"});
+    walk(g.depth,
+         {.key = "depth", .range = share_range, .meaning = "depth: the gain falls to 1 - depth"});
+    walk(g.phase_rad, {.key = "phase_deg", .meaning = "phase"});
+    walk_on(walk, g.on);
+}
+
+/// Changes from `from` to `to` (by default 0 to 1) as sin^2, starting at `start_s` and over
+/// `duration_s`: a load with a smooth start.
+struct RampGain {
+    static constexpr const char* name = "ramp";
+    double duration_s = 0.0;
+    double start_s = 0.0;
+    double from = 0.0;
+    double to = 1.0;
+    GainOn on = GainOn::force;
+    bool operator==(const RampGain&) const = default;
+};
+
+template <class Walk, Is<RampGain> G>
+void walk_fields(Walk& walk, G& g) {
+    const bool in_text = g != RampGain{.duration_s = g.duration_s};
+    walk(g.duration_s, {.key = "duration_ms",
+                        .range = Range::above(0.0),
+                        .given = Given::required,
+                        .meaning = "duration of the rise, which follows sin^2"});
+    walk(g.start_s, {.key = "start_ms",
+                     .range = Range::at_least(0.0),
+                     .in_text = in_text,
+                     .meaning = "time at which the rise begins"});
+    walk(g.from, {.key = "from",
+                  .range = share_range,
+                  .in_text = in_text,
+                  .meaning = "gain before the rise"});
+    walk(g.to,
+         {.key = "to", .range = share_range, .in_text = in_text, .meaning = "gain after the rise"});
+    walk_on(walk, g.on, {.in_text = in_text});
+}
+
+/// 1 for the fraction `duty` of each period and 1 - depth for the rest; the period begins at phase
+/// 0 with the rise. Rise and fall take `edge_s` each as sin^2, after the instant at which an ideal
+/// square wave would jump.
+struct SquareGain {
+    static constexpr const char* name = "square";
+    double frequency_Hz = 0.0;
+    double duty = 0.5;
+    double depth = 1.0;
+    double phase_rad = 0.0;
+    double edge_s = 0.0;
+    GainOn on = GainOn::force;
+    bool operator==(const SquareGain&) const = default;
+};
+
+template <class Walk, Is<SquareGain> G>
+void walk_fields(Walk& walk, G& g) {
+    walk(g.frequency_Hz, {.key = "frequency_Hz",
+                          .range = modulation_range_Hz,
+                          .given = Given::required,
+                          .meaning = "periods per second"});
+    walk(g.duty, {.key = "duty",
+                  .range = Range::inside(0.0, 1.0),
+                  .meaning = "fraction of each period at full strength"});
+    walk(g.depth,
+         {.key = "depth", .range = share_range, .meaning = "depth: the gain falls to 1 - depth"});
+    walk(g.phase_rad, {.key = "phase_deg", .meaning = "phase"});
+    walk(g.edge_s, {.key = "edge_us",
+                    .range = Range::at_least(1.0),
+                    .fallback = "250, but at most half of the shorter part of a period",
+                    .meaning = "duration of the edges, which follow sin^2"});
+    walk_on(walk, g.on);
+}
+
+/// 1 from `from_s` to `to_s`, 0 before and after; rises within `edge_s` after `from_s` and falls
+/// within `edge_s` before `to_s`, as sin^2.
+struct WindowGain {
+    static constexpr const char* name = "window";
+    double from_s = 0.0;
+    double to_s = std::numeric_limits<double>::max();
+    double edge_s = 0.0;
+    GainOn on = GainOn::force;
+    bool operator==(const WindowGain&) const = default;
+};
+
+template <class Walk, Is<WindowGain> G>
+void walk_fields(Walk& walk, G& g) {
+    walk(g.from_s, {.key = "from_ms", .range = Range::at_least(0.0), .meaning = "rise"});
+    walk(g.to_s, {.key = "to_ms",
+                  .range = Range::above(0.0),
+                  .given = Given::required,
+                  .meaning = "time at which the fall ends"});
+    walk(g.edge_s, {.key = "edge_us",
+                    .range = Range::at_least(1.0),
+                    .fallback = "250, but at most half of the window",
+                    .meaning = "duration of the edges, which follow sin^2"});
+    walk_on(walk, g.on);
+}
+
+using Gain = std::variant<SineGain, RampGain, SquareGain, WindowGain>;
+/// The strength of the focus over time. Gains MULTIPLY.
+struct Envelope {
+    std::vector<Gain> gains;
+    bool operator==(const Envelope&) const = default;
+};
+
+/// Gain in [0, 1] on the force at time t.
+double gain(const Envelope& envelope, double t_s);
+
+/// The frequency of the first periodic gain that is not steady; 0 if there is none [Hz].
+double gain_frequency_Hz(const Envelope& envelope);
+
+/// The highest frequency of the envelope of the force [Hz].
+double greatest_envelope_frequency_Hz(const Envelope& envelope);
+
+} // namespace shearwake

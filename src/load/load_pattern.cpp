@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "load/load_pattern.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace shearwake {
+namespace {
+
+using Complex = std::complex<double>;
+/// Number of samples in the search for the largest distance of the focus.
+constexpr int samples = 2000;
+
+double furthest_m(const Trajectory& trajectory, Vec2 from_m, double until_s) {
+    double furthest = 0.0;
+    for (int n = 0; n <= samples; ++n) {
+        const Vec2 off_m = position(trajectory, until_s * n / samples) - from_m;
+        furthest = std::max({furthest, std::abs(off_m.x), std::abs(off_m.y)});
+    }
+    // The largest additional distance between two samples.
+    return furthest + greatest_speed_m_s(trajectory) * until_s / samples;
+}
+
+/// Simultaneous foci share the power.
+Complex mean_phase(const std::vector<Vec2>& offsets_m, double kx_rad_m, double ky_rad_m) {
+    if (offsets_m.empty()) return 1.0;
+    Complex sum = 0.0;
+    for (const Vec2& offset : offsets_m)
+        sum += std::polar(1.0, -(kx_rad_m * offset.x + ky_rad_m * offset.y));
+    return sum / static_cast<double>(offsets_m.size());
+}
+
+} // namespace
+
+LoadPattern::LoadPattern(const Load& load, double until_s, ArrayField::Sampling sampling)
+    : load_(load), until_s_(until_s) {
+    const Trajectory& trajectory = load.modulation.trajectory;
+    if (const auto* array = std::get_if<ArrayFootprint>(&load.footprint)) {
+        changes_ = greatest_speed_m_s(trajectory) > 0.0;
+        ArrayFootprint reaching = *array;
+        double spread_m = 0.0;
+        for (const Vec2& offset : load.modulation.foci_m)
+            spread_m = std::max(spread_m, norm(offset));
+        reaching.reach_m += spread_m;
+        field_.emplace(reaching, furthest_m(trajectory, array->center_m, until_s), sampling);
+    }
+    set(0.0);
+}
+
+double LoadPattern::held_s(double t_s) const {
+    const double within_s = std::min(t_s, until_s_);
+    const auto* array = std::get_if<ArrayFootprint>(&load_.footprint);
+    if (!array || array->update_rate_Hz == 0.0) return array ? within_s : t_s;
+    // A sample at the time of an update uses the new focus.
+    return std::floor(within_s * array->update_rate_Hz + 1e-9) / array->update_rate_Hz;
+}
+
+void LoadPattern::set(double held_s) {
+    if (field_ && !changes_ && patch_.side > 0) return;
+    origin_m_ = position(load_.modulation.trajectory, held_s);
+    if (!field_) return;
+    patch_ = field_->pattern(origin_m_, foci(load_.modulation, held_s));
+    origin_m_ = patch_.origin_m;
+}
+
+double LoadPattern::band_rad_m() const {
+    return field_ ? field_->band_rad_m() : std::numeric_limits<double>::infinity();
+}
+
+void LoadPattern::spectra(double ky_rad_m, std::span<const double> kx_rad_m,
+                          std::span<Complex> out) const {
+    if (field_) {
+        const bool is_there = std::abs(ky_rad_m) <= band_rad_m();
+        std::vector<Complex> columns(static_cast<std::size_t>(patch_.side));
+        if (is_there) transform_columns(patch_, ky_rad_m, columns);
+        for (std::size_t i = 0; i < kx_rad_m.size(); ++i)
+            out[i] = is_there && std::abs(kx_rad_m[i]) <= band_rad_m()
+                         ? transform_row(patch_, kx_rad_m[i], columns)
+                         : 0.0;
+        return;
+    }
+    for (std::size_t i = 0; i < kx_rad_m.size(); ++i) {
+        out[i] = spectrum(load_.footprint, kx_rad_m[i], ky_rad_m) *
+                 mean_phase(load_.modulation.foci_m, kx_rad_m[i], ky_rad_m);
+    }
+}
+
+} // namespace shearwake

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "measures/measure_table.hpp"
+
+#include "measures/participation.hpp"
+#include "measures/reconstruction_efficiency.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace shearwake::measures {
+namespace {
+
+// The literal ipr is based on sum u, in which most contributions cancel. Its root has an error of
+// 1e-12 of the root of ipr_abs, which at the c_p of the thesis is 1e6 times as large. The relative
+// error is therefore 1e-6, and twice that after squaring. A factor of 50 allows for compilers and
+// for other media.
+constexpr double of_cancelled_sums = 1e-4;
+
+// In the order of the report and of the short table.
+constexpr std::array measures = {
+    Measure{"eta_at_1", "1",
+            "share of sum u_z^2 inside the focal disc[ of radius {radius} mm], at the instant",
+            Shown::headlines},
+    Measure{"eta_period_1", "1",
+            "share of sum u_z^2 inside the focal disc[ of radius {radius} mm], over whole "
+            "modulation periods",
+            Shown::headlines},
+    Measure{.name = "eta_period_over_reference_1",
+            .unit = "1",
+            .meaning = "eta_period_1 divided by that of the reference",
+            .shown = Shown::headlines,
+            .over_reference_of = "eta_period_1"},
+    Measure{"ipr_at_1", "1", "(sum u_z)^2 / sum u_z^2, at the instant, in samples",
+            Shown::headlines, of_cancelled_sums},
+    Measure{"ipr_at_mm2", "mm2", "(sum u_z)^2 / sum u_z^2, at the instant, as an area", Shown::csv,
+            of_cancelled_sums},
+    Measure{"ipr_period_1", "1",
+            "(sum u_z)^2 / sum u_z^2, over whole modulation periods, in samples", Shown::headlines,
+            of_cancelled_sums},
+    Measure{"ipr_period_mm2", "mm2",
+            "(sum u_z)^2 / sum u_z^2, over whole modulation periods, as an area", Shown::csv,
+            of_cancelled_sums},
+    Measure{"ipr_abs_at_1", "1", "(sum |u_z|)^2 / sum u_z^2, at the instant, in samples"},
+    Measure{"ipr_abs_at_mm2", "mm2", "(sum |u_z|)^2 / sum u_z^2, at the instant, as an area"},
+    Measure{"ipr_abs_period_1", "1",
+            "(sum |u_z|)^2 / sum u_z^2, over whole modulation periods, in samples"},
+    Measure{"ipr_abs_period_mm2", "mm2",
+            "(sum |u_z|)^2 / sum u_z^2, over whole modulation periods, as an area",
+            Shown::headlines},
+    Measure{"participation_at_1", "1", "(sum u_z^2)^2 / sum u_z^4, at the instant, in samples"},
+    Measure{"participation_at_mm2", "mm2", "(sum u_z^2)^2 / sum u_z^4, at the instant, as an area"},
+    Measure{"participation_period_1", "1",
+            "(sum u_z^2)^2 / sum u_z^4, over whole modulation periods, in samples"},
+    Measure{"participation_period_mm2", "mm2",
+            "(sum u_z^2)^2 / sum u_z^4, over whole modulation periods, as an area",
+            Shown::headlines},
+    Measure{"peak_um", "um", "largest |u_z| of any frame up to the instant", Shown::headlines},
+    Measure{"focal_rms_um", "um", "rms of u_z over the focal disc and whole modulation periods",
+            Shown::headlines},
+    Measure{.name = "focal_rms_over_reference_1",
+            .unit = "1",
+            .meaning = "focal_rms_um divided by that of the reference",
+            .shown = Shown::headlines,
+            .over_reference_of = "focal_rms_um"},
+    Measure{"impulse_mN_ms", "mN ms", "time integral of the force up to the instant",
+            Shown::headlines},
+    Measure{"peak_frequency_Hz", "Hz",
+            "frequency of the largest spectral amplitude[, u_z at {place} mm]", Shown::headlines},
+    Measure{"velocity_peak_frequency_Hz", "Hz",
+            "frequency of the largest spectral amplitude of du_z/dt[, u_z at {place} mm]"},
+    Measure{"rms_40_400_um", "um",
+            "rms over the run between 40 and 400 Hz, the range of perceptible vibration[, u_z at "
+            "{place} mm]",
+            Shown::headlines},
+    Measure{
+        "rms_5_300_um", "um",
+        "rms over the run between 5 and 300 Hz, the band of FA1 receptors[, u_z at {place} mm]"},
+    Measure{
+        "rms_5_800_um", "um",
+        "rms over the run between 5 and 800 Hz, the band of FA2 receptors[, u_z at {place} mm]"},
+    Measure{"mach_angle_deg", "degree", "half-angle of the wake, fitted to the surface",
+            Shown::headlines},
+    Measure{"mach_angle_theory_deg", "degree",
+            "asin of the Rayleigh speed divided by the scan speed; the Rayleigh speed is that of "
+            "the first layer thicker than a quarter of the footprint"},
+    Measure{"share_{low}_{high}_1", "1",
+            "share of the spectral energy above 1/T, T the duration, that lies between {low} and "
+            "{high} Hz[, u_z at {place} mm]",
+            Shown::page},
+    Measure{"velocity_share_{low}_{high}_1", "1",
+            "share of the spectral energy of du_z/dt above 1/T, T the duration, that lies between "
+            "{low} and {high} Hz[, u_z at {place} mm]",
+            Shown::page},
+    Measure{"sharpness_1", "1",
+            "share of the mean of u_z^2 within one FWHM[, {fwhm} mm,] of the drawn line",
+            Shown::shapes},
+    Measure{"periods", "1", "number of whole modulation periods in the window; 0: no modulation"},
+    Measure{"{class}_spikes_1", "1", "number of spikes of all {class} afferents"},
+    Measure{"{class}_active_1", "1", "number of {class} afferents that fire"},
+    Measure{"{class}_rate_Hz", "Hz", "mean rate of the {class} afferents that fire"},
+    Measure{"{class}_spread_mm", "mm", "rms distance of {class} spikes from the path of the focus"},
+    Measure{"{class}_vector_strength_1", "1",
+            "vector strength of {class} spikes at the modulation frequency, averaged over the "
+            "afferents that fire at least twice, weighted by their spikes"},
+    Measure{"{class}_locking_1", "1",
+            "vector strength of {class} spikes at the modulation frequency per afferent, minus "
+            "that expected by chance"},
+    Measure{"{class}_first_spike_ms", "ms", "time of the first {class} spike"},
+};
+
+constexpr std::array series = {
+    FrameMeasure{"eta", "1", "reconstruction efficiency: share of sum u_z^2 within the focal disc",
+                 [](const SurfaceSums& s) { return reconstruction_efficiency(s); }},
+    FrameMeasure{"ipr", "1", "inverse participation ratio (sum u_z)^2 / sum u_z^2, samples",
+                 [](const SurfaceSums& s) { return ipr(s); }},
+    FrameMeasure{"ipr_abs", "1", "(sum |u_z|)^2 / sum u_z^2, samples",
+                 [](const SurfaceSums& s) { return ipr_abs(s); }},
+    FrameMeasure{"participation", "1", "(sum u_z^2)^2 / sum u_z^4, samples",
+                 [](const SurfaceSums& s) { return participation(s); }},
+    FrameMeasure{"peak", "m", "largest |u_z| in the measured region",
+                 [](const SurfaceSums& s) { return s.peak; }},
+    FrameMeasure{"focal_rms", "m", "area-weighted rms of u_z over the focal disc",
+                 [](const SurfaceSums& s) { return std::sqrt(s.focal_u2 / s.focal_weight); }},
+    FrameMeasure{"sum_u", "m", "sum u_z", [](const SurfaceSums& s) { return s.u; }},
+    FrameMeasure{"sum_abs_u", "m", "sum |u_z|", [](const SurfaceSums& s) { return s.abs_u; }},
+    FrameMeasure{"sum_u2", "m2", "sum u_z^2", [](const SurfaceSums& s) { return s.u2; }},
+    FrameMeasure{"sum_u4", "m4", "sum u_z^4", [](const SurfaceSums& s) { return s.u4; }},
+    FrameMeasure{"focal_sum_u2", "m2", "sum w u_z^2 over the focal disc",
+                 [](const SurfaceSums& s) { return s.focal_u2; }},
+    FrameMeasure{"focal_weight", "1", "sum w over the focal disc, samples",
+                 [](const SurfaceSums& s) { return s.focal_weight; }},
+};
+
+/// Whether `column` is `name` with values substituted for all {...}.
+bool matches(std::string_view name, std::string_view column) {
+    const std::size_t open = name.find('{');
+    if (open == std::string_view::npos) return name == column;
+    if (column.substr(0, open) != name.substr(0, open)) return false;
+    const std::string_view rest = name.substr(name.find('}') + 1);
+    for (std::size_t end = open + 1; end <= column.size(); ++end)
+        if (matches(rest, column.substr(end))) return true;
+    return false;
+}
+
+/// "focal_rms_um" of "focal_rms_um_z1.5mm".
+std::string_view without_depth(std::string_view column) {
+    const std::size_t suffix = column.rfind("_z");
+    const bool has_one =
+        suffix != std::string_view::npos && column.ends_with("mm") &&
+        column.substr(suffix + 2).find_first_not_of("0123456789.e-+m") == std::string_view::npos;
+    return has_one ? column.substr(0, suffix) : column;
+}
+
+/// Substitutes details for braces; nothing if a detail is missing.
+std::optional<std::string> filled(std::string_view text, std::span<const Detail> details) {
+    std::string out;
+    while (!text.empty()) {
+        const std::size_t open = text.find('{');
+        out += text.substr(0, open);
+        if (open == std::string_view::npos) break;
+        const std::size_t close = text.find('}', open);
+        const std::string_view name = text.substr(open + 1, close - open - 1);
+        const auto found = std::ranges::find(details, name, &Detail::first);
+        if (found == details.end()) return std::nullopt;
+        out += found->second;
+        text.remove_prefix(close + 1);
+    }
+    return out;
+}
+
+} // namespace
+
+std::span<const Measure> all_measures() {
+    return measures;
+}
+
+std::span<const FrameMeasure> frame_measures() {
+    return series;
+}
+
+const Measure* find_measure(std::string_view column) {
+    for (const std::string_view name : {column, without_depth(column)})
+        for (const Measure& measure : measures)
+            if (matches(measure.name, name)) return &measure;
+    return nullptr;
+}
+
+std::string with_details(std::string_view text, std::span<const Detail> details) {
+    std::string out;
+    while (!text.empty()) {
+        const std::size_t open = text.find('['), close = text.find(']');
+        const std::string_view plain = text.substr(0, open);
+        out += filled(plain, details).value_or(std::string(plain));
+        if (open == std::string_view::npos) break;
+        out += filled(text.substr(open + 1, close - open - 1), details).value_or("");
+        text.remove_prefix(close + 1);
+    }
+    return out;
+}
+
+} // namespace shearwake::measures

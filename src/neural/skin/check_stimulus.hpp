@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/remark.hpp"
+#include "neural/hand/polygon.hpp"
+#include "neural/skin/contact.hpp"
+
+#include <span>
+#include <vector>
+
+namespace shearwake::neural {
+
+/// Errors and warnings about pins and their traces: radius, overlap, non-finite values, sampling,
+/// mixed signs, jumps at the ends without silence, pins outside of the skin (`skin_mm` is its
+/// outline; empty: unbounded). Not collective.
+std::vector<Remark> check_stimulus(const PinStimulus& stimulus, double silence_s,
+                                   const Polygon& skin_mm);
+
+/// Errors and warnings about the traces of stress [Pa] at receptors, one line per afferent. Not
+/// collective.
+std::vector<Remark> check_stress(std::span<const std::vector<double>> compression_Pa,
+                                 double rate_Hz, std::size_t afferents, double silence_s);
+
+/// The stimulus with a pin radius reduced where pins would overlap.
+PinStimulus without_overlap(PinStimulus stimulus);
+
+} // namespace shearwake::neural

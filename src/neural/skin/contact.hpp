@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/vec2.hpp"
+#include "neural/skin/lines.hpp"
+
+#include <vector>
+
+namespace shearwake::neural {
+
+/// Rigid circular pins of equal radius that press on the skin, and their indentations.
+struct PinStimulus {
+    std::vector<Vec2> at_mm;
+    double radius_mm = 1.0;
+    double rate_Hz = 5000.0; // samples per second
+    Lines indentation_mm;    // one line per pin, positive into the skin
+};
+
+/// The skin of the contact problem: a frictionless elastic half-space.
+inline constexpr double youngs_modulus_MPa = 0.05;
+inline constexpr double poisson_ratio = 0.4;
+
+/// The given radius, or half of the smallest distance of the pins if the pins would overlap
+/// otherwise.
+double fitting_radius_mm(const std::vector<Vec2>& at_mm, double radius_mm);
+
+/// Indentation [mm] of the surface at distance r from the centre of a flat pin of radius a, for a
+/// load of (1 - nu^2)/E: 1/(2a) below the pin, asin(a/r)/(pi a) outside (Sneddon 1946, eq. 6.4).
+double sinking_profile(double distance_mm, double radius_mm);
+
+/// Loads P [N] of the pins that cause the indentations, one line per pin, separately for each
+/// sample:
+///     sum_q D_pq P_q = |s_p|,   D_pq = (1 - nu^2)/E sinking_profile(distance of p and q),
+/// over the pins in contact. Pins with P < 0 are released together and the others are solved again
+/// until no pin would pull. Where s < 0, P takes this sign: the pin is glued to the skin. Not
+/// collective.
+Lines loads_N(const PinStimulus& stimulus);
+
+/// dP/dt [N/s] by central differences; both ends are copied from their neighbours. 0 for a single
+/// sample.
+Lines load_rates_N_s(const Lines& loads, double rate_Hz);
+
+} // namespace shearwake::neural

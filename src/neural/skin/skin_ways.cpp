@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "neural/skin/skin_ways.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace shearwake::neural {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// Positive if c is to the left of the line from a to b.
+double turn(Vec2 a, Vec2 b, Vec2 c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// Whether two segments cross at interior points. End points are excluded, since rounding would
+/// decide on which side they are.
+bool crosses(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+    if (a == c || a == d || b == c || b == d) return false;
+    if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+        std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
+        return false;
+    return turn(a, b, c) * turn(a, b, d) < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0;
+}
+
+class Skin {
+public:
+    Skin(const Polygon& outline, std::vector<Vec2> pins)
+        : outline_(outline), pins_(std::move(pins)) {
+        find_corners();
+        for (const Vec2 pin : pins_) {
+            on_skin_.push_back(contains(outline_, pin));
+            to_corners_.push_back(search(pin));
+        }
+    }
+
+    std::vector<double> ways_to(Vec2 receptor) const {
+        std::vector<double> ways(pins_.size(), never);
+        if (!contains(outline_, receptor)) return ways;
+        std::vector<double> from_corner(corners_.size(), never);
+        for (std::size_t c = 0; c < corners_.size(); ++c)
+            if (sees(corners_[c], receptor)) from_corner[c] = norm(receptor - corners_[c]);
+        for (std::size_t p = 0; p < pins_.size(); ++p) {
+            if (!on_skin_[p]) continue;
+            if (sees(pins_[p], receptor)) {
+                ways[p] = norm(receptor - pins_[p]);
+                continue;
+            }
+            for (std::size_t c = 0; c < corners_.size(); ++c)
+                ways[p] = std::min(ways[p], to_corners_[p][c] + from_corner[c]);
+        }
+        return ways;
+    }
+
+private:
+    void find_corners() {
+        double twice_area = 0.0;
+        const std::size_t n = outline_.size();
+        for (std::size_t i = 0; i < n; ++i)
+            twice_area += turn({}, outline_[i], outline_[(i + 1) % n]);
+        for (std::size_t i = 0; i < n; ++i)
+            if (turn(outline_[(i + n - 1) % n], outline_[i], outline_[(i + 1) % n]) * twice_area <
+                0.0)
+                corners_.push_back(outline_[i]);
+        for (const Vec2 a : corners_) {
+            std::vector<double>& row = between_.emplace_back();
+            for (const Vec2 b : corners_)
+                row.push_back(a == b || is_side(a, b) || corners_see(a, b) ? norm(b - a) : never);
+        }
+    }
+
+    bool is_side(Vec2 a, Vec2 b) const {
+        const std::size_t n = outline_.size();
+        for (std::size_t i = 0; i < n; ++i) {
+            const Vec2 c = outline_[i], d = outline_[(i + 1) % n];
+            if ((a == c && b == d) || (a == d && b == c)) return true;
+        }
+        return false;
+    }
+
+    /// Whether the straight line from or to a point on the skin stays on the skin, that is, crosses
+    /// no side of the outline.
+    bool sees(Vec2 a, Vec2 b) const {
+        const std::size_t n = outline_.size();
+        for (std::size_t i = 0, before = n - 1; i < n; before = i++)
+            if (crosses(a, b, outline_[before], outline_[i])) return false;
+        return true;
+    }
+    /// The same test for two corners, whose connection may also lie in a gap.
+    bool corners_see(Vec2 a, Vec2 b) const {
+        return sees(a, b) && contains(outline_, 0.5 * (a + b));
+    }
+
+    /// Shortest paths from a pin to every corner by Dijkstra's algorithm.
+    std::vector<double> search(Vec2 pin) const {
+        std::vector<double> way(corners_.size(), never);
+        if (!contains(outline_, pin)) return way;
+        for (std::size_t c = 0; c < corners_.size(); ++c)
+            if (sees(pin, corners_[c])) way[c] = norm(corners_[c] - pin);
+        std::vector<bool> settled(corners_.size(), false);
+        for (std::size_t round = 0; round < corners_.size(); ++round) {
+            std::size_t nearest = corners_.size();
+            for (std::size_t c = 0; c < corners_.size(); ++c)
+                if (!settled[c] && (nearest == corners_.size() || way[c] < way[nearest]))
+                    nearest = c;
+            settled[nearest] = true;
+            for (std::size_t c = 0; c < corners_.size(); ++c)
+                way[c] = std::min(way[c], way[nearest] + between_[nearest][c]);
+        }
+        return way;
+    }
+
+    Polygon outline_;
+    std::vector<Vec2> pins_, corners_;
+    std::vector<std::vector<double>> between_; // for each pair of corners
+    std::vector<bool> on_skin_;                // for each pin
+    std::vector<std::vector<double>> to_corners_;
+};
+
+} // namespace
+
+SkinWays straight_ways(std::vector<Vec2> pins_mm) {
+    return [pins = std::move(pins_mm)](Vec2 receptor_mm) {
+        std::vector<double> ways;
+        for (const Vec2 pin : pins)
+            ways.push_back(norm(receptor_mm - pin));
+        return ways;
+    };
+}
+
+SkinWays ways_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm) {
+    const auto skin = std::make_shared<const Skin>(outline_mm, std::move(pins_mm));
+    return [skin](Vec2 receptor_mm) { return skin->ways_to(receptor_mm); };
+}
+
+} // namespace shearwake::neural

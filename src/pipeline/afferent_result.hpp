@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+#include "case/remark.hpp"
+#include "case/plan.hpp"
+#include "case/point_motion.hpp"
+#include "case/record.hpp"
+#include "measures/summary.hpp"
+#include "neural/response.hpp"
+#include "parallel/comm.hpp"
+#include "pipeline/surface_recorder.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake::pipeline {
+
+/// The response of nerve fibres to a motion, as written to files and reported.
+struct AfferentResult {
+    std::vector<VariableGroup> groups; // "afferents", "pins", "hand"
+    std::vector<measures::Column> columns;
+    std::vector<std::string> notes; // warnings, one line each
+    std::vector<neural::ClassResponse> classes;
+};
+
+/// Data of a case in addition to its motion.
+struct FeltMotion {
+    PointMotion pins; // for the input "pins"; otherwise only positions and duration are used
+    std::vector<std::vector<double>> compression_Pa; // for the input "stress": one row per afferent
+    std::vector<Vec2> path_m;   // positions of the focus on the patch, for the spread
+    double modulation_Hz = 0.0; // 0: none
+    std::string name;           // the key of the noise: a case's id
+};
+
+/// The motion of the pins of a case from t = 0, where nothing has moved, to the last but one frame,
+/// with one sample per interval of the run, and the other inputs of its afferents.
+FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder);
+
+/// Makes the recorder store the stress at the receptors, if the case requests it. Call before the
+/// run; collective.
+void keep_receptors(const Case& c, SurfaceRecorder& recorder);
+
+/// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
+/// elsewhere. The spikes do not depend on the number of ranks. Throws CaseFailure on all ranks if
+/// pins or traces are not valid. Collective.
+AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team);
+
+/// Errors and warnings about the pins or receptors of a case that require no simulation.
+std::vector<Remark> check_afferents(const Case& c);
+
+} // namespace shearwake::pipeline

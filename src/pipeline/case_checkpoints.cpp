@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/case_checkpoints.hpp"
+
+#include "base/error.hpp"
+#include "parallel/agree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <vector>
+
+namespace shearwake::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+/// Ranks that share cores lose milliseconds at every synchronisation, so this is not done at every
+/// step.
+constexpr double between_looks_s = 0.1;
+
+double seconds_since(Clock::time_point then) {
+    return std::chrono::duration<double>(Clock::now() - then).count();
+}
+
+std::array<fs::path, 2> paths_of(const fs::path& stem) {
+    return {stem.string() + ".A.h5", stem.string() + ".B.h5"};
+}
+
+storage::RowRange range_of(const engines::StateRows& rows) {
+    return {rows.total, rows.start, rows.count, rows.row_length};
+}
+
+/// Passes the state of an engine to a file and counts the steps for the journal.
+class FileStateWriter : public engines::StateWriter {
+public:
+    explicit FileStateWriter(storage::CheckpointFileWriter& file) : file_(file) {}
+    void put(const std::string& name, const engines::StateRows& rows,
+             const double* values) override {
+        file_.put(name, range_of(rows), values);
+    }
+    void put(const std::string& name, double value) override {
+        file_.put(name, value);
+        if (name == "step") step_ = std::lround(value);
+    }
+    long step() const { return step_; }
+
+private:
+    storage::CheckpointFileWriter& file_;
+    long step_ = 0;
+};
+
+class FileStateReader : public engines::StateReader {
+public:
+    explicit FileStateReader(const storage::CheckpointFileReader& file) : file_(file) {}
+    void get(const std::string& name, const engines::StateRows& rows, double* values) override {
+        file_.get(name, range_of(rows), values);
+    }
+    double get(const std::string& name) override {
+        const double value = file_.get(name);
+        if (name == "step") step_ = std::lround(value);
+        return value;
+    }
+    long step() const { return step_; }
+
+private:
+    const storage::CheckpointFileReader& file_;
+    long step_ = 0;
+};
+
+/// Verifies the arrays of a checkpoint whose attributes are valid; empty if they are. Collective.
+std::string damage_of(const fs::path& path, const Comm& team, const EndAlone& end_alone) {
+    std::optional<storage::CheckpointFileReader> file;
+    std::string damage;
+    try {
+        or_end_alone(team, end_alone, [&] { damage = file.emplace(path, team).damage(); });
+        return damage;
+    } catch (const CaseFailure& failure) {
+        return fmt::format("is damaged ({})", failure.what());
+    }
+}
+
+} // namespace
+
+CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
+                                 CheckpointSchedule schedule, const Comm& team,
+                                 const storage::Journal& journal, CheckpointHooks hooks)
+    : stem_(std::move(stem)), owner_(std::move(owner)), schedule_(schedule), team_(team),
+      journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_),
+      looked_(began_) {
+    find_newest();
+    if (newest_) earlier_seconds_ = newest_->facts.seconds;
+}
+
+void CaseCheckpoints::find_newest() {
+    const auto paths = paths_of(stem_);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        // Rank 0 checks the files: 0 if there is no checkpoint, 1 if there may be one.
+        long candidate = 0;
+        storage::CheckpointFacts facts;
+        const auto pass_over = [&](const std::string& trouble) {
+            hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), trouble));
+        };
+        on_root(team_, [&] {
+            if (!fs::exists(paths[i])) return;
+            const std::string trouble = storage::trouble_with_checkpoint(paths[i], owner_, facts);
+            candidate = trouble.empty() ? 1 : 0;
+            if (!trouble.empty()) pass_over(trouble);
+        });
+        if (team_.broadcast(candidate) == 0) continue;
+        facts.sequence = team_.broadcast(facts.sequence);
+        facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
+        if (newest_ && newest_->facts.sequence > facts.sequence) continue;
+        const std::string damage = damage_of(paths[i], team_, hooks_.end_alone);
+        if (damage.empty())
+            newest_ = {paths[i], facts};
+        else if (team_.is_root())
+            pass_over(damage);
+    }
+}
+
+CaseCheckpoints::Answer CaseCheckpoints::decide() const {
+    if (!stop_failed_ && hooks_.stop_asked()) return Answer::save_and_stop;
+    const bool enough_steps = schedule_.steps > 0 && steps_ >= schedule_.steps;
+    const bool late = schedule_.interval_s > 0.0 && seconds_since(saved_) >= schedule_.interval_s;
+    return enough_steps || late ? Answer::save : Answer::go_on;
+}
+
+long CaseCheckpoints::steps_to_next_look() const {
+    const double step_s = seconds_since(looked_) / static_cast<double>(steps_ - last_look_);
+    const long by_clock = static_cast<long>(std::clamp(between_looks_s / step_s, 1.0, 1e6));
+    if (schedule_.steps == 0) return by_clock;
+    return std::clamp(schedule_.steps - steps_, 1L, by_clock);
+}
+
+bool CaseCheckpoints::due() {
+    ++steps_;
+    if (steps_ < next_look_) return false;
+    // Clocks and signals differ between ranks, so the root decides, also when to check again.
+    long answer = 0, wait = 0;
+    if (team_.is_root()) {
+        answer = static_cast<long>(decide());
+        wait = steps_to_next_look();
+    }
+    answer = team_.broadcast(answer);
+    next_look_ = steps_ + team_.broadcast(wait);
+    last_look_ = steps_;
+    looked_ = Clock::now();
+    stopping_ = static_cast<Answer>(answer) == Answer::save_and_stop;
+    return static_cast<Answer>(answer) != Answer::go_on;
+}
+
+void CaseCheckpoints::save(const std::function<void(engines::StateWriter&)>& write) {
+    const auto paths = paths_of(stem_);
+    const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];
+    storage::CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
+                                   .seconds = earlier_seconds_ + seconds_since(began_),
+                                   .part = {}};
+    std::string trouble;
+    std::optional<storage::CheckpointFileWriter> file;
+    try {
+        or_end_alone(team_, hooks_.end_alone, [&] {
+            FileStateWriter state(file.emplace(path, team_));
+            write(state);
+            if (part_) facts.part = part_();
+            file->commit(owner_, facts);
+            newest_ = {path, facts};
+            on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
+        });
+    } catch (const CaseFailure& failure) {
+        trouble = failure.what();
+    } catch (const UsageError& failure) { // the file system reports an error
+        trouble = failure.what();
+    }
+    if (!trouble.empty() && team_.is_root())
+        hooks_.say(
+            fmt::format("case {} continues without a checkpoint: {}", owner_.case_id, trouble));
+    // Without a checkpoint, a stop is delayed until the end of the case.
+    if (stopping_) (trouble.empty() ? saved_for_stop_ : stop_failed_) = true;
+    next_look_ = std::max(1L, next_look_ - steps_);
+    if (schedule_.steps > 0) next_look_ = std::min(next_look_, schedule_.steps);
+    steps_ = last_look_ = 0;
+    saved_ = looked_ = Clock::now();
+}
+
+bool CaseCheckpoints::restore(const std::function<void(engines::StateReader&)>& read) {
+    if (!newest_) return false;
+    std::optional<storage::CheckpointFileReader> file;
+    or_end_alone(team_, hooks_.end_alone, [&] {
+        FileStateReader state(file.emplace(newest_->path, team_));
+        read(state);
+        on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
+    });
+    return true;
+}
+
+void CaseCheckpoints::discard() {
+    on_root(team_, [&] { remove_checkpoints(stem_); });
+    newest_.reset();
+    earlier_seconds_ = 0.0;
+}
+
+bool has_checkpoint(const fs::path& stem, const storage::CheckpointOwner& owner) {
+    storage::CheckpointFacts facts;
+    for (const fs::path& path : paths_of(stem))
+        if (fs::exists(path) && storage::trouble_with_checkpoint(path, owner, facts).empty())
+            return true;
+    return false;
+}
+
+double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner) {
+    double most = 0.0;
+    for (const fs::path& path : paths_of(stem)) {
+        storage::CheckpointFacts facts;
+        if (fs::exists(path) && storage::trouble_with_checkpoint(path, owner, facts).empty())
+            most = std::max(most, facts.seconds);
+    }
+    return most;
+}
+
+void remove_checkpoints(const fs::path& stem) {
+    for (const fs::path& path : paths_of(stem)) {
+        fs::remove(path);
+        fs::remove(path.string() + ".part");
+    }
+}
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/plan.hpp"
+#include "case/record.hpp"
+#include "engines/engine.hpp"
+#include "measures/summary.hpp"
+
+#include <string>
+#include <vector>
+
+namespace shearwake::pipeline {
+
+/// The content of a case file in addition to its surface fields: series and scalars in the root
+/// group, the traces with their spectra in /traces, and the time mean of u_z^2 on the surface,
+/// unless empty, in /mean.
+std::vector<VariableGroup> case_content(const Case& c,
+                                        const std::vector<measures::DepthSeries>& depths,
+                                        const std::vector<measures::TraceSeries>& traces,
+                                        const std::optional<measures::MachFit>& mach,
+                                        const std::vector<double>& mean_u2);
+
+/// Columns of the table as scalars of a group.
+void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group);
+
+/// The recorded data of the sensor of a study, group /sensor of the file.
+VariableGroup sensor_group(const GridStudy& study,
+                           const std::vector<engines::SensorSeries>& sensors);
+
+/// When and on which resources the case was computed.
+struct RunFacts {
+    std::string job_title;
+    std::string job_text;
+    std::string overrides;
+    int ranks = 1;
+    double wall_s = 0.0;
+    std::string started, ended; // UTC
+    engines::SolverReport solver;
+};
+
+/// Root attributes that identify the case and its origin.
+std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts);
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/memory.hpp"
+
+#include "engines/engine.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "pipeline/afferent_estimate.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace shearwake::pipeline {
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::infinity();
+
+double number_in(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    double value = 0.0;
+    return file >> value ? value : unknown; // "max", or no such file
+}
+
+/// MemAvailable of the machine.
+double available_B() {
+    std::ifstream info("/proc/meminfo");
+    for (std::string key; info >> key;) {
+        double kB = 0.0;
+        std::string unit;
+        if (!(info >> kB)) break;
+        std::getline(info, unit);
+        if (key == "MemAvailable:") return 1024.0 * kB;
+    }
+    return unknown;
+}
+
+/// The smallest limit of the control group (version 2) of this program and its parents.
+double left_in_group_B() {
+    std::ifstream file("/proc/self/cgroup");
+    double left = unknown;
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with("0::/")) continue;
+        const std::filesystem::path top = "/sys/fs/cgroup";
+        std::filesystem::path group = (top / line.substr(4)).lexically_normal();
+        for (int depth = 0; depth < 32 && group.string().starts_with(top.string()); ++depth) {
+            const double limit = number_in(group / "memory.max");
+            if (limit < unknown) {
+                const double used = number_in(group / "memory.current");
+                left = std::min(left, limit - (used < unknown ? used : 0.0));
+            }
+            group = group.parent_path();
+        }
+    }
+    return std::max(left, 0.0);
+}
+
+/// The memory that `ulimit -v` leaves to this program.
+double left_of_own_limit_B() {
+    struct rlimit limit {};
+    if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unknown;
+    const double pages = number_in("/proc/self/statm"); // the first number is the mapped memory
+    const double used = pages < unknown ? pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) : 0;
+    return std::max(static_cast<double>(limit.rlim_cur) - used, 0.0);
+}
+
+} // namespace
+
+double memory_per_rank_B(const Comm& world) {
+    const Comm machine = world.split_by_machine();
+    const double shared = std::min(available_B(), left_in_group_B()) / machine.size();
+    return world.min(std::min(shared, left_of_own_limit_B()));
+}
+
+double peak_memory_B() {
+    struct rusage usage {};
+    return ::getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * static_cast<double>(usage.ru_maxrss)
+                                                 : 0.0;
+}
+
+double resident_memory_B() {
+    std::ifstream file("/proc/self/statm");
+    double program_pages = 0.0, pages = 0.0;
+    file >> program_pages >> pages;
+    return pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+}
+
+double memory_needed_B(const Case& c, int ranks) {
+    const double plane =
+        static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
+    // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
+    // and another plane for the sharpness.
+    double recorder = 2.0 * plane / ranks + 3.0 * plane;
+    if (!c.record.volumes_s.empty()) recorder += plane / ranks; // transposed for the file
+    return engines::make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder +
+           afferents_memory_B(c, ranks);
+}
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/observers/frame_sums.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::pipeline {
+namespace {
+
+/// The sums of each frame for one kind of reduction, or for both.
+std::vector<double> flat(const std::vector<measures::SurfaceSums>& frames, const auto& is_wanted) {
+    std::vector<double> values;
+    for (const measures::SurfaceSums& sums : frames)
+        for (const auto& [value, reduction] : measures::sum_parts)
+            if (is_wanted(reduction)) values.push_back(sums.*value);
+    return values;
+}
+
+bool any(measures::Reduction) {
+    return true;
+}
+
+} // namespace
+
+FrameSums::FrameSums(const Case& c, const Comm& team)
+    : case_(c), team_(team), region_(measures::measured_region(c.domain)) {
+    for (const double depth_m : c.measure.depths_m)
+        depths_.push_back(
+            {depth_m, std::vector<measures::SurfaceSums>(static_cast<std::size_t>(c.time.frames))});
+}
+
+void FrameSums::frame(const engines::Frame& frame) {
+    const std::vector<Vec2> places = foci(case_.load.modulation, case_.time.frame_s(frame.number));
+    depths_[frame.depth].frames[static_cast<std::size_t>(frame.number)] = measures::surface_sums(
+        frame.u_z_m, slab_.x_start, case_.domain, region_, places, case_.measure.focal_radius_m);
+}
+
+void FrameSums::save(engines::StateWriter& state) {
+    for (std::size_t i = 0; i < depths_.size(); ++i)
+        RankParts(team_).save(state, fmt::format("sums_{}", i), flat(depths_[i].frames, any));
+}
+
+void FrameSums::restore(engines::StateReader& state) {
+    for (std::size_t i = 0; i < depths_.size(); ++i) {
+        std::vector<measures::SurfaceSums>& frames = depths_[i].frames;
+        std::fill(frames.begin(), frames.end(), measures::SurfaceSums{});
+        RankParts(team_).restore(state, fmt::format("sums_{}", i),
+                                 frames.size() * measures::sum_parts.size(),
+                                 [&](std::span<const double> part) {
+                                     auto next = part.begin();
+                                     for (measures::SurfaceSums& sums : frames) {
+                                         measures::SurfaceSums more;
+                                         for (const auto& [value, reduction] : measures::sum_parts)
+                                             more.*value = *next++;
+                                         sums = measures::combine(sums, more);
+                                     }
+                                 });
+    }
+}
+
+void FrameSums::finish() {
+    for (measures::DepthSeries& depth : depths_) {
+        for (const measures::Reduction wanted :
+             {measures::Reduction::sum, measures::Reduction::max}) {
+            std::vector<double> values = flat(
+                depth.frames, [&](measures::Reduction reduction) { return reduction == wanted; });
+            wanted == measures::Reduction::sum ? team_.sum(values) : team_.max(values);
+            auto next = values.begin();
+            for (measures::SurfaceSums& sums : depth.frames)
+                for (const auto& [value, reduction] : measures::sum_parts)
+                    if (reduction == wanted) sums.*value = *next++;
+        }
+        for (std::size_t n = 0; n < depth.frames.size(); ++n)
+            // All ranks have the same values, so all of them throw.
+            if (!std::isfinite(depth.frames[n].u2) || !std::isfinite(depth.frames[n].u4))
+                throw CaseFailure(fmt::format(
+                    "the field is not finite from t = {:.4g} ms, at depth {:.3g} mm",
+                    1e3 * case_.time.frame_s(static_cast<std::ptrdiff_t>(n)), 1e3 * depth.depth_m));
+    }
+}
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "measures/summary.hpp"
+#include "pipeline/observers/recording.hpp"
+
+namespace shearwake::pipeline {
+
+/// The sums of every frame at every depth (measures/surface_sums.hpp).
+class FrameSums : public Recording {
+public:
+    FrameSums(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void frame(const engines::Frame& frame) override;
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+    /// Throws CaseFailure when the field is not finite.
+    void finish() override;
+
+    const std::vector<measures::DepthSeries>& depths() const { return depths_; }
+
+private:
+    const Case& case_;
+    const Comm& team_;
+    engines::Slab slab_;
+    measures::Region region_;
+    std::vector<measures::DepthSeries> depths_;
+};
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pipeline/observers/recording.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+
+namespace shearwake::pipeline {
+
+/// The frames that a case stores: all, or those closest to the requested snapshots.
+std::vector<std::ptrdiff_t> kept_frames(const Case& c);
+
+/// Passes the frames and volumes that a case stores to its file.
+class KeptFields : public Recording {
+public:
+    KeptFields(const Case& c, storage::CaseFileWriter& writer);
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void frame(const engines::Frame& frame) override;
+    void volume_levels(const std::vector<double>& z_m) override;
+    void volume(const engines::VolumePlane& plane) override;
+    /// Flushes the data stored so far to the disk.
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+    /// Throws CaseFailure when a volume is not complete.
+    void finish() override;
+
+private:
+    const Case& case_;
+    storage::CaseFileWriter& writer_;
+    engines::Slab slab_;
+    std::vector<std::ptrdiff_t> frames_;
+    double volume_planes_ = 0.0; // so far
+};
+
+} // namespace shearwake::pipeline

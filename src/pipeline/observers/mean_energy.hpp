@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pipeline/observers/recording.hpp"
+
+namespace shearwake::pipeline {
+
+/// The time mean of u_z^2 over the period window, of the first depth [m^2].
+class MeanEnergy : public Recording {
+public:
+    MeanEnergy(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+    void finish() override { all_ = team_.gather(rows_); }
+
+    /// (x, y) row-major. On rank 0 only; empty elsewhere, and when no window fits.
+    const std::vector<double>& all() const { return all_; }
+
+private:
+    const Case& case_;
+    const Comm& team_;
+    engines::Slab slab_;
+    std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits
+    std::vector<double> rows_;    // of this rank so far
+    std::vector<double> all_;
+};
+
+} // namespace shearwake::pipeline

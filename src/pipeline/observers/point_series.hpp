@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "measures/summary.hpp"
+#include "pipeline/observers/recording.hpp"
+
+#include <string>
+
+namespace shearwake::pipeline {
+
+/// The contribution of the rows of this rank to the value at a point of the plane, by cubic
+/// Lagrange interpolation; the sum over the ranks is the value.
+double value_at(Vec2 at_m, View2<const double> values, const Domain& domain,
+                const engines::Slab& slab);
+
+/// u_z at some points of the surface, at every frame: the traces of a case, or the pins of its
+/// afferents.
+class PointSeries : public Recording {
+public:
+    /// `name`: that of the series in checkpoints.
+    PointSeries(const Case& c, const Comm& team, std::string name, const std::vector<Vec2>& at_m);
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void frame(const engines::Frame& frame) override;
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+    void finish() override;
+
+    const std::vector<measures::TraceSeries>& series() const { return series_; }
+
+private:
+    const Case& case_;
+    const Comm& team_;
+    std::string name_;
+    engines::Slab slab_;
+    std::vector<measures::TraceSeries> series_;
+};
+
+/// The stress at the receptors of a case [Pa], compression positive; 0 off the domain.
+class ReceptorSeries : public Recording {
+public:
+    ReceptorSeries(const Case& c, const Comm& team) : case_(c), team_(team) {}
+    /// Positions and, for each, the index of its depth. Call before the run. Collective.
+    void keep(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
+    void begin(const engines::Slab& slab) override { slab_ = slab; }
+    void stress(const engines::StressFrame& frame) override;
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+    void finish() override;
+
+    const std::vector<measures::TraceSeries>& series() const { return series_; }
+
+private:
+    const Case& case_;
+    const Comm& team_;
+    engines::Slab slab_;
+    std::vector<measures::TraceSeries> series_;
+    std::vector<std::size_t> depths_; // of each
+};
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/engine.hpp"
+#include "parallel/agree.hpp"
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace shearwake::pipeline {
+
+/// Base of the parts of SurfaceRecorder: it receives the frames, is saved to and restored from
+/// checkpoints, and combines the slabs at the end.
+class Recording : public engines::Observer {
+public:
+    void begin(const engines::Slab&) override {}
+    void frame(const engines::Frame&) override {}
+    /// Collective, once, after the engine. Throws CaseFailure on all ranks together.
+    virtual void finish() = 0;
+};
+
+/// The frame nearest to a time, from 0.
+std::ptrdiff_t frame_at(const Case& c, double t_s);
+
+/// The rows of the surface that a slab holds.
+inline engines::StateRows surface_rows(const Domain& domain, const engines::Slab& slab) {
+    return {domain.nx, slab.x_start, slab.x_count, domain.ny};
+}
+
+/// Arrays of which every rank saves its own part. With the same number of ranks, each rank restores
+/// its part bit for bit; otherwise each rank receives several parts or none, which `take` combines.
+class RankParts {
+public:
+    explicit RankParts(const Comm& team) : team_(team) {}
+    /// Once per checkpoint. Collective, as all functions here.
+    void save_ranks(engines::StateWriter& state) const;
+    void save(engines::StateWriter& state, const std::string& name,
+              const std::vector<double>& mine) const;
+    /// Calls `take` with each part of `length` numbers that belongs to this rank.
+    void restore(engines::StateReader& state, const std::string& name, std::size_t length,
+                 const std::function<void(std::span<const double>)>& take) const;
+
+private:
+    const Comm& team_;
+};
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/run_case.hpp"
+
+#include "base/error.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/afferent_result.hpp"
+#include "pipeline/case_content.hpp"
+#include "pipeline/memory.hpp"
+#include "pipeline/surface_recorder.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+#include "storage/case_file/xdmf.hpp"
+#include "storage/journal/journal.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+
+namespace shearwake::pipeline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point began) {
+    return std::chrono::duration<double>(Clock::now() - began).count();
+}
+
+/// Checked in advance, since Linux grants more memory than it has and then kills the process.
+void refuse_too_large(const Case& c, const Comm& team, double available_B) {
+    const double needed_B = memory_needed_B(c, team.size());
+    if (needed_B <= available_B) return;
+    throw CaseFailure(fmt::format("out of memory: a rank needs {:.1f} GB and may use {:.1f} GB; "
+                                  "enlarge domain.spacing_mm, shrink domain.extent_mm, or use "
+                                  "more ranks per case or fewer ranks on a machine",
+                                  needed_B / 1e9, available_B / 1e9));
+}
+
+storage::SurfaceLayout layout_of(const Case& c) {
+    storage::SurfaceLayout layout{
+        .domain = c.domain, .times_s = {}, .depths_m = c.measure.depths_m};
+    for (const std::ptrdiff_t n : kept_frames(c))
+        layout.times_s.push_back(c.time.frame_s(n));
+    return layout;
+}
+
+/// Whether the case file of an earlier run is resumed. Without it, the checkpoints cannot be used.
+/// Collective.
+storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c,
+                                const storage::SurfaceLayout& layout, const Comm& team,
+                                CaseCheckpoints& checkpoints) {
+    if (!checkpoints.has_state()) {
+        checkpoints.discard(); // the remaining checkpoints cannot be used
+        return storage::Beginning::anew;
+    }
+    const bool volumes = !c.record.volumes_s.empty();
+    if (layout.empty() && !volumes) return storage::Beginning::anew;
+    long usable = 0;
+    on_root(team, [&] {
+        const std::string trouble = storage::trouble_with_part(
+            path, checkpoints.part_record(), layout,
+            volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
+        usable = trouble.empty() ? 1 : 0;
+        if (usable == 0)
+            checkpoints.say(
+                fmt::format("{}.part {}: the case starts from scratch", path.string(), trouble));
+    });
+    if (team.broadcast(usable) != 0) return storage::Beginning::go_on;
+    checkpoints.discard();
+    return storage::Beginning::anew;
+}
+
+/// Returns early if a stop was requested. After a temporary failure, such as a full disk, the case
+/// can be resumed from the newest checkpoint; after a field that is not finite, it cannot.
+void compute(const Case& c, engines::Engine& engine, const Comm& team, SurfaceRecorder& recorder,
+             storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints,
+             const CaseHooks& hooks) {
+    try {
+        or_end_alone(team, hooks.end_alone, [&] { engine.run(c, team, recorder, &checkpoints); });
+    } catch (const FieldDiverges&) {
+        checkpoints.discard();
+        throw;
+    } catch (const Error&) {
+        if (checkpoints.has_state()) writer.leave_for_later();
+        throw;
+    }
+    if (checkpoints.stop()) {
+        writer.leave_for_later();
+        return;
+    }
+    try {
+        or_end_alone(team, hooks.end_alone, [&] { recorder.finish(); });
+    } catch (const Error&) {
+        checkpoints.discard();
+        throw;
+    }
+}
+
+/// Data that must outlive a rank that ends alone.
+struct CaseFiles {
+    std::optional<storage::CaseFileWriter> writer;
+    std::optional<SurfaceRecorder> recorder;
+};
+
+std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const JobFacts& job,
+                                             engines::Engine& engine, const Comm& team,
+                                             const std::filesystem::path& path,
+                                             CaseCheckpoints& checkpoints, const CaseHooks& hooks,
+                                             CaseFiles& files) {
+    const auto began = Clock::now();
+    RunFacts facts{.job_title = job.title,
+                   .job_text = job.text,
+                   .overrides = job.overrides,
+                   .ranks = team.size(),
+                   .started = storage::timestamp()};
+    const Case& c = planned.physics;
+    refuse_too_large(c, team, job.memory_per_rank_B);
+
+    const storage::SurfaceLayout layout = layout_of(c);
+    const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
+    storage::CaseFileWriter& writer =
+        files.writer.emplace(path, team, layout, beginning, checkpoints.part_record());
+    checkpoints.keep_with([&writer] { return writer.part_record(); });
+    const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
+    SurfaceRecorder& recorder =
+        files.recorder.emplace(c, team, keeps ? &writer : nullptr, hooks.tick);
+    keep_receptors(c, recorder);
+    const double before_solve_s = seconds_since(began);
+    compute(c, engine, team, recorder, writer, checkpoints, hooks);
+    if (checkpoints.stop()) return std::nullopt;
+    const double solve_s = seconds_since(began) - before_solve_s;
+
+    AfferentResult afferents;
+    if (c.afferents) afferents = felt(felt_motion(planned, recorder), *c.afferents, team);
+    std::vector<VariableGroup> groups;
+    on_root(team, [&] {
+        groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
+                              recorder.mean_u2());
+        add_columns(afferents.columns, groups.front());
+        for (VariableGroup& group : afferents.groups)
+            groups.push_back(std::move(group));
+        if (!recorder.solver().sensors.empty())
+            groups.push_back(
+                sensor_group(*std::get<PstdOptions>(c.solver).study, recorder.solver().sensors));
+    });
+    facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
+    facts.ended = storage::timestamp();
+    facts.solver = recorder.solver();
+    facts.solver.notes.insert(facts.solver.notes.end(), afferents.notes.begin(),
+                              afferents.notes.end());
+    // The case file is written last: if it exists, all other files do.
+    on_root(team, [&] {
+        if (c.record.frames) storage::write_xdmf(path, layout);
+        if (!c.record.volumes_s.empty()) storage::write_volume_xdmf(path, writer.volume());
+    });
+    writer.commit(groups, case_attributes(planned, facts));
+    checkpoints.discard();
+    return CaseOutcome{facts.wall_s, solve_s, facts.solver};
+}
+
+} // namespace
+
+std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
+                                    engines::Engine& engine, const Comm& team,
+                                    const std::filesystem::path& path, CaseCheckpoints& checkpoints,
+                                    const CaseHooks& hooks) {
+    CaseFiles files;
+    std::optional<CaseOutcome> outcome;
+    or_end_alone(team, hooks.end_alone, [&] {
+        outcome = compute_and_write(planned, job, engine, team, path, checkpoints, hooks, files);
+    });
+    return outcome;
+}
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/plan.hpp"
+#include "engines/engine.hpp"
+#include "pipeline/case_checkpoints.hpp"
+#include "pipeline/end_alone.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace shearwake::pipeline {
+
+/// Data that all cases of a run share: the job, as stored in their files, and the memory of a rank.
+struct JobFacts {
+    std::string title;
+    std::string text;
+    std::string overrides; // key=value, one a line
+    double memory_per_rank_B = 0.0;
+};
+
+/// The result of computing a case.
+struct CaseOutcome {
+    double seconds = 0.0;       // over all runs
+    double solve_seconds = 0.0; // of this run, in the engine including measures and frames
+    engines::SolverReport solver;
+};
+
+/// Callbacks to the run.
+struct CaseHooks {
+    std::function<void()> tick; // called occasionally
+    EndAlone end_alone;
+};
+
+/// Computes one case on a team, from its newest checkpoint if it has one, and writes its file.
+/// Returns nothing if it was saved to be resumed later. Collective over the team. Throws
+/// CaseFailure on all its ranks; partial files are removed then, unless a checkpoint requires them.
+std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
+                                    engines::Engine& engine, const Comm& team,
+                                    const std::filesystem::path& path, CaseCheckpoints& checkpoints,
+                                    const CaseHooks& hooks);
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pipeline/observers/frame_sums.hpp"
+#include "pipeline/observers/instant_surface.hpp"
+#include "pipeline/observers/kept_fields.hpp"
+#include "pipeline/observers/mean_energy.hpp"
+#include "pipeline/observers/point_series.hpp"
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace shearwake::pipeline {
+
+/// The observer of all cases. Each of its parts records one kind of data.
+class SurfaceRecorder : public engines::Observer {
+public:
+    /// `writer` may be null (no fields are stored). `tick` is called once per frame, for the
+    /// progress line.
+    SurfaceRecorder(const Case& c, const Comm& team, storage::CaseFileWriter* writer,
+                    std::function<void()> tick);
+    SurfaceRecorder(const SurfaceRecorder&) = delete; // there are pointers to its parts
+    SurfaceRecorder& operator=(const SurfaceRecorder&) = delete;
+
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void stress(const engines::StressFrame& frame) override;
+    void volume_levels(const std::vector<double>& z_m) override;
+    void volume(const engines::VolumePlane& plane) override;
+    void solved(const engines::SolverReport& report) override { solver_ = report; }
+    void save(engines::StateWriter& state) override;
+    void restore(engines::StateReader& state) override;
+
+    /// Sets where the stress is recorded: positions and, for each, the index of its depth. Call
+    /// before the run.
+    void keep_stress(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths) {
+        stresses_.keep(at_m, std::move(depths));
+    }
+
+    /// Collective, once, after the engine: combines the slabs. Throws CaseFailure when the field is
+    /// not finite or a volume is not complete.
+    void finish();
+
+    const std::vector<measures::DepthSeries>& depths() const { return sums_.depths(); }
+    const std::vector<measures::TraceSeries>& traces() const { return traces_.series(); }
+    /// u_z at the pins of the afferents of the case.
+    const std::vector<measures::TraceSeries>& pins() const { return pins_.series(); }
+    /// The stress at the receptors [Pa], compression positive, at every frame; 0 off the domain.
+    const std::vector<measures::TraceSeries>& stresses_Pa() const { return stresses_.series(); }
+    /// On rank 0 only; empty elsewhere.
+    const std::optional<measures::MachFit>& mach() const { return instant_.mach(); }
+    /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
+    /// rank 0 only; empty elsewhere, and when no window fits.
+    const std::vector<double>& mean_u2() const { return mean_.all(); }
+    /// The notes of the engine; empty if there are none.
+    const engines::SolverReport& solver() const { return solver_; }
+
+private:
+    const Comm& team_;
+    std::function<void()> tick_;
+    FrameSums sums_;
+    PointSeries traces_, pins_;
+    ReceptorSeries stresses_;
+    MeanEnergy mean_;
+    InstantSurface instant_;
+    std::optional<KeptFields> kept_;
+    std::vector<Recording*> parts_; // all of these
+    engines::SolverReport solver_;
+};
+
+} // namespace shearwake::pipeline

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/diff.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace shearwake::reduce {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+std::optional<double> number(const std::string& text) {
+    double value = 0.0;
+    const char* end = text.data() + text.size();
+    const auto [stopped, problem] = std::from_chars(text.data(), end, value);
+    if (problem != std::errc() || stopped != end || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+struct Column {
+    std::size_t now, reference;
+    Tolerance tolerance;
+    double largest = 0.0; // largest magnitude of the references
+};
+
+/// The difference of the cell, if any. If the whole column of the reference is 0, any change
+/// without an absolute tolerance is a difference.
+std::optional<MovedCell> moved_cell(const std::string& now, const std::string& reference,
+                                    const Column& column) {
+    if (now == reference) return std::nullopt;
+    const auto a = number(now), b = number(reference);
+    if (!a || !b) return MovedCell{"", now, reference, nothing, infinite};
+    const double away = std::abs(*a - *b);
+    const double allowed =
+        *b != 0.0 ? column.tolerance.relative * std::abs(*b)
+                  : column.tolerance.absolute.value_or(column.tolerance.relative * column.largest);
+    if (away <= allowed) return std::nullopt;
+    const double scale = *b != 0.0 ? std::abs(*b) : column.largest;
+    return MovedCell{"", now, reference, scale > 0.0 ? (*a - *b) / scale : nothing,
+                     allowed > 0.0 ? away / allowed : infinite};
+}
+
+/// Largest first; differences without a tolerance are ordered by the change.
+bool is_worse(const MovedCell& a, const MovedCell& b) {
+    if (a.over_tolerance != b.over_tolerance) return a.over_tolerance > b.over_tolerance;
+    const auto size = [](const MovedCell& c) {
+        return std::isnan(c.change) ? infinite : std::abs(c.change);
+    };
+    return size(a) > size(b);
+}
+
+double largest_of(const TextTable& table, std::size_t column) {
+    double largest = 0.0;
+    for (const auto& row : table.rows)
+        largest = std::max(largest, std::abs(number(row[column]).value_or(0.0)));
+    return largest;
+}
+
+void require_columns(const Tolerances& tolerances, const TextTable& now,
+                     const TextTable& reference) {
+    std::vector<std::string> known = reference.columns;
+    for (const std::string& column : now.columns)
+        if (!reference.find(column)) known.push_back(column);
+    std::vector<std::string> asked = tolerances.ignored;
+    for (const auto& [column, tolerance] : tolerances.named)
+        asked.push_back(column);
+    for (const std::string& column : asked) {
+        if (std::find(known.begin(), known.end(), column) != known.end()) continue;
+        const auto meant = nearest(column, known);
+        throw UsageError(fmt::format("tolerances: neither table has a column {}; {}", column,
+                                     meant ? "did you mean " + *meant + "?"
+                                           : "the first line of each table lists its columns"));
+    }
+}
+
+} // namespace
+
+bool Differences::none() const {
+    return moved.empty() && missing_cases.empty() && extra_cases.empty() &&
+           missing_columns.empty() && extra_columns.empty();
+}
+
+Differences compare(const TextTable& now, const TextTable& reference,
+                    const Tolerances& tolerances) {
+    require_columns(tolerances, now, reference);
+    const Matched rows = match_rows(now, reference);
+    Differences found;
+    found.cases = rows.pairs.size();
+    found.cases_of_other_id = rows.by_settings;
+    for (const std::size_t row : rows.missing)
+        found.missing_cases.push_back(row_name(reference, row));
+    for (const std::size_t row : rows.extra)
+        found.extra_cases.push_back(row_name(now, row));
+
+    for (std::size_t i = 0; i < reference.columns.size(); ++i) {
+        const std::string& name = reference.columns[i];
+        if (name == "id") continue; // used for matching rows, not compared
+        if (tolerances.ignores(name)) {
+            found.not_compared.push_back(name);
+            continue;
+        }
+        const auto there = now.find(name);
+        if (!there) {
+            found.missing_columns.push_back(name);
+            continue;
+        }
+        const Column column{*there, i, tolerances.of(name), largest_of(reference, i)};
+        found.compared.push_back({name, column.tolerance});
+        MovedColumn moved{name, column.tolerance, {}};
+        for (const RowPair& pair : rows.pairs) {
+            auto cell = moved_cell(now.rows[pair.now][column.now],
+                                   reference.rows[pair.reference][column.reference], column);
+            if (!cell) continue;
+            cell->case_name = row_name(reference, pair.reference);
+            moved.cells.push_back(std::move(*cell));
+        }
+        std::stable_sort(moved.cells.begin(), moved.cells.end(), is_worse);
+        if (!moved.cells.empty()) found.moved.push_back(std::move(moved));
+    }
+    for (const std::string& name : now.columns) {
+        if (reference.find(name)) continue;
+        (tolerances.ignores(name) ? found.not_compared : found.extra_columns).push_back(name);
+    }
+    std::stable_sort(found.moved.begin(), found.moved.end(), [](const auto& a, const auto& b) {
+        return is_worse(a.cells.front(), b.cells.front());
+    });
+    return found;
+}
+
+std::filesystem::path table_in(const std::filesystem::path& path) {
+    if (!std::filesystem::exists(path))
+        throw UsageError(fmt::format("{}: no such table (CSV) or output folder", path.string()),
+                         ExitCode::environment);
+    if (!std::filesystem::is_directory(path)) return path;
+    const storage::PlanIndex plan = storage::read_plan(path / "plan.json");
+    const auto table = path / "tables" / (plan.name + ".csv");
+    if (!std::filesystem::exists(table))
+        throw UsageError(
+            fmt::format("{0} has no table yet; next: shearwake reduce {0}", path.string()),
+            ExitCode::environment);
+    return table;
+}
+
+} // namespace shearwake::reduce

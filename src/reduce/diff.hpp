@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "reduce/match.hpp"
+#include "reduce/read_csv.hpp"
+#include "reduce/tolerance.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::reduce {
+
+/// A cell beyond its tolerance.
+struct MovedCell {
+    std::string case_name; // row_name
+    std::string now, reference;
+    /// For numbers: the change divided by the reference (by the largest value of the column if that
+    /// is 0). NaN for text and for cells that are empty in one of the tables.
+    double change = 0.0;
+    double over_tolerance = 0.0; // the change in units of the tolerance; infinite for text
+};
+
+struct MovedColumn {
+    std::string column;
+    Tolerance tolerance;
+    std::vector<MovedCell> cells; // largest first
+};
+
+struct ComparedColumn {
+    std::string column;
+    Tolerance tolerance;
+};
+
+/// The differences between two tables.
+struct Differences {
+    std::vector<MovedColumn> moved; // largest first
+    std::vector<std::string> missing_cases, extra_cases, missing_columns, extra_columns;
+    std::vector<ComparedColumn> compared;
+    std::vector<std::string> not_compared;
+    std::size_t cases = 0; // number of cases that both tables have
+    std::size_t cases_of_other_id =
+        0; // of these, matched by their swept values, which is not a difference
+
+    bool none() const;
+};
+
+/// Compares cell by cell: numbers within their tolerance, text exactly. Throws UsageError when a
+/// tolerance names a column that neither table has.
+Differences compare(const TextTable& now, const TextTable& reference, const Tolerances& tolerances);
+
+/// As text: the changed columns, one per line, largest change first.
+std::string words(const Differences& differences);
+
+/// As JSON, with all cells.
+std::string json_text(const Differences& differences);
+
+/// The table of an output folder (tables/<job>.csv), or the path itself if it is a file. Throws
+/// UsageError (environment) with a remedy if there is none.
+std::filesystem::path table_in(const std::filesystem::path& path);
+
+} // namespace shearwake::reduce

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/reduce.hpp"
+
+#include "measures/measure_table.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace shearwake::reduce {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// A row of the table, from the case file or from what is known about a missing one.
+struct CaseRow {
+    std::string status, note;
+    double wall_s = nothing;
+    std::vector<storage::IndexedScalar> scalars;
+
+    double value(const std::string& name) const {
+        for (const storage::IndexedScalar& v : scalars)
+            if (v.name == name) return v.value;
+        return nothing;
+    }
+};
+
+/// The places where the report shows a column.
+const char* name_of(measures::Shown shown) {
+    switch (shown) {
+    case measures::Shown::csv:
+        return "csv";
+    case measures::Shown::shapes:
+        return "shapes";
+    case measures::Shown::page:
+    case measures::Shown::headlines:
+        break;
+    }
+    return "page";
+}
+
+/// The table as JSON: every column with its unit and description, every case with its values (null:
+/// none) and the reasons for empty cells.
+std::string json_text(const storage::PlanIndex& plan, const Table& table,
+                      storage::CaseIndex& index) {
+    using nlohmann::ordered_json;
+    ordered_json columns = ordered_json::array(), cases = ordered_json::array();
+    const std::size_t first = 2 + plan.swept_keys.size(), end = table.columns.size() - 3;
+    std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
+                                   table.columns.begin() + static_cast<std::ptrdiff_t>(end));
+    const auto place = [](const std::string& name) {
+        const measures::Measure* measure = measures::find_measure(name);
+        return measure ? measure - measures::all_measures().data()
+                       : std::ssize(measures::all_measures());
+    };
+    std::ranges::stable_sort(names, {}, place);
+    for (const std::string& name : names) {
+        const measures::Measure* measure = measures::find_measure(name);
+        columns.push_back({{"name", name},
+                           {"unit", measure ? measure->unit : ""},
+                           {"meaning", measure ? measures::with_details(measure->meaning, {}) : ""},
+                           {"shown", name_of(measure ? measure->shown : measures::Shown::csv)},
+                           {"over_reference_of", measure ? measure->over_reference_of : ""}});
+    }
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+        const auto& cells = table.rows[row];
+        ordered_json values = ordered_json::object(), notes = ordered_json::object();
+        for (std::size_t i = first; i < end; ++i)
+            values[table.columns[i]] = std::get<double>(cells[i]);
+        if (const storage::CaseDigest* digest = index.find(plan.cases[row].id))
+            for (const storage::IndexedScalar& scalar : digest->scalars)
+                if (!scalar.note.empty()) notes[scalar.name] = scalar.note;
+        cases.push_back({{"id", plan.cases[row].id},
+                         {"status", std::get<std::string>(cells[end + 1])},
+                         {"note", std::get<std::string>(cells[end + 2])},
+                         {"wall_s", std::get<double>(cells[end])},
+                         {"values", values},
+                         {"notes", notes}});
+    }
+    return ordered_json({{"columns", columns}, {"cases", cases}}).dump(1) + "\n";
+}
+
+/// The reasons for empty cells, with the columns grouped by reason.
+std::string notes_of(const std::vector<storage::IndexedScalar>& scalars) {
+    std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
+    for (const storage::IndexedScalar& v : scalars) {
+        if (v.note.empty() || !std::isnan(v.value)) continue;
+        const auto same = std::find_if(by_reason.begin(), by_reason.end(),
+                                       [&](const auto& entry) { return entry.first == v.note; });
+        if (same == by_reason.end())
+            by_reason.emplace_back(v.note, v.name);
+        else
+            same->second += ", " + v.name;
+    }
+    std::string text;
+    for (const auto& [reason, columns] : by_reason)
+        text += (text.empty() ? "" : "; ") + columns + ": " + reason;
+    return text;
+}
+
+CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& journal,
+                 storage::CaseIndex& index) {
+    CaseRow row;
+    if (const storage::CaseDigest* digest = index.find(c.id)) {
+        row.status = digest->status;
+        row.scalars = digest->scalars;
+        row.note = digest->whole() ? notes_of(row.scalars) : digest->damage;
+        row.wall_s = digest->wall_s;
+        return row;
+    }
+    const auto history = journal.cases.find(c.id);
+    const bool failed = history != journal.cases.end() &&
+                        history->second.state == storage::CaseHistory::State::failed;
+    row.status = failed ? "failed" : "missing";
+    row.note = failed ? history->second.reason : "not computed";
+    return row;
+}
+
+Cell cell_of(const storage::IndexedCase& c, const std::string& key) {
+    for (const Setting& setting : c.settings)
+        if (setting.key == key)
+            return std::visit([](const auto& v) { return Cell(v); }, setting.value);
+    return nothing;
+}
+
+/// Adds measures that are ratios to the unmodulated reference, the effect of a modulation.
+std::vector<measures::Measure> ratios() {
+    std::vector<measures::Measure> found;
+    for (const measures::Measure& measure : measures::all_measures())
+        if (*measure.over_reference_of) found.push_back(measure);
+    return found;
+}
+
+Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
+                  storage::CaseIndex& index) {
+    const storage::JournalContents journal = storage::read_journals(input.folder);
+    std::vector<CaseRow> rows;
+    std::map<std::string, std::size_t> by_id;
+    std::vector<std::string>
+        measures; // names of the measures of all cases, in the order of the files
+    for (const storage::IndexedCase& c : plan.cases) {
+        by_id[c.id] = rows.size();
+        rows.push_back(read_row(c, journal, index));
+        for (const storage::IndexedScalar& v : rows.back().scalars)
+            if (std::find(measures.begin(), measures.end(), v.name) == measures.end())
+                measures.push_back(v.name);
+    }
+    index.save();
+
+    Table table;
+    table.columns = {"id", "reference"};
+    table.columns.insert(table.columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
+    table.columns.insert(table.columns.end(), measures.begin(), measures.end());
+    for (const measures::Measure& ratio : ratios())
+        table.columns.emplace_back(ratio.name);
+    table.columns.insert(table.columns.end(), {"wall_s", "status", "note"});
+
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const storage::IndexedCase& c = plan.cases[i];
+        std::vector<Cell> cells = {c.id, c.is_reference ? std::string("yes") : std::string()};
+        for (const std::string& key : plan.swept_keys)
+            cells.push_back(cell_of(c, key));
+        for (const std::string& name : measures)
+            cells.emplace_back(rows[i].value(name));
+        const auto reference = by_id.find(c.reference_id);
+        for (const measures::Measure& ratio : ratios()) {
+            const std::string of = ratio.over_reference_of;
+            cells.emplace_back(reference == by_id.end()
+                                   ? nothing
+                                   : rows[i].value(of) / rows[reference->second].value(of));
+        }
+        cells.emplace_back(rows[i].wall_s);
+        cells.emplace_back(rows[i].status);
+        cells.emplace_back(rows[i].note);
+        table.rows.push_back(std::move(cells));
+    }
+    return table;
+}
+
+} // namespace
+
+Table table_of(const ReduceInput& input) {
+    storage::CaseIndex index(input.folder, storage::CaseIndex::Trust::checksum);
+    return build_table(input, storage::read_plan(input.plan), index);
+}
+
+ReducedTables reduce(const ReduceInput& input) {
+    const storage::PlanIndex plan = storage::read_plan(input.plan);
+    storage::CaseIndex index(input.folder, storage::CaseIndex::Trust::checksum);
+    const Table table = build_table(input, plan, index);
+    ReducedTables written;
+    for (const storage::IndexedCase& c : plan.cases) {
+        const storage::CaseDigest* digest = index.find(c.id);
+        if (digest && !digest->whole()) written.damaged.push_back(c.id);
+        if (!digest || !digest->whole()) continue;
+        if (!digest->has_checksum) ++written.without_checksum;
+        if (std::ranges::find(written.programs, digest->git_id) == written.programs.end())
+            written.programs.push_back(digest->git_id);
+    }
+    storage::make_directory(input.tables);
+    written.csv = input.tables / (plan.name + ".csv");
+    written.markdown = input.tables / (plan.name + ".md");
+    storage::write_file(written.csv, csv(table));
+    storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, table, index));
+
+    std::vector<std::string> columns = {"id", "reference"};
+    columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
+    for (const measures::Measure& measure : measures::all_measures())
+        if (measure.shown == measures::Shown::headlines) columns.emplace_back(measure.name);
+    columns.insert(columns.end(), {"wall_s", "status", "note"});
+    storage::write_file(written.markdown,
+                        "# " + markdown_text(plan.title) + "\n\n" + markdown(table, columns));
+
+    written.rows = table.rows.size();
+    const std::size_t status = table.columns.size() - 2;
+    written.whole = static_cast<std::size_t>(
+        std::count_if(table.rows.begin(), table.rows.end(), [&](const std::vector<Cell>& row) {
+            return std::get<std::string>(row[status]) == "complete";
+        }));
+    return written;
+}
+
+} // namespace shearwake::reduce

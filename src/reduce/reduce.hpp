@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "reduce/table.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::reduce {
+
+/// The location of the files of a sweep and of its tables.
+struct ReduceInput {
+    std::filesystem::path folder, plan, tables; // `folder` contains the journals and the case files
+};
+
+struct ReducedTables {
+    std::filesystem::path csv, markdown;
+    std::size_t rows = 0;
+    std::size_t whole = 0;
+    std::vector<std::string> damaged; // ids
+    std::size_t without_checksum =
+        0; // number of complete files of earlier versions, which cannot be verified
+    std::vector<std::string> programs; // git ids of the programs that computed the complete cases
+};
+
+/// One row per case, in the order of the plan, references last: id, all swept keys, all measures,
+/// ratios to the reference case, wall_s, status (complete, failed, damaged, missing) and note (the
+/// reason for a failure or for empty cells). Verifies the checksums of all case files. Only reads
+/// files; not collective.
+Table table_of(const ReduceInput& input);
+
+/// Writes the table as CSV and Markdown. Throws UsageError (environment) when it cannot.
+ReducedTables reduce(const ReduceInput& input);
+
+} // namespace shearwake::reduce

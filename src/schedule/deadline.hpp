@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/comm.hpp"
+
+#include <chrono>
+#include <limits>
+#include <string>
+
+namespace shearwake::schedule {
+
+/// Seconds of "90", "1:30", "2:00:00" or "1-12:00:00". Throws UsageError for anything else.
+double parse_walltime(const std::string& text);
+
+/// The time at which a run must have ended, given by --walltime, by the limit of its Slurm job, or
+/// neither. A twentieth of the time, at most a minute, is reserved for checkpoints of running
+/// cases.
+class Deadline {
+public:
+    Deadline() = default;
+    /// `walltime` may be empty. Rank 0 queries Slurm (SLURM_JOB_END_TIME, otherwise squeue). Later
+    /// changes of the system clock have no effect. Collective.
+    Deadline(const std::string& walltime, const Comm& world);
+
+    bool exists() const { return limit_s_ < std::numeric_limits<double>::infinity(); }
+    /// Time limit of the complete run.
+    double limit_s() const { return limit_s_; }
+    double left_s() const;
+    /// Whether a case that takes `needed_s` may start now: if it will end in time, or if it takes
+    /// longer than the limit and most of the time remains. Such a case is resumed from its
+    /// checkpoint in the next run; otherwise it would never start.
+    bool lets_begin(double needed_s) const { return lets_begin(needed_s, left_s()); }
+    bool lets_begin(double needed_s, double left_s) const;
+
+private:
+    double limit_s_ = std::numeric_limits<double>::infinity();
+    std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+};
+
+} // namespace shearwake::schedule

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "config/job.hpp"
+#include "parallel/comm.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// Parses "key=value", the argument of -S. Throws UsageError without a '='.
+config::Override parse_override(const std::string& text);
+
+/// Rank 0 reads the job and the files that it names, relative to its folder; every rank gets the
+/// same bytes. Collective. Throws BadJob with all errors; prints nothing.
+config::Job load_job(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                     const Comm& world);
+
+} // namespace shearwake::schedule

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/learned_times.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake::schedule {
+namespace {
+
+/// Largest number of groups. Cases of further kinds are corrected by the ratio of their engine.
+constexpr int most_groups = 32;
+
+} // namespace
+
+LearnedTimes::LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world)
+    : cases_(std::move(cases)), began_us_(cases_.size(), 0) {
+    const auto number_of = [&](const std::string& name, int otherwise) {
+        const auto known = numbers_.find(name);
+        if (known != numbers_.end()) return known->second;
+        if (otherwise >= 0 && group_count_ >= most_groups) return otherwise;
+        numbers_[name] = group_count_;
+        engine_of_group_.push_back(otherwise < 0 ? group_count_ : otherwise);
+        return group_count_++;
+    };
+    for (const ExpectedCase& c : cases_) {
+        engines_.push_back(number_of(c.engine, -1));
+        groups_.push_back(number_of(c.engine + ": " + c.kinds, engines_.back()));
+    }
+    counters_.emplace(world, 3 * group_count_ + 2);
+    if (!world.is_root()) return;
+    for (std::size_t i = 0; i < cases_.size(); ++i)
+        counters_->fetch_add(left_counter(groups_[i]), std::lround(1e6 * cases_[i].estimated_s));
+}
+
+void LearnedTimes::add(int number, double seconds, double estimated_s) {
+    counters_->fetch_add(group(number).taken, std::lround(1e6 * seconds));
+    counters_->fetch_add(group(number).estimated, std::lround(1e6 * estimated_s));
+}
+
+void LearnedTimes::recall(const storage::JournalContents& journal) {
+    for (const auto& [id, history] : journal.cases) {
+        const storage::CaseTimes& times = history.times;
+        const auto engine = numbers_.find(times.engine);
+        if (times.estimated_seconds > 0.0 && engine != numbers_.end())
+            add(engine->second, times.seconds, times.estimated_seconds);
+    }
+}
+
+long LearnedTimes::now_us() const {
+    return std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began_)
+        .count();
+}
+
+void LearnedTimes::begin(std::size_t index) {
+    began_us_[index] = now_us();
+    counters_->fetch_add(begun_us(), began_us_[index]);
+    counters_->fetch_add(at_work(), 1);
+}
+
+void LearnedTimes::end(std::size_t index) {
+    if (began_us_[index] > 0) {
+        counters_->fetch_add(at_work(), -1);
+        counters_->fetch_add(begun_us(), -began_us_[index]);
+    }
+    counters_->fetch_add(left_counter(groups_[index]),
+                         -std::lround(1e6 * cases_[index].estimated_s));
+}
+
+void LearnedTimes::learn(std::size_t index, double seconds, double estimated_s) {
+    add(engines_[index], seconds, estimated_s);
+    add(groups_[index], seconds, estimated_s);
+}
+
+double LearnedTimes::ratio(int number) const {
+    const auto estimated = static_cast<double>(counters_->read(group(number).estimated));
+    if (!(estimated > 0.0)) return 0.0;
+    return static_cast<double>(counters_->read(group(number).taken)) / estimated;
+}
+
+double LearnedTimes::ratio_of_case(int number, int engine) const {
+    for (const int which : {number, engine})
+        if (const double found = ratio(which); found > 0.0) return found;
+    return 1.0;
+}
+
+double LearnedTimes::factor(std::size_t index) const {
+    return ratio_of_case(groups_[index], engines_[index]);
+}
+
+double LearnedTimes::left_s() const {
+    double left_us = 0.0;
+    for (int number = 0; number < group_count_; ++number)
+        if (const long us = counters_->read(left_counter(number)); us > 0)
+            left_us += static_cast<double>(us) *
+                       ratio_of_case(number, engine_of_group_[static_cast<std::size_t>(number)]);
+    const auto behind_us =
+        static_cast<double>(counters_->read(at_work()) * now_us() - counters_->read(begun_us()));
+    return 1e-6 * std::max(0.0, left_us - std::max(0.0, behind_us));
+}
+
+} // namespace shearwake::schedule

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/shared_counters.hpp"
+#include "storage/journal/journal.hpp"
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// The properties of a case that determine its time.
+struct ExpectedCase {
+    std::string engine;
+    std::string kinds;        // of work; estimates of cases with the same kinds have similar errors
+    double estimated_s = 0.0; // on its team
+};
+
+/// Corrects the estimates of a sweep by the ratio of measured to estimated times: that of cases
+/// with the same kinds of work or, without any, that of cases with the same engine. The ratios
+/// include earlier runs that the journal records, and are shared by all teams. Only the constructor
+/// is collective.
+class LearnedTimes {
+public:
+    LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world);
+
+    /// Adds the times of earlier runs. On one rank only.
+    void recall(const storage::JournalContents& journal);
+    void begin(std::size_t index);
+    /// The case has ended or will not be computed in this run.
+    void end(std::size_t index);
+    /// Adds the measured time of a case and the estimate of the same work.
+    void learn(std::size_t index, double seconds, double estimated_s);
+
+    /// Ratio of measured to estimated time; 1 without any measurement.
+    double factor(std::size_t index) const;
+    /// Remaining time of all teams together, without the part of running cases that has elapsed.
+    double left_s() const;
+
+private:
+    struct Group {
+        int taken, estimated; // counters of microseconds
+    };
+    Group group(int number) const { return {2 * number, 2 * number + 1}; }
+    void add(int number, double seconds, double estimated_s);
+    /// The ratio of a group; 0 without any measurement.
+    double ratio(int number) const;
+    double ratio_of_case(int group, int engine) const;
+    int left_counter(int number) const { return 2 * group_count_ + number; }
+    int at_work() const { return 3 * group_count_; }
+    int begun_us() const { return at_work() + 1; }
+    long now_us() const;
+
+    std::vector<ExpectedCase> cases_;
+    std::map<std::string, int> numbers_; // of engines and kinds
+    std::vector<int> engines_, groups_;  // of each case
+    std::vector<long> began_us_;         // of each case that this team computes
+    std::vector<int> engine_of_group_;
+    int group_count_ = 0;
+    std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+    mutable std::optional<SharedCounters> counters_;
+};
+
+} // namespace shearwake::schedule

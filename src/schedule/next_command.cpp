@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/next_command.hpp"
+
+#include <cctype>
+#include <fmt/format.h>
+
+namespace shearwake::schedule {
+namespace {
+
+bool is_plain(char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("._-/=+,:@%").find(c) != std::string_view::npos;
+}
+
+} // namespace
+
+std::string shell_word(const std::string& word) {
+    bool plain = !word.empty();
+    for (const char c : word)
+        plain = plain && is_plain(c);
+    if (plain) return word;
+    std::string quoted = "'";
+    for (const char c : word)
+        quoted += c == '\'' ? "'\\''" : std::string(1, c);
+    return quoted + "'";
+}
+
+std::string run_command_line(const std::filesystem::path& job,
+                             const std::vector<std::string>& overrides,
+                             const std::filesystem::path& out) {
+    std::string line = "shearwake run " + shell_word(job.string());
+    for (const std::string& text : overrides)
+        line += " -S " + shell_word(text);
+    if (!out.empty()) line += " --out " + shell_word(out.string());
+    return line;
+}
+
+std::string run_command_line(const RunArguments& arguments) {
+    std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out);
+    if (arguments.ranks_per_case > 0)
+        line += fmt::format(" --ranks-per-case {}", arguments.ranks_per_case);
+    if (!arguments.only.empty())
+        line += fmt::format(" --only {}",
+                            shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));
+    if (!arguments.shard.empty()) line += " --shard " + shell_word(arguments.shard);
+    if (arguments.allow_mixed) line += " --allow-mixed";
+    return line;
+}
+
+std::string reduce_command_line(const OutputFolder& folder) {
+    const std::string root = shell_word(folder.root.string());
+    return fmt::format("shearwake reduce {0} && shearwake report {0}", root);
+}
+
+} // namespace shearwake::schedule

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "schedule/output_folder.hpp"
+#include "schedule/run_arguments.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// The word, quoted for a shell if necessary.
+std::string shell_word(const std::string& word);
+
+/// The command that resumes a run: `shearwake run JOB -S ... --out ...`. An empty `out` stands for
+/// the default.
+std::string run_command_line(const std::filesystem::path& job,
+                             const std::vector<std::string>& overrides,
+                             const std::filesystem::path& out);
+
+/// The command that resumes a run with its options for selection, teams and versions.
+std::string run_command_line(const RunArguments& arguments);
+
+/// `shearwake reduce DIR && shearwake report DIR`
+std::string reduce_command_line(const OutputFolder& folder);
+
+} // namespace shearwake::schedule

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "config/job.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/journal/run_lock.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// The paths of an output folder, see docs/developer/architecture.md.
+struct OutputFolder {
+    std::filesystem::path root;
+
+    std::filesystem::path job() const { return root / "job.toml"; }
+    std::filesystem::path plan() const { return root / "plan.json"; }
+    /// The journal of a part of the sweep, or of an additional host, see journal_name().
+    std::filesystem::path journal(const std::string& part = "", const std::string& host = "") const;
+    /// The index that belongs to the journal of the same part and host.
+    std::filesystem::path index(const std::string& part = "", const std::string& host = "") const;
+    /// Held by every run; a run of a part holds part_lock() in addition.
+    std::filesystem::path run_lock() const { return root / "locks" / "run"; }
+    std::filesystem::path part_lock(const std::string& part) const { return root / "locks" / part; }
+    std::filesystem::path claims() const { return root / "locks" / "cases"; }
+    /// Runs stop if the user creates this file, and can be resumed after it has been removed.
+    std::filesystem::path stop_file() const { return root / "STOP"; }
+    /// Whether the folder has been removed: from the first run on it contains a plan. Returns false
+    /// if the file system reports an error. Not collective.
+    bool has_lost_plan() const;
+    /// The reason of the failure of a case.
+    std::filesystem::path failure(const std::string& id) const {
+        return root / "failed" / (id + ".txt");
+    }
+    /// The path to which a damaged case file is moved.
+    std::filesystem::path damaged_file(const std::string& id) const {
+        return root / "failed" / (id + ".damaged.h5");
+    }
+    std::filesystem::path cases() const { return root / "cases"; }
+    std::filesystem::path tables() const { return root / "tables"; }
+    std::filesystem::path report() const { return root / "report"; }
+    std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
+    /// The checkpoints of a running case are this path with .A.h5 and .B.h5 appended.
+    std::filesystem::path checkpoints(const std::string& id) const {
+        return root / "checkpoints" / id;
+    }
+};
+
+/// Creates the folder for this job, or checks an existing one. A damaged plan.json is rewritten if
+/// all case files belong to this job; a warning is returned in this case. Throws UsageError if the
+/// folder contains another plan or is not writable. Not collective.
+std::string prepare_output(const OutputFolder& folder, const config::Job& job);
+
+/// Removes partial files of the cases to be computed, `work` (positions in the plan), unless a
+/// checkpoint needs them or another run computes the case. Removes the checkpoints of complete
+/// cases. Not collective.
+void clear_half_written(const OutputFolder& folder, const Plan& plan,
+                        const std::vector<std::size_t>& work, storage::CaseIndex& index,
+                        storage::RunLock::Sharing beside);
+
+/// A damaged case file and the path to which it was moved.
+struct SetAside {
+    std::string id, reason;
+    std::filesystem::path place;
+};
+
+/// Moves the damaged files of the cases to be computed, `work`, to failed/, where they can be
+/// inspected. Throws UsageError (environment). Not collective.
+std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& plan,
+                                        const std::vector<std::size_t>& work,
+                                        storage::CaseIndex& index);
+
+} // namespace shearwake::schedule

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+
+namespace shearwake::schedule {
+
+/// The progress of a sweep.
+struct SweepCounts {
+    long total = 0; // cases to be computed in this run
+    long done = 0;
+    long failed = 0;
+    long running = 0;
+    double left_s = 0.0; // estimated time until the teams have ended
+};
+
+/// Prints the progress on rank 0: one line that is redrawn on a terminal, elsewhere a line every
+/// 5 % or every minute. Not collective.
+class Progress {
+public:
+    enum class Style { automatic, quiet };
+    /// `log`: a file to which a JSON object per line is appended; empty: none.
+    Progress(Style style, std::filesystem::path log);
+
+    /// Starts the clock from which the rate is computed.
+    void start();
+    /// Prints the progress if a line is due. Cheap, may be called often.
+    void update(const SweepCounts& counts);
+    /// Prints a separate line.
+    void say(const std::string& line);
+    void finish();
+
+private:
+    void log(const SweepCounts& counts);
+    std::string line(const SweepCounts& counts) const;
+
+    bool quiet_, live_;
+    std::filesystem::path log_;
+    std::chrono::steady_clock::time_point logged_;
+    bool drawn_ = false;
+    std::chrono::steady_clock::time_point began_, last_;
+    long last_percent_ = 0;
+};
+
+} // namespace shearwake::schedule

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pipeline/case_checkpoints.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// Arguments of every command that reads a job.
+struct JobArguments {
+    std::filesystem::path job;
+    std::vector<std::string> overrides; // key=value
+};
+
+/// Arguments of `shearwake run`.
+struct RunArguments : JobArguments {
+    std::filesystem::path out; // empty: out/<job name>
+    int ranks_per_case = 0;    // 0: choose
+    std::vector<std::string> only;
+    std::string shard; // "I/N"
+    pipeline::CheckpointSchedule checkpoints;
+    bool retry_failed = false;
+    bool fail_fast = false;
+    bool allow_mixed = false; // continue in a folder with results of another version of the program
+    std::string walltime;     // empty: the limit of the scheduler, or none
+    std::filesystem::path log_json; // empty: none
+    bool quiet = false;
+};
+
+} // namespace shearwake::schedule

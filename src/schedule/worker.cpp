@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/worker.hpp"
+
+#include "engines/registry/make_engine.hpp"
+#include "parallel/agree.hpp"
+#include "parallel/session.hpp"
+#include "pipeline/provenance.hpp"
+#include "schedule/next_command.hpp"
+#include "schedule/stop_signal.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <thread>
+
+namespace shearwake::schedule {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// An estimate may be short by as much before a case is begun that will not end in time.
+constexpr double allowance = 1.2;
+/// Waits before a case is tried again that a file has ended.
+constexpr std::array waits_for_files = {1s, 5s};
+/// Whatever ended that many cases in a row ends the others as well.
+constexpr int most_file_failures_in_a_row = 3;
+
+int engine_number(const Case& c) {
+    return static_cast<int>(c.solver.index());
+}
+
+std::vector<ExpectedCase> expected(const WorkList& list) {
+    std::vector<ExpectedCase> all;
+    for (const PlannedCase* planned : list.cases) {
+        const cost::CaseCost& cost = list.costs.of(planned->physics);
+        all.push_back(
+            {engine_name(planned->physics.solver), cost.kinds,
+             cost::seconds_on(cost, list.ranks_per_case, list.teams, list.costs.machine())});
+    }
+    return all;
+}
+
+/// This host's name where the journal of rank 0's host is another's. Collective.
+std::string further_host(const Comm& world) {
+    const std::string mine = storage::host_name();
+    return world.broadcast(mine) == mine ? "" : mine;
+}
+
+} // namespace
+
+Worker::Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
+               const Comm& team, Progress& progress)
+    : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
+      journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
+      times_(expected(list), world) {
+    together(world, [&] {
+        if (team_.is_root()) claims_.emplace(list_.folder.claims());
+    });
+    if (world.is_root()) times_.recall(learned);
+}
+
+void Worker::work() {
+    const auto began = std::chrono::steady_clock::now();
+    while (true) {
+        long index = -1;
+        if (team_.is_root()) index = next();
+        index = team_.broadcast(index);
+        if (index < 0) break;
+        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        at_ = static_cast<std::size_t>(index);
+        if (team_.is_root()) times_.begin(at_);
+        const bool is_done = one_case(*list_.cases[at_]);
+        if (!team_.is_root()) continue;
+        times_.end(at_);
+        claims_->release(number);
+        if (is_done) computed_.push_back(static_cast<double>(number));
+    }
+    worked_us_ =
+        std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
+            .count();
+    if (!team_.is_root()) return;
+    counters_.fetch_add(teams_us, worked_us_);
+    counters_.fetch_add(teams_ended, 1);
+}
+
+/// The next case for this team, on its root; -1 when there is none.
+long Worker::next() {
+    while (true) {
+        look_for_folder();
+        if (stop_asked()) counters_.fetch_add(stopping, 1);
+        if (counters_.read(stopping) != 0) return -1;
+        const long index = counters_.fetch_add(next_case, 1);
+        if (index >= static_cast<long>(list_.cases.size())) return -1;
+        const PlannedCase& planned = *list_.cases[static_cast<std::size_t>(index)];
+        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        const auto place = static_cast<std::size_t>(index);
+        if (!in_time(place)) {
+            counters_.fetch_add(put_off, 1);
+            times_.end(place);
+            continue;
+        }
+        if (!claims_->claim(number)) {
+            counters_.fetch_add(elsewhere, 1);
+            times_.end(place);
+            continue;
+        }
+        // Another run may have ended it since this one looked.
+        if (storage::is_whole(list_.folder.case_file(planned.id), planned.id)) {
+            claims_->release(number);
+            counters_.fetch_add(elsewhere, 1);
+            times_.end(place);
+            continue;
+        }
+        return index;
+    }
+}
+
+double Worker::estimated_s(const PlannedCase& planned) const {
+    const Case& c = planned.physics;
+    const cost::CaseCost& cost = list_.costs.of(c);
+    const bool shares = before_ && before_->medium == c.medium && before_->domain == c.domain;
+    const double shared =
+        shares ? 0.0 : cost::shared_seconds_on(cost, team_.size(), list_.costs.machine());
+    return shared + cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
+}
+
+/// Whether a case may begin now, by its estimate and by what cases have taken so far, less what a
+/// saved case has behind it.
+bool Worker::in_time(std::size_t index) {
+    if (!list_.deadline.exists()) return true;
+    const PlannedCase& planned = *list_.cases[index];
+    const double learned_s = allowance * times_.factor(index) * estimated_s(planned);
+    const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
+                                                  {planned.id, pipeline::program_git_id()});
+    return list_.deadline.lets_begin(learned_s - before);
+}
+
+/// A case may meet a file system that fails for a moment: it is tried again. What is its own fault
+/// is not. The ranks of the team agree on each failure, so they do the same. Whether it is done.
+bool Worker::one_case(const PlannedCase& planned) {
+    if (team_.is_root()) counters_.fetch_add(begun, 1);
+    case_log_.clear();
+    bool is_done = false;
+    for (std::size_t attempt = 0;; ++attempt) {
+        Trouble trouble = Trouble::lasting;
+        storage::Blame blame = storage::Blame::case_itself;
+        std::string reason;
+        try {
+            pipeline::or_end_alone(
+                team_, [&](const std::string& why) { end_alone(planned, why); },
+                [&] { is_done = compute(planned); });
+            file_failures_in_a_row_ = 0;
+            break;
+        } catch (const FileFailure& failure) {
+            trouble = failure.trouble(), blame = storage::Blame::files, reason = failure.what();
+        } catch (const CaseFailure& failure) {
+            reason = failure.what();
+        } catch (const UsageError& failure) { // the file system refuses
+            trouble = failure.trouble(), blame = storage::Blame::files, reason = failure.what();
+        }
+        engine_.reset(); // what a failed case leaves there is not trusted
+        if (trouble == Trouble::lasting || attempt == waits_for_files.size()) {
+            record(planned, reason, blame);
+            break;
+        }
+        if (team_.is_root())
+            say(fmt::format("case {} is tried again in {} s: {}", planned.id,
+                            waits_for_files[attempt].count(), reason));
+        std::this_thread::sleep_for(waits_for_files[attempt]);
+    }
+    before_ = &planned.physics;
+    tick();
+    return is_done;
+}
+
+/// Whether it is done, and not saved to go on later.
+bool Worker::compute(const PlannedCase& planned) {
+    on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
+    // What an engine shares between its cases is in the way of another engine's.
+    if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
+    if (!engine_) engine_ = engines::make_engine(planned.physics.solver);
+    const pipeline::EndAlone alone = [&](const std::string& reason) { end_alone(planned, reason); };
+    pipeline::CaseCheckpoints checkpoints(
+        list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
+        list_.arguments.checkpoints, team_, journal_,
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }, alone});
+    const auto outcome = pipeline::run_case(planned, list_.facts, *engine_, team_,
+                                            list_.folder.case_file(planned.id), checkpoints,
+                                            {[this] { tick(); }, alone});
+    if (!outcome) {
+        if (team_.is_root()) counters_.fetch_add(begun, -1);
+        return false;
+    }
+    const storage::CaseTimes times{outcome->seconds, estimated_s(planned),
+                                   engine_name(planned.physics.solver)};
+    on_root(team_, [&] {
+        journal_.finished(planned.id, times);
+        storage::add_to_index(list_.folder.index(list_.part, host_),
+                              list_.folder.case_file(planned.id));
+        std::error_code none;
+        std::filesystem::remove(list_.folder.failure(planned.id), none);
+    });
+    tell(planned, outcome->solver);
+    if (!team_.is_root()) return true;
+    times_.learn(at_, times.seconds, times.estimated_seconds);
+    counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
+    counters_.fetch_add(done, 1);
+    return true;
+}
+
+/// One line of what iterated or chose what no case before it did; else nothing.
+void Worker::tell(const PlannedCase& planned, const engines::SolverReport& solver) {
+    std::vector<std::string> news;
+    if (solver.iterations > 0)
+        news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
+                                   solver.iterations, solver.most_iterations));
+    for (const std::string& note : solver.notes)
+        if (told_.insert(note).second) news.push_back(note);
+    if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
+        progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
+}
+
+/// All ranks of the team are here.
+void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Blame blame) {
+    if (!team_.is_root()) return;
+    say(fmt::format("case {} failed: {}", planned.id, reason));
+    try {
+        journal_.failed(planned.id, reason, blame);
+        keep_failure(planned, reason);
+    } catch (const std::exception& error) {
+        progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
+    }
+    counters_.fetch_add(failed, 1);
+    if (list_.arguments.fail_fast) give_up();
+    if (blame != storage::Blame::files) return;
+    counters_.fetch_add(failed_files, 1);
+    last_folder_ = {}; // now
+    look_for_folder();
+    if (counters_.read(folder_gone) == 0 &&
+        ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
+        progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
+                                  most_file_failures_in_a_row));
+        give_up();
+    }
+}
+
+/// A folder that is removed while files are written keeps some of them: only its plan tells.
+void Worker::look_for_folder() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_folder_ < 500ms) return;
+    last_folder_ = now;
+    if (!list_.folder.has_lost_plan()) return;
+    counters_.fetch_add(folder_gone, 1);
+    give_up();
+}
+
+void Worker::give_up() {
+    counters_.fetch_add(given_up, 1);
+    counters_.fetch_add(stopping, 1);
+}
+
+/// One rank alone has met what no other knows of, in the middle of a computation that they share:
+/// MPI has no way back from there. The case is written down as failed and all ranks end, so that
+/// the same command goes on without it.
+void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
+    const std::string words =
+        fmt::format("rank {} of its team of {} alone: {}", team_.rank(), team_.size(), reason);
+    try {
+        journal_.failed(planned.id, words, storage::Blame::case_itself);
+        keep_failure(planned, words);
+    } catch (const std::exception&) { // then it is tried again
+    }
+    abort_all_ranks(fmt::format("case {} failed on {}; the other cases are saved or resume from "
+                                "their newest checkpoint: rerun the command",
+                                planned.id, words),
+                    ExitCode::stopped_early);
+}
+
+/// All that is needed to look into the case: reason, log, inputs, and how to try it again.
+void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
+    storage::make_directory(list_.folder.failure(planned.id).parent_path());
+    RunArguments again = list_.arguments;
+    again.only = {planned.id};
+    again.shard.clear();
+    std::string text =
+        fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
+                    "again: {} --retry-failed\n\nlog:\n",
+                    planned.id, storage::timestamp(), storage::host_name(), team_.size(),
+                    pipeline::program_git_id(), reason, run_command_line(again));
+    for (const std::string& line : case_log_)
+        text += "  " + line + "\n";
+    text += fmt::format("\nsettings:\n{}\n\ncase (SI):\n{}",
+                        storage::settings_text(planned.settings), canonical_text(planned.physics));
+    storage::write_file(list_.folder.failure(planned.id), text);
+}
+
+void Worker::say(const std::string& text) {
+    case_log_.push_back(storage::timestamp() + " " + text);
+    progress_.say(text);
+}
+
+/// Whether a signal has come to any team's root, the time is up, or there is a STOP file. Called by
+/// roots between the steps of a case, so it asks rank 0's memory only now and then.
+bool Worker::stop_asked() {
+    if (!signal_told_ && (stop_requested() || list_.deadline.left_s() <= 0.0)) {
+        signal_told_ = true;
+        counters_.fetch_add(signalled, 1);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (world_.is_root() && !signal_told_ && now - last_stop_file_ > 500ms) {
+        last_stop_file_ = now;
+        std::error_code unknown;
+        if (std::filesystem::exists(list_.folder.stop_file(), unknown)) {
+            signal_told_ = true;
+            counters_.fetch_add(signalled, 1);
+        }
+    }
+    if (!signal_seen_ && now - last_look_ > 50ms) {
+        last_look_ = now;
+        signal_seen_ = counters_.read(signalled) > 0;
+    }
+    return signal_told_ || signal_seen_;
+}
+
+void Worker::tick() {
+    if (!world_.is_root()) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_tick_ < 50ms) return;
+    last_tick_ = now;
+    stop_asked(); // the STOP file, for the other teams
+    SweepCounts counts{.total = static_cast<long>(list_.cases.size()),
+                       .done = counters_.read(done),
+                       .failed = counters_.read(failed)};
+    counts.running = counters_.read(begun) - counts.done - counts.failed;
+    const long ended =
+        counts.done + counts.failed + counters_.read(put_off) + counters_.read(elsewhere);
+    counts.left_s = times_.left_s() /
+                    static_cast<double>(std::clamp<long>(counts.total - ended, 1, list_.teams));
+    progress_.update(counts);
+}
+
+WorkResult Worker::wait_for_others() {
+    while (world_.is_root() && counters_.read(teams_ended) < list_.teams) {
+        tick();
+        std::this_thread::sleep_for(20ms);
+    }
+    world_.barrier();
+    last_tick_ = {}; // the last word is said in any case
+    tick();
+    const auto of = [&](Shared which) {
+        return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);
+    };
+    const double longest_us = world_.max(team_.is_root() ? static_cast<double>(worked_us_) : 0.0);
+    const auto all_us = static_cast<double>(of(teams_us));
+    const auto cases = static_cast<double>(std::max(1L, of(done)));
+    const storage::RunTimes times{
+        .idle_share = longest_us > 0.0 ? 1.0 - all_us / (longest_us * list_.teams) : 0.0,
+        .beside_solve_s = 1e-6 * (all_us - static_cast<double>(of(solves_us))) / cases};
+    std::vector<std::size_t> computed;
+    for (const double number : world_.gather(computed_))
+        computed.push_back(static_cast<std::size_t>(number));
+    return {.done = of(done),
+            .failed = of(failed),
+            .failed_files = of(failed_files),
+            .put_off = of(put_off),
+            .elsewhere = of(elsewhere),
+            .asked_to_stop = of(signalled) != 0,
+            .given_up = of(given_up) != 0,
+            .folder_gone = of(folder_gone) != 0,
+            .computed = std::move(computed),
+            .times = times};
+}
+
+} // namespace shearwake::schedule

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/case_file/case_file_reader.hpp"
+
+#include "base/error.hpp"
+#include "storage/hdf5/guard.hpp"
+#include "storage/hdf5/h5.hpp"
+
+#include <hdf5.h>
+
+namespace shearwake::storage {
+namespace {
+
+void read_attributes(hid_t file, CaseSummary& summary) {
+    const auto visit = [](hid_t object, const char* name, const H5A_info_t*, void* out) -> herr_t {
+        auto& into = *static_cast<CaseSummary*>(out);
+        try {
+            const h5::Id attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "open attribute");
+            const h5::Id type(H5Aget_type(attribute.raw()), H5Tclose, "look at attribute");
+            if (H5Tget_class(type.raw()) == H5T_STRING)
+                into.texts[name] = h5::text_attribute(object, name);
+            else
+                into.numbers[name] = h5::number_attribute(object, name);
+        } catch (const std::exception&) {
+            return -1; // no exception may pass through the C library
+        }
+        return 0;
+    };
+    h5::check(H5Aiterate2(file, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &summary),
+              "read the attributes");
+}
+
+} // namespace
+
+CaseSummary read_case_summary(const std::filesystem::path& path) {
+    const IntegrityCheck check = check_integrity(path);
+    if (check.state == Integrity::damaged) throw Error("it is damaged: " + check.reason);
+    // A file that matches its checksum contains nothing that HDF5 does not expect.
+    if (check.state == Integrity::unprotected)
+        must_survive(path, [&] { read_summary_unguarded(path, check.state); });
+    return read_summary_unguarded(path, check.state);
+}
+
+CaseSummary read_summary_unguarded(const std::filesystem::path& path, Integrity found) {
+    const h5::Id file = h5::open_file(path, h5::Access::read);
+    CaseSummary summary;
+    read_attributes(file.raw(), summary);
+    summary.has_checksum = found == Integrity::intact;
+    if (!summary.has_checksum && summary.texts.contains(checksum_attribute))
+        throw Error("it is damaged: the checksum at its end is missing");
+    for (const char* needed : {"status", "case_id", "title"})
+        if (!summary.texts.contains(needed))
+            throw Error(path.string() + " is not a shearwake case file (attribute " + needed +
+                        " is missing)");
+    for (const std::string& name : h5::dataset_names(file.raw())) {
+        const h5::Id dataset = h5::open_dataset(file.raw(), name);
+        Variable variable{.name = name};
+        if (h5::has_attribute(dataset.raw(), "units"))
+            variable.units = h5::text_attribute(dataset.raw(), "units");
+        if (h5::has_attribute(dataset.raw(), "long_name"))
+            variable.long_name = h5::text_attribute(dataset.raw(), "long_name");
+        if (h5::has_attribute(dataset.raw(), "note"))
+            variable.note = h5::text_attribute(dataset.raw(), "note");
+        const auto shape = h5::shape(dataset);
+        if (shape.empty()) {
+            variable.values = h5::read_all(dataset);
+            summary.scalars.push_back(std::move(variable));
+        } else {
+            for (const hsize_t extent : shape)
+                variable.dimensions.push_back(std::to_string(extent));
+            summary.shapes.push_back(std::move(variable));
+        }
+    }
+    return summary;
+}
+
+bool is_whole(const std::filesystem::path& path, const std::string& id) {
+    if (!std::filesystem::exists(path)) return false;
+    const auto look = [&] {
+        const h5::Id file = h5::open_file(path, h5::Access::read);
+        return h5::text_attribute(file.raw(), "status") == "complete" &&
+               h5::text_attribute(file.raw(), "case_id") == id;
+    };
+    try {
+        const Integrity found = check_integrity(path).state;
+        if (found == Integrity::damaged) return false;
+        if (found == Integrity::unprotected) must_survive(path, look);
+        return look();
+    } catch (const Error&) {
+        return false; // truncated or damaged: the case is recomputed
+    }
+}
+
+} // namespace shearwake::storage

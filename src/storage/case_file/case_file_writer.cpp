@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/case_file/case_file_writer.hpp"
+
+#include "base/error.hpp"
+#include "storage/checksum/file_checksum.hpp"
+#include "parallel/agree.hpp"
+#include "storage/case_file/variable_group.hpp"
+#include "storage/files.hpp"
+#include "storage/hdf5/h5_block.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <variant>
+
+namespace shearwake::storage {
+namespace {
+
+std::vector<hsize_t> shape_of(const SurfaceLayout& layout) {
+    return {layout.times_s.size(), layout.depths_m.size(), static_cast<hsize_t>(layout.domain.nx),
+            static_cast<hsize_t>(layout.domain.ny)};
+}
+
+} // namespace
+
+double SurfaceLayout::bytes() const {
+    return static_cast<double>(times_s.size() * depths_m.size()) *
+           static_cast<double>(domain.nx * domain.ny) * sizeof(double);
+}
+
+CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& team,
+                               SurfaceLayout surface, Beginning beginning,
+                               const std::string& record)
+    : path_(path), part_(path.string() + ".part"), team_(team), surface_(std::move(surface)) {
+    if (beginning == Beginning::go_on) resumed_ = fields_of(team_.broadcast(record));
+    on_root(team_, [&] {
+        if (beginning == Beginning::go_on) return;
+        refuse_if_full(surface_.bytes());
+        try {
+            create_surface();
+        } catch (...) {
+            std::error_code ignored;
+            std::filesystem::remove(part_, ignored);
+            throw;
+        }
+    });
+    if (surface_.empty()) return;
+    open_shared();
+    resume_counts(0, 1, surface_.domain);
+}
+
+/// The fields [first, end) in the order of part_record().
+void CaseFileWriter::resume_counts(std::size_t first, std::size_t end, const Domain& domain) {
+    const auto plane_B = static_cast<std::uint64_t>(domain.nx * domain.ny) * sizeof(double);
+    for (std::size_t i = first; i < std::min(end, resumed_.size()); ++i) {
+        planes_.resize(std::max(planes_.size(), i + 1));
+        planes_[i] = resumed_[i].written / plane_B;
+    }
+}
+
+void CaseFileWriter::open_shared() {
+    shared_file_ = h5::open_shared(part_, team_);
+    is_shared_ = true;
+    if (!surface_.empty()) shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z");
+}
+
+void CaseFileWriter::close_shared() {
+    if (!is_shared_) return;
+    is_shared_ = false;
+    for (h5::Id& field : shared_volumes_)
+        field.close_shared("close a volume field", team_);
+    shared_volumes_.clear();
+    if (!surface_.empty()) shared_field_.close_shared("close a surface field", team_);
+    shared_file_.close_shared("close " + part_.string(), team_);
+}
+
+void CaseFileWriter::refuse_if_full(double needed_B) const {
+    // Checked in advance, since an MPI write to a full disk may end the whole program.
+    const double needed = needed_B + 1e6;
+    const double free = free_bytes(path_.parent_path());
+    if (free < needed)
+        throw FileFailure(
+            fmt::format(
+                "cannot write {}: it requires {:.1f} MB, but the disk has only {:.1f} MB left",
+                path_.string(), needed / 1e6, free / 1e6),
+            Trouble::lasting);
+}
+
+CaseFileWriter::~CaseFileWriter() {
+    if (committed_ || left_ || !team_.is_root()) return;
+    std::error_code ignored;
+    std::filesystem::remove(part_, ignored);
+}
+
+void CaseFileWriter::create_surface() const {
+    h5::Id file = h5::open_file(part_, h5::Access::create);
+    if (!surface_.empty()) {
+        const h5::Id group = h5::create_group(file.raw(), "surface");
+        const Domain& d = surface_.domain;
+        const std::vector<Variable> axes = {
+            {"time", {"time"}, surface_.times_s, "s", "time since the load began", ""},
+            {"depth", {"depth"}, surface_.depths_m, "m", "depth below the skin surface", ""},
+            {"x",
+             {"x"},
+             coordinate(d.nx, [&](auto i) { return d.x_m(i); }),
+             "m",
+             "position along x, the scan direction",
+             ""},
+            {"y",
+             {"y"},
+             coordinate(d.ny, [&](auto j) { return d.y_m(j); }),
+             "m",
+             "position along y",
+             ""}};
+        write_group(group.raw(), axes);
+        create_field(group.raw(),
+                     {.name = "u_z",
+                      .dimensions = {"time", "depth", "x", "y"},
+                      .units = "m",
+                      .long_name = "normal displacement, positive into the tissue"},
+                     shape_of(surface_));
+    }
+    file.close("close " + part_.string());
+}
+
+void CaseFileWriter::count_plane(std::size_t field, std::uint64_t plane) {
+    if (field >= planes_.size()) planes_.resize(field + 1);
+    if (planes_[field] == plane) ++planes_[field];
+}
+
+std::string CaseFileWriter::part_record() {
+    if (!is_shared_) return "";
+    std::string record;
+    on_root(team_, [&] {
+        std::vector<FieldBytes> fields;
+        const auto add = [&](const h5::Id& dataset, std::uint64_t plane_B) {
+            const haddr_t offset = H5Dget_offset(dataset.raw());
+            if (offset == HADDR_UNDEF)
+                throw Error("a field has no space allocated in the case file");
+            const std::size_t n = fields.size();
+            const std::uint64_t planes = n < planes_.size() ? planes_[n] : 0;
+            fields.push_back({offset, H5Dget_storage_size(dataset.raw()), planes * plane_B});
+        };
+        if (!surface_.empty())
+            add(shared_field_, static_cast<std::uint64_t>(surface_.domain.nx * surface_.domain.ny) *
+                                   sizeof(double));
+        for (const h5::Id& volume : shared_volumes_)
+            add(volume,
+                static_cast<std::uint64_t>(volume_.domain.nx * volume_.domain.ny) * sizeof(double));
+        record = checksums_.record(part_, fields);
+    });
+    return record;
+}
+
+void CaseFileWriter::write_surface(std::size_t time, std::size_t depth, View2<const double> u_z_m,
+                                   std::ptrdiff_t x_start) {
+    const h5::Block block{
+        {time, depth, static_cast<hsize_t>(x_start), 0},
+        {1, 1, static_cast<hsize_t>(u_z_m.rows()), static_cast<hsize_t>(u_z_m.columns())}};
+    h5::write_block(shared_field_, block, u_z_m, "write a surface field to " + part_.string(),
+                    team_);
+    count_plane(0, time * surface_.depths_m.size() + depth);
+}
+
+void CaseFileWriter::begin_volume(VolumeLayout volume, std::ptrdiff_t x_count) {
+    volume_ = std::move(volume);
+    together(team_,
+             [&] { turned_.reserve(static_cast<std::size_t>(x_count * volume_.domain.ny)); });
+    close_shared(); // only rank 0 changes the structure of the file
+    on_root(team_, [&] {
+        h5::Id file = h5::open_file(part_, h5::Access::read_write);
+        if (!has_volume_group(file.raw(), volume_)) {
+            // Space for the surface fields is allocated, but nothing is written yet.
+            refuse_if_full(surface_.bytes() + volume_.bytes());
+            create_volume_group(file.raw(), volume_);
+        }
+        file.close("close " + part_.string());
+    });
+    open_shared();
+    for (const Variable& variable : volume_.variables())
+        shared_volumes_.push_back(h5::open_dataset(shared_file_.raw(), "volume/" + variable.name));
+    resume_counts(surface_.empty() ? 0 : 1, resumed_.size(), volume_.domain);
+}
+
+void CaseFileWriter::write_volume(std::size_t variable, std::size_t time, std::size_t level,
+                                  View2<const double> values, std::ptrdiff_t x_start) {
+    const std::ptrdiff_t rows = values.rows(), ny = volume_.domain.ny;
+    turned_.resize(static_cast<std::size_t>(rows * ny)); // within the capacity that was reserved
+    for (std::ptrdiff_t j = 0; j < ny; ++j)
+        for (std::ptrdiff_t i = 0; i < rows; ++i)
+            turned_[static_cast<std::size_t>(j * rows + i)] = values(i, j);
+    const h5::Block block{{time, level, 0, static_cast<hsize_t>(x_start)},
+                          {1, 1, static_cast<hsize_t>(ny), static_cast<hsize_t>(rows)}};
+    h5::write_block(shared_volumes_.at(variable), block,
+                    View2<const double>(turned_.data(), ny, rows),
+                    "write a volume field to " + part_.string(), team_);
+    count_plane((surface_.empty() ? 0 : 1) + variable, time * volume_.z_m.size() + level);
+}
+
+void CaseFileWriter::flush() {
+    if (!is_shared_) return;
+    h5::check_together(H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string(),
+                       team_);
+    on_root(team_, [&] { flush_to_disk(part_); });
+}
+
+std::string trouble_with_part(const std::filesystem::path& path, const std::string& record,
+                              const SurfaceLayout& surface, KeepsVolume volume) {
+    const std::filesystem::path part = path.string() + ".part";
+    if (!std::filesystem::exists(part)) return "is missing";
+    if (const std::string trouble = trouble_with_bytes(part, record); !trouble.empty())
+        return trouble;
+    // Its structure matches what was written.
+    try {
+        const h5::Id file = h5::open_file(part, h5::Access::read);
+        H5G_info_t root{};
+        h5::check(H5Gget_info(file.raw(), &root), "inspect the root group");
+        const hsize_t groups = (surface.empty() ? 0 : 1) + (volume == KeepsVolume::yes ? 1 : 0);
+        if (root.nlinks != groups) return "was left incomplete by an interrupted run";
+        if (surface.empty()) return "";
+        const h5::Id field = h5::open_dataset(file.raw(), "surface/u_z");
+        if (h5::shape(field) != shape_of(surface)) return "contains different surface fields";
+        if (H5Dget_offset(field.raw()) == HADDR_UNDEF) return "has no space for its surface fields";
+        return "";
+    } catch (const Error& error) {
+        return fmt::format("is damaged ({})", error.what());
+    }
+}
+
+void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,
+                            const std::vector<Attribute>& attributes) {
+    close_shared();
+    on_root(team_, [&] {
+        h5::Id file = h5::open_file(part_, h5::Access::read_write);
+        for (const VariableGroup& group : groups) {
+            if (group.name.empty())
+                write_group(file.raw(), group.variables);
+            else
+                write_group(h5::create_group(file.raw(), group.name).raw(), group.variables);
+        }
+        for (const Attribute& attribute : attributes)
+            std::visit(
+                [&](const auto& value) { h5::put_attribute(file.raw(), attribute.name, value); },
+                attribute.value);
+        h5::put_attribute(file.raw(), checksum_attribute, std::string(checksum_promise));
+        h5::check(H5Fflush(file.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string());
+        file.close("close " + part_.string());
+        append_checksum(part_);
+        publish(part_, path_);
+        committed_ = true;
+    });
+}
+
+} // namespace shearwake::storage

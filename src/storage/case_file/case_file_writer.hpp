@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/view.hpp"
+#include "case/case.hpp"
+#include "case/record.hpp"
+#include "parallel/comm.hpp"
+#include "storage/case_file/volume_group.hpp"
+#include "storage/checksum/part_checksum.hpp"
+#include "storage/hdf5/h5.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace shearwake::storage {
+
+/// The surface fields that a case stores: u_z(time, depth, x, y) in group /surface.
+struct SurfaceLayout {
+    Domain domain;
+    std::vector<double> times_s;
+    std::vector<double> depths_m;
+
+    bool empty() const { return times_s.empty(); }
+    double bytes() const;
+};
+
+/// Whether a case file is created from scratch or that of an earlier run is continued.
+enum class Beginning { anew, go_on };
+
+/// Writes a case file: `<path>.part` until it is committed, then complete and renamed. It is
+/// removed if it is not committed, unless it is left for a later run. xarray can open the result:
+/// every variable has dimension scales, a unit and a long name.
+class CaseFileWriter {
+public:
+    /// Collective. Rank 0 creates the file, then all ranks open it through MPI if surface fields
+    /// will be written. Throws CaseFailure on all ranks (no space, no permission). `record`: that
+    /// of the file that is continued, see part_record().
+    CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
+                   Beginning beginning = Beginning::anew, const std::string& record = "");
+    /// Not collective: rank 0 removes what was not committed.
+    ~CaseFileWriter();
+    CaseFileWriter(const CaseFileWriter&) = delete;
+    CaseFileWriter& operator=(const CaseFileWriter&) = delete;
+
+    /// Writes the rows of this rank from x_start of one surface field. Collective; ranks may have
+    /// no rows.
+    void write_surface(std::size_t time, std::size_t depth, View2<const double> u_z_m,
+                       std::ptrdiff_t x_start);
+
+    /// Allocates space for the volume snapshots, or finds it again, and memory for the `x_count`
+    /// rows of this rank. Call once, before the first snapshot. Collective; throws CaseFailure on
+    /// all ranks (no space).
+    void begin_volume(VolumeLayout volume, std::ptrdiff_t x_count);
+    const VolumeLayout& volume() const { return volume_; }
+    /// Writes the rows of this rank from x_start of one level of a variable of the layout.
+    /// Collective; ranks may have no rows.
+    void write_volume(std::size_t variable, std::size_t time, std::size_t level,
+                      View2<const double> values, std::ptrdiff_t x_start);
+
+    /// Flushes all fields to the disk. Only their values have changed since the file was created,
+    /// so it can be opened again even if the program is killed. Collective.
+    void flush();
+    /// Checksums of the content of the file after a flush, for the corresponding checkpoint; on
+    /// rank 0, and empty elsewhere or if no fields are stored. Collective.
+    std::string part_record();
+    /// From now on, an uncommitted file is left for a later run. Not collective.
+    void leave_for_later() { left_ = true; }
+
+    /// Writes the rest of the file, flushes and renames it. Collective; only the arguments of rank
+    /// 0 are written.
+    void commit(const std::vector<VariableGroup>& groups, const std::vector<Attribute>& attributes);
+
+private:
+    void create_surface() const;
+    void open_shared();
+    void close_shared();
+    void resume_counts(std::size_t first, std::size_t end, const Domain& domain);
+    void count_plane(std::size_t field, std::uint64_t plane);
+    void refuse_if_full(double needed_B) const;
+
+    std::filesystem::path path_, part_;
+    Comm team_;
+    SurfaceLayout surface_;
+    VolumeLayout volume_;
+    h5::Id shared_file_, shared_field_;
+    std::vector<h5::Id> shared_volumes_; // one per variable
+    std::vector<double> turned_;         // a plane of the volume with x contiguous
+    // Number of planes of each field that are already written: of the surface, then of the volumes.
+    std::vector<std::uint64_t> planes_;
+    std::vector<FieldBytes> resumed_; // the fields of the record
+    PartChecksum checksums_;          // on rank 0
+    bool is_shared_ = false;          // shared_file_ is open
+    bool committed_ = false, left_ = false;
+};
+
+enum class KeepsVolume { no, yes };
+
+/// The reason why `<path>.part` cannot be continued, as a phrase that follows its name. Empty if
+/// its bytes match the record in the checkpoint, and it has these surface fields and, if stored, a
+/// volume. Not collective.
+std::string trouble_with_part(const std::filesystem::path& path, const std::string& record,
+                              const SurfaceLayout& surface, KeepsVolume volume = KeepsVolume::no);
+
+} // namespace shearwake::storage

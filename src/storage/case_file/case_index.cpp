@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/case_file/case_index.hpp"
+
+#include "base/error.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/files.hpp"
+#include "storage/hdf5/guard.hpp"
+#include "storage/checksum/sealed_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <sys/stat.h>
+
+namespace shearwake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+using Stamp = CaseStamp;
+
+std::optional<Stamp> stamp_of(const fs::path& path) {
+    struct stat info {};
+    if (::stat(path.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) return std::nullopt;
+    return Stamp{static_cast<std::uintmax_t>(info.st_size),
+                 std::int64_t{info.st_ctim.tv_sec} * 1'000'000'000 + info.st_ctim.tv_nsec};
+}
+
+CaseDigest damaged(const std::string& id, const std::string& why) {
+    return {.id = id, .status = "damaged", .damage = why, .wall_s = nothing};
+}
+
+CaseDigest lost(const std::string& id, const std::string& why) {
+    CaseDigest digest = damaged(id, why);
+    digest.is_lost = true;
+    return digest;
+}
+
+/// The disk failed, perhaps temporarily: the file may be intact.
+bool is_of_the_system(const FileFailure& error) {
+    const std::string_view words = error.what();
+    return error.trouble() == Trouble::lasting || std::ranges::any_of(passing_errors, [&](int e) {
+               return words.ends_with(std::strerror(e));
+           });
+}
+
+CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity found) {
+    CaseDigest digest{.id = id, .wall_s = nothing};
+    try {
+        const CaseSummary summary = read_summary_unguarded(path, found);
+        digest.has_checksum = summary.has_checksum;
+        if (summary.texts.at("case_id") != id) throw Error("it contains another case");
+        if (summary.texts.at("status") != "complete") throw Error("it is not complete");
+        digest.status = summary.texts.at("status");
+        if (summary.texts.contains("git_id")) digest.git_id = summary.texts.at("git_id");
+        if (summary.numbers.contains("wall_s")) digest.wall_s = summary.numbers.at("wall_s");
+        for (const Variable& v : summary.scalars)
+            digest.scalars.push_back({v.name, v.values.at(0), v.note});
+    } catch (const FileFailure& error) {
+        return is_of_the_system(error) ? damaged(id, error.what()) : lost(id, error.what());
+    } catch (const std::exception& error) { // including sizes that cannot be allocated
+        return lost(id, error.what());
+    }
+    return digest;
+}
+
+/// JSON has no NaN.
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+double number_in(const Json& value) {
+    return value.is_null() ? nothing : value.get<double>();
+}
+
+std::string text_of(const Json& line) {
+    return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
+    Json line;
+    line["id"] = digest.id;
+    line["size"] = stamp.size;
+    line["changed_ns"] = stamp.changed_ns;
+    if (digest.is_lost) {
+        line["damage"] = digest.damage;
+        return seal(text_of(line));
+    }
+    line["has_checksum"] = digest.has_checksum;
+    line["git_id"] = digest.git_id;
+    line["wall_s"] = number(digest.wall_s);
+    line["scalars"] = Json::array();
+    for (const IndexedScalar& s : digest.scalars) {
+        Json entry = Json::array({s.name, number(s.value)});
+        // The note of an existing value is never shown.
+        if (!std::isfinite(s.value)) entry.push_back(s.note);
+        line["scalars"].push_back(std::move(entry));
+    }
+    return seal(text_of(line));
+}
+
+std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
+    const Stamp stamp{line.at("size"), line.at("changed_ns")};
+    if (line.contains("damage")) return {stamp, lost(line.at("id"), line.at("damage"))};
+    CaseDigest digest{.id = line.at("id"), .status = "complete"};
+    digest.has_checksum = line.at("has_checksum");
+    digest.git_id = line.at("git_id");
+    digest.wall_s = number_in(line.at("wall_s"));
+    for (const Json& s : line.at("scalars"))
+        digest.scalars.push_back({s.at(0), number_in(s.at(1)), s.size() > 2 ? s.at(2) : Json("")});
+    return {stamp, digest};
+}
+
+/// JSON cannot represent infinity: such cases are read from their files again.
+bool can_be_kept(const CaseDigest& digest) {
+    bool fine = digest.whole() || digest.is_lost;
+    for (const IndexedScalar& s : digest.scalars)
+        fine = fine && !std::isinf(s.value);
+    return fine;
+}
+
+} // namespace
+
+CaseIndex::CaseIndex(fs::path folder, Trust trust, std::function<void(const VerifyProgress&)> tell)
+    : folder_(std::move(folder)), trust_(trust), tell_(std::move(tell)) {
+    std::error_code missing;
+    for (const auto& file : fs::directory_iterator(folder_, missing)) {
+        const std::string name = file.path().filename().string();
+        if (!name.starts_with("index") || !name.ends_with(".jsonl")) continue;
+        std::istringstream lines(read_file(file.path()));
+        for (std::string text; std::getline(lines, text);) {
+            const Unsealed line = unseal(text);
+            if (line.seal != Seal::sound) {
+                ++lines_passed_over_;
+                continue;
+            }
+            try {
+                auto [stamp, digest] = entry_of(Json::parse(line.text));
+                const std::string id = digest.id;
+                known_[id] = {stamp, std::move(digest)};
+            } catch (const nlohmann::json::exception&) {
+                ++lines_passed_over_;
+            }
+        }
+    }
+}
+
+const CaseDigest* CaseIndex::find(const std::string& id) {
+    const auto checked = checked_.find(id);
+    if (checked != checked_.end()) return &checked->second;
+    const auto stamp = stamp_of(case_file(id));
+    if (!stamp) return nullptr;
+    if (trust_ == Trust::size_and_time && take_known(id, *stamp)) return &checked_[id];
+    read_missing();
+    const auto read = checked_.find(id);
+    return read == checked_.end() ? nullptr : &read->second; // another process has removed it
+}
+
+const std::map<std::string, CaseDigest>& CaseIndex::all() {
+    read_missing();
+    return checked_;
+}
+
+fs::path CaseIndex::case_file(const std::string& id) const {
+    return folder_ / "cases" / (id + ".h5");
+}
+
+bool CaseIndex::take_known(const std::string& id, const Stamp& stamp) {
+    const auto known = known_.find(id);
+    if (known == known_.end() || known->second.stamp != stamp) return false;
+    checked_[id] = std::move(known->second.digest);
+    known_.erase(known);
+    return true;
+}
+
+void CaseIndex::put(const std::string& id, const CaseStamp& stamp, CaseDigest digest) {
+    const CaseDigest& kept = checked_[id] = std::move(digest);
+    if (can_be_kept(kept)) news_ += line_of(stamp, kept) + "\n";
+}
+
+/// Reads all files that are not checked yet. Files that match their checksum are read directly.
+/// Files without a checksum are first read together in a forked child, and one by one if that
+/// fails.
+void CaseIndex::read_missing() {
+    std::vector<std::pair<std::string, Stamp>> missing, unprotected;
+    std::error_code gone;
+    for (const auto& entry : fs::directory_iterator(folder_ / "cases", gone)) {
+        if (entry.path().extension() != ".h5") continue;
+        const std::string id = entry.path().stem().string();
+        const auto stamp = stamp_of(entry.path());
+        if (!stamp || checked_.contains(id)) continue;
+        if (trust_ == Trust::checksum || !take_known(id, *stamp)) missing.emplace_back(id, *stamp);
+    }
+    std::ranges::sort(missing, {}, &std::pair<std::string, Stamp>::first);
+    std::vector<fs::path> files;
+    for (const auto& [id, stamp] : missing)
+        files.push_back(case_file(id));
+    const std::vector<VerifiedFile> verified = verify_files(files, tell_);
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        const auto& [id, stamp] = missing[i];
+        const auto& [check, unreadable] = verified[i];
+        verified_B_ += static_cast<double>(check.bytes);
+        const auto known = known_.find(id);
+        const bool in_index = known != known_.end() && known->second.stamp == stamp;
+        if (!unreadable.empty()) {
+            if (fs::exists(files[i], gone)) put(id, stamp, damaged(id, unreadable));
+        } else if (check.state == Integrity::unprotected) {
+            unprotected.emplace_back(id, stamp);
+        } else if (check.state == Integrity::damaged) {
+            put(id, stamp, lost(id, check.reason));
+        } else if (in_index && known->second.digest.has_checksum) {
+            take_known(id, stamp);
+        } else {
+            put(id, stamp, read_digest(files[i], id, check.state));
+        }
+    }
+    if (unprotected.empty()) return;
+    const double seconds = 30.0 + 0.1 * static_cast<double>(unprotected.size());
+    const auto try_out = [&](const std::string& id) {
+        read_digest(case_file(id), id, Integrity::unprotected);
+    };
+    const bool all = survives(
+        [&] {
+            for (const auto& [id, stamp] : unprotected)
+                try_out(id);
+        },
+        seconds);
+    for (const auto& [id, stamp] : unprotected) {
+        const bool fine = all || survives([&, &name = id] { try_out(name); });
+        put(id, stamp,
+            fine ? read_digest(case_file(id), id, Integrity::unprotected)
+                 : lost(id, "the HDF5 library crashes on it"));
+    }
+}
+
+void CaseIndex::save() {
+    if (news_.empty()) return;
+    news_.pop_back(); // append_line adds the end of the line
+    try {
+        append_line(folder_ / "index.jsonl", news_, Flush::later);
+    } catch (const UsageError&) { // the folder is read-only or full
+    }
+    news_.clear();
+}
+
+void add_to_index(const fs::path& index, const fs::path& case_file) {
+    const auto stamp = stamp_of(case_file);
+    if (!stamp) return;
+    // The file has just been written: its bytes are verified only when they may have changed.
+    const CaseDigest digest = read_digest(case_file, case_file.stem().string(), Integrity::intact);
+    if (!digest.whole() || !can_be_kept(digest)) return;
+    try {
+        append_line(index, line_of(*stamp, digest), Flush::later);
+    } catch (const UsageError&) { // it will be read from the file
+    }
+}
+
+std::string index_name(const std::string& journal_name) {
+    return "index" + journal_name.substr(std::string_view("journal").size());
+}
+
+} // namespace shearwake::storage

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include "storage/checksum/verify_files.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace shearwake::storage {
+
+/// A scalar of a case file; NaN: no value, `note` gives the reason.
+struct IndexedScalar {
+    std::string name;
+    double value = 0.0;
+    std::string note;
+};
+
+/// The data of one case file that tables require.
+struct CaseDigest {
+    std::string id;     // the name of the file
+    std::string status; // "complete" or, where the file cannot be read, "damaged"
+    std::string damage; // why it is damaged
+    bool is_lost =
+        false; // the bytes have changed, in contrast to a file that currently cannot be read
+    bool has_checksum = false; // false for files of earlier versions
+    std::string git_id;        // git id of the program that computed it
+    double wall_s = 0.0;
+    std::vector<IndexedScalar> scalars; // in the order of the file
+
+    bool whole() const { return status == "complete"; }
+};
+
+/// Identifies a version of a file. The time is that of the last change to the file or its
+/// attributes (ctime), which programs cannot set.
+struct CaseStamp {
+    std::uintmax_t size = 0;
+    std::int64_t changed_ns = 0;
+    bool operator==(const CaseStamp&) const = default;
+};
+
+/// The scalars of the case files of an output folder, stored in `index*.jsonl` next to them, so
+/// that ten thousand files need not be opened every time. A line is valid if its checksum matches
+/// and its file has the recorded size and time of change. Missing data are read from the files,
+/// whose checksums are verified. Detected damage is also recorded for the next run. The index can
+/// be deleted without harm. Not collective.
+class CaseIndex {
+public:
+    /// The condition for using a line of the index: size and time of the file match, or its bytes
+    /// do as well, which are then read and verified once.
+    enum class Trust { size_and_time, checksum };
+
+    /// Reads the existing index; damaged lines are treated as missing.
+    explicit CaseIndex(std::filesystem::path folder, Trust trust = Trust::size_and_time,
+                       std::function<void(const VerifyProgress&)> tell = {});
+
+    /// Null if there is no such file. The pointer stays valid.
+    const CaseDigest* find(const std::string& id);
+    /// The entries of all case files in the folder, in the order of their names.
+    const std::map<std::string, CaseDigest>& all();
+    /// Number of lines of the index that were ignored: damaged, truncated or of an earlier version.
+    long lines_passed_over() const { return lines_passed_over_; }
+    /// Number of bytes that were read to verify checksums.
+    double verified_B() const { return verified_B_; }
+    bool is_whole(const std::string& id) {
+        const CaseDigest* digest = find(id);
+        return digest && digest->whole();
+    }
+    /// Adds the entries that were read from files to the index. Has no effect if the folder is not
+    /// writable.
+    void save();
+
+private:
+    struct Entry {
+        CaseStamp stamp;
+        CaseDigest digest;
+    };
+
+    std::filesystem::path case_file(const std::string& id) const;
+    bool take_known(const std::string& id, const CaseStamp& stamp);
+    void read_missing();
+    void put(const std::string& id, const CaseStamp& stamp, CaseDigest digest);
+
+    std::filesystem::path folder_;
+    Trust trust_;
+    std::function<void(const VerifyProgress&)> tell_;
+    long lines_passed_over_ = 0;
+    double verified_B_ = 0.0;
+    std::map<std::string, Entry> known_; // according to the lines
+    std::map<std::string, CaseDigest> checked_;
+    std::string news_; // lines
+};
+
+/// Adds a case that was just written to the index file `index`. A failure has no consequences. Not
+/// collective.
+void add_to_index(const std::filesystem::path& index, const std::filesystem::path& case_file);
+
+/// The index file that belongs to a journal of that name.
+std::string index_name(const std::string& journal_name);
+
+} // namespace shearwake::storage

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/comm.hpp"
+#include "storage/hdf5/h5.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+namespace shearwake::storage {
+
+/// A checkpoint belongs to a case (whose id is the hash of its canonical text) and to the program
+/// that wrote it, since another version may store its state differently.
+struct CheckpointOwner {
+    std::string case_id;
+    std::string git_id;
+};
+
+/// Metadata of a checkpoint.
+struct CheckpointFacts {
+    long sequence = 0;    // increases with every save
+    double seconds = 0.0; // time for which the case has been computed
+    std::string part;     // checksums of the corresponding unfinished case file; may be empty
+};
+
+/// Rows of an array [total][row_length] that this rank holds.
+struct RowRange {
+    std::ptrdiff_t total = 0, start = 0, count = 0, row_length = 0;
+};
+
+/// Writes a checkpoint: `<path>.part` until it is committed; removed if it is not. Collective over
+/// the team; throws CaseFailure or UsageError (environment) on all ranks.
+class CheckpointFileWriter {
+public:
+    CheckpointFileWriter(const std::filesystem::path& path, const Comm& team);
+    /// Not collective: rank 0 removes what was not committed.
+    ~CheckpointFileWriter();
+    CheckpointFileWriter(const CheckpointFileWriter&) = delete;
+    CheckpointFileWriter& operator=(const CheckpointFileWriter&) = delete;
+
+    /// Together, the ranks provide every row once.
+    void put(const std::string& name, const RowRange& rows, const double* values);
+    void put(const std::string& name, double value);
+    /// Writes owner, facts and scalars, and finally the attribute that marks the file as complete;
+    /// flushes and renames it.
+    void commit(const CheckpointOwner& owner, const CheckpointFacts& facts);
+
+private:
+    std::filesystem::path path_, part_;
+    Comm team_;
+    h5::Id file_;
+    std::map<std::string, double> scalars_;
+    bool committed_ = false;
+};
+
+/// The reason why a file is not a checkpoint of this owner, as a phrase that follows its name. If
+/// its attributes are valid, returns an empty string and fills `facts`. Not collective.
+std::string trouble_with_checkpoint(const std::filesystem::path& path, const CheckpointOwner& owner,
+                                    CheckpointFacts& facts);
+
+/// A complete checkpoint, opened by the team. Collective, as the writer.
+class CheckpointFileReader {
+public:
+    CheckpointFileReader(const std::filesystem::path& path, const Comm& team);
+
+    /// Reads everything once and verifies the checksums. Returns the damaged part, or nothing.
+    /// Equal on all ranks.
+    std::string damage() const;
+    void get(const std::string& name, const RowRange& rows, double* values) const;
+    double get(const std::string& name) const;
+
+private:
+    std::filesystem::path path_;
+    Comm team_;
+    h5::Id file_;
+};
+
+} // namespace shearwake::storage

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/checksum/file_checksum.hpp"
+
+#include "base/error.hpp"
+#include "storage/files.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <memory>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <utility>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace shearwake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view line_begin = "shearwake checksum 1 XXH3-128 ";
+constexpr std::string_view line_middle = " of ";
+constexpr std::string_view line_end = " bytes\n";
+constexpr std::size_t hash_digits = 32, size_digits = 20;
+constexpr std::size_t line_length =
+    line_begin.size() + hash_digits + line_middle.size() + size_digits + line_end.size();
+
+/// Fits into the second-level cache.
+constexpr std::size_t piece_B = std::size_t{1} << 18;
+
+[[noreturn]] void cannot_read(const fs::path& path, int error) {
+    throw UsageError(fmt::format("cannot read {}: {}", path.string(), std::strerror(error)),
+                     ExitCode::environment, trouble_of(error));
+}
+
+/// A file that is open for reading.
+class Input {
+public:
+    explicit Input(const fs::path& path)
+        : path_(path), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+        if (fd_ < 0) cannot_read(path, errno);
+        struct stat info {};
+        const int failed = ::fstat(fd_, &info) != 0 ? errno
+                           : S_ISREG(info.st_mode)  ? 0
+                           : S_ISDIR(info.st_mode)  ? EISDIR
+                                                    : EINVAL;
+        if (failed != 0) {
+            ::close(fd_);
+            cannot_read(path, failed);
+        }
+        size_ = static_cast<std::uintmax_t>(info.st_size);
+    }
+    ~Input() { ::close(fd_); }
+    Input(const Input&) = delete;
+    Input& operator=(const Input&) = delete;
+
+    std::uintmax_t size() const { return size_; }
+    int fd() const { return fd_; }
+    /// Reads up to `length` bytes from `offset`.
+    std::size_t read(std::uintmax_t offset, char* into, std::size_t length) const {
+        std::size_t done = 0;
+        while (done < length) {
+            const ssize_t got =
+                ::pread(fd_, into + done, length - done, static_cast<off_t>(offset + done));
+            if (got < 0 && errno == EINTR) continue;
+            if (got < 0) cannot_read(path_, errno);
+            if (got == 0) break;
+            done += static_cast<std::size_t>(got);
+        }
+        return done;
+    }
+    std::string text(std::uintmax_t offset, std::size_t length) const {
+        std::string bytes(length, '\0');
+        bytes.resize(read(offset, bytes.data(), length));
+        return bytes;
+    }
+
+private:
+    fs::path path_;
+    int fd_;
+    std::uintmax_t size_ = 0;
+};
+
+std::string hex(XXH128_hash_t hash) {
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+}
+
+std::string line_of(XXH128_hash_t hash, std::uintmax_t bytes) {
+    return fmt::format("{}{}{}{:020}{}", line_begin, hex(hash), line_middle, bytes, line_end);
+}
+
+XXH128_hash_t hash_of(const Input& file, std::uintmax_t bytes) {
+    ::posix_fadvise(file.fd(), 0, 0, POSIX_FADV_SEQUENTIAL);
+    const std::unique_ptr<XXH3_state_t, XXH_errorcode (*)(XXH3_state_t*)> state(XXH3_createState(),
+                                                                                XXH3_freeState);
+    if (!state) throw std::bad_alloc();
+    XXH3_128bits_reset(state.get());
+    std::vector<char> piece(piece_B);
+    for (std::uintmax_t at = 0; at < bytes;) {
+        const std::size_t got =
+            file.read(at, piece.data(), std::min<std::uintmax_t>(piece_B, bytes - at));
+        if (got == 0) break; // truncated in the meantime
+        XXH3_128bits_update(state.get(), piece.data(), got);
+        at += got;
+    }
+    return XXH3_128bits_digest(state.get());
+}
+
+struct ChecksumLine {
+    std::string hash;
+    std::uintmax_t bytes = 0;
+};
+
+/// Parses such a line, if the text is one.
+bool parse(std::string_view text, ChecksumLine& line) {
+    const std::size_t hash_at = line_begin.size();
+    const std::size_t size_at = hash_at + hash_digits + line_middle.size();
+    if (text.size() != line_length || !text.starts_with(line_begin) || !text.ends_with(line_end) ||
+        text.substr(hash_at + hash_digits, line_middle.size()) != line_middle)
+        return false;
+    line.hash = text.substr(hash_at, hash_digits);
+    const std::string_view digits = text.substr(size_at, size_digits);
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + size_digits, line.bytes);
+    return error == std::errc() && end == digits.data() + size_digits;
+}
+
+} // namespace
+
+std::string checksum_line(std::string_view bytes) {
+    std::string line = line_of(XXH3_128bits(bytes.data(), bytes.size()), bytes.size());
+    line.pop_back();
+    return line;
+}
+
+void append_checksum(const fs::path& path) {
+    std::string line;
+    {
+        const Input file(path);
+#ifdef SYNC_FILE_RANGE_WRITE
+        // Starts writing to the disk while the bytes are hashed.
+        ::sync_file_range(file.fd(), 0, 0, SYNC_FILE_RANGE_WRITE);
+#endif
+        line = line_of(hash_of(file, file.size()), file.size());
+    }
+    line.pop_back(); // append_line adds the end of the line
+    append_line(path, line, Flush::later);
+}
+
+IntegrityCheck check_integrity(const fs::path& path) {
+    const Input file(path);
+    IntegrityCheck check{.bytes = file.size()};
+    if (file.size() < line_length) return check;
+    ChecksumLine line;
+    if (!parse(file.text(file.size() - line_length, line_length), line)) return check;
+    // append_line() first ends an incomplete last line.
+    const std::uintmax_t before = file.size() - line_length;
+    const bool fits =
+        line.bytes == before || (line.bytes + 1 == before && file.text(line.bytes, 1) == "\n");
+    if (!fits)
+        return {Integrity::damaged,
+                fmt::format("it has {} bytes, but its checksum covers {}", before, line.bytes),
+                file.size()};
+    if (hex(hash_of(file, line.bytes)) != line.hash)
+        return {Integrity::damaged, "its bytes do not match its checksum", file.size()};
+    check.state = Integrity::intact;
+    return check;
+}
+
+} // namespace shearwake::storage

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace shearwake::storage {
+
+/// A protected file ends in one line of text,
+///     shearwake checksum 1 XXH3-128 <32 hexadecimal digits> of <20 digits> bytes
+/// with the hash of every byte before it. HDF5 ignores what follows its own end of file, so every
+/// HDF5 reader can open such a file. The hash covers data, attributes and HDF5's own metadata,
+/// independently of how many ranks wrote them, and is checked without the HDF5 library, which
+/// crashes on some damaged files.
+
+enum class Integrity {
+    intact,
+    unprotected, // no checksum: written by another program, or the line itself was lost
+    damaged,
+};
+
+struct IntegrityCheck {
+    Integrity state = Integrity::unprotected;
+    std::string reason;       // of damage
+    std::uintmax_t bytes = 0; // of the file
+};
+
+/// The root attribute of a case file that announces the line, so that a missing line is detected.
+inline constexpr const char* checksum_attribute = "checksum";
+inline constexpr const char* checksum_promise =
+    "XXH3-128 of all bytes before the last line of this file, in that line";
+
+/// Reads the file once and appends the line. Throws UsageError (environment). Not collective.
+void append_checksum(const std::filesystem::path& path);
+
+/// Reads the file once, at the speed of the disk. Throws UsageError (environment) when it cannot be
+/// read. Not collective.
+IntegrityCheck check_integrity(const std::filesystem::path& path);
+
+/// The line for these bytes, without its end, as append_checksum() writes it.
+std::string checksum_line(std::string_view bytes);
+
+} // namespace shearwake::storage

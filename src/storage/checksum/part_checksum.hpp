@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace shearwake::storage {
+
+/// The bytes of a field in a file that is being written. Its values are written in order, so that
+/// at a checkpoint the first part is valid and the rest is undefined.
+struct FieldBytes {
+    std::uint64_t offset = 0, size = 0;
+    std::uint64_t written = 0; // number of valid bytes from the start
+};
+
+/// Checksums of a file that is being written: of the valid part of each field, and of all bytes
+/// outside the fields, which do not change. They are stored in the corresponding checkpoint. Reads
+/// only the bytes added since the last call. Not collective.
+class PartChecksum {
+public:
+    PartChecksum();
+    ~PartChecksum();
+    PartChecksum(PartChecksum&&) noexcept;
+    PartChecksum& operator=(PartChecksum&&) noexcept;
+
+    /// One line per field, `<offset> <size> <written> <hash>`, then one for the rest. Throws
+    /// UsageError (environment) if the file cannot be read.
+    std::string record(const std::filesystem::path& part, const std::vector<FieldBytes>& fields);
+
+private:
+    struct Hashes;
+    std::unique_ptr<Hashes> hashes_;
+};
+
+/// The fields of a record; empty if it is not valid.
+std::vector<FieldBytes> fields_of(const std::string& record);
+
+/// The reason why the file does not match the record, as a phrase that follows its name; empty if
+/// it matches. Does not interpret the file. Not collective.
+std::string trouble_with_bytes(const std::filesystem::path& part, const std::string& record);
+
+} // namespace shearwake::storage

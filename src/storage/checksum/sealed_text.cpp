@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/checksum/sealed_text.hpp"
+
+#include "base/hash.hpp"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace shearwake::storage {
+namespace {
+
+constexpr std::string_view member = ",\"checksum\":\"";
+constexpr std::size_t digits = 16;
+constexpr std::string_view white = " \t\r\n";
+
+/// Position of the closing brace of the object; npos without one.
+std::size_t end_of_object(std::string_view text) {
+    const std::size_t at = text.find_last_not_of(white);
+    return at != std::string_view::npos && text[at] == '}' ? at : std::string_view::npos;
+}
+
+} // namespace
+
+std::string seal(std::string_view text) {
+    const std::size_t end = end_of_object(text);
+    std::string sealed(text.substr(0, end));
+    sealed += member;
+    sealed += hex(XXH3_64bits(text.data(), text.size()));
+    sealed += '"';
+    return sealed += text.substr(end);
+}
+
+Unsealed unseal(std::string_view text) {
+    const std::size_t end = end_of_object(text);
+    const std::size_t length = member.size() + digits + 1;
+    if (end == std::string_view::npos || end < length) return {Seal::none, std::string(text)};
+    const std::size_t at = end - length;
+    if (text.substr(at, member.size()) != member || text[end - 1] != '"')
+        return {Seal::none, std::string(text)};
+    Unsealed unsealed{Seal::sound, std::string(text.substr(0, at)) + std::string(text.substr(end))};
+    if (hex(XXH3_64bits(unsealed.text.data(), unsealed.text.size())) !=
+        text.substr(at + member.size(), digits))
+        unsealed.seal = Seal::broken;
+    return unsealed;
+}
+
+} // namespace shearwake::storage

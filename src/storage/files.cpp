@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/files.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+namespace shearwake::storage {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(std::string_view what, const fs::path& path, int error) {
+    throw UsageError(fmt::format("{} {}: {}", what, path.string(), std::strerror(error)),
+                     ExitCode::environment, trouble_of(error));
+}
+
+/// Network file systems fail occasionally and recover. All of `work` is repeated, since data lost
+/// by a failed fsync are not written by the next one.
+template <class Work>
+void with_patience(const Work& work) {
+    for (const int pause_ms : {20, 200, 1000}) {
+        try {
+            return work();
+        } catch (const UsageError& error) {
+            if (error.trouble() == Trouble::lasting) throw;
+            std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
+        }
+    }
+    work();
+}
+
+/// An open file descriptor.
+class Descriptor {
+public:
+    Descriptor(const fs::path& path, int flags)
+        : fd_(::open(path.c_str(), flags, 0666)), path_(path) {
+        if (fd_ < 0) refuse("cannot open", path, errno);
+    }
+    ~Descriptor() {
+        if (fd_ >= 0) ::close(fd_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+
+    void write(std::string_view text) const {
+        while (!text.empty()) {
+            const ssize_t written = ::write(fd_, text.data(), text.size());
+            if (written < 0 && errno == EINTR) continue;
+            if (written < 0) refuse("cannot write", path_, errno);
+            text.remove_prefix(static_cast<std::size_t>(written));
+        }
+    }
+    bool ends_within_a_line() const {
+        const off_t end = ::lseek(fd_, 0, SEEK_END);
+        char last = '\n';
+        return end > 0 && ::pread(fd_, &last, 1, end - 1) == 1 && last != '\n';
+    }
+    void flush() const {
+        if (::fsync(fd_) != 0) refuse("cannot flush", path_, errno);
+    }
+    void commit() {
+        const int fd = std::exchange(fd_, -1);
+        if (::close(fd) != 0) refuse("cannot close", path_, errno);
+    }
+
+private:
+    int fd_;
+    fs::path path_;
+};
+
+void flush_directory(const fs::path& path) {
+    const fs::path parent = path.parent_path();
+    Descriptor(parent.empty() ? fs::path(".") : parent, O_RDONLY | O_DIRECTORY).flush();
+}
+
+} // namespace
+
+Trouble trouble_of(int error) {
+    const bool passing = std::ranges::find(passing_errors, error) != passing_errors.end();
+    return passing ? Trouble::passing : Trouble::lasting;
+}
+
+std::uintmax_t regular_size_B(const fs::path& path) {
+    struct stat info {};
+    if (::stat(path.c_str(), &info) != 0) refuse("cannot read", path, errno);
+    if (S_ISDIR(info.st_mode)) refuse("cannot read", path, EISDIR);
+    if (!S_ISREG(info.st_mode))
+        throw UsageError(fmt::format("cannot read {}: it is a device or a pipe, not a regular file",
+                                     path.string()),
+                         ExitCode::environment);
+    return static_cast<std::uintmax_t>(info.st_size);
+}
+
+std::string read_file(const fs::path& path, std::uintmax_t most_B) {
+    const std::uintmax_t size_B = regular_size_B(path);
+    if (size_B > most_B)
+        throw UsageError(
+            fmt::format("cannot read {}: it has {:.0f} MB, but at most {:.0f} MB are read",
+                        path.string(), static_cast<double>(size_B) / 1e6,
+                        static_cast<double>(most_B) / 1e6),
+            ExitCode::environment);
+    errno = 0;
+    std::ifstream file(path, std::ios::binary);
+    if (!file) refuse("cannot read", path, errno ? errno : EIO);
+    std::string text(size_B, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(size_B));
+    if (file.bad()) refuse("cannot read", path, errno ? errno : EIO);
+    text.resize(static_cast<std::size_t>(file.gcount())); // truncated in the meantime
+    return text;
+}
+
+void write_file(const fs::path& path, std::string_view text) {
+    // The temporary name is unique, since another run may write the same file at the same time.
+    const fs::path part = fmt::format("{}.{}.part", path.string(), ::getpid());
+    try {
+        with_patience([&] {
+            Descriptor file(part, O_WRONLY | O_CREAT | O_TRUNC);
+            file.write(text);
+            file.flush();
+            file.commit();
+            publish(part, path);
+        });
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove(part, ignored);
+        throw;
+    }
+}
+
+void append_line(const fs::path& path, std::string_view line, Flush flush) {
+    with_patience([&] {
+        Descriptor file(path, O_RDWR | O_CREAT | O_APPEND);
+        file.write((file.ends_within_a_line() ? "\n" : "") + std::string(line) + "\n");
+        if (flush == Flush::now) file.flush();
+        file.commit();
+    });
+}
+
+void make_directory(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) refuse("cannot create the folder", path, error.value());
+}
+
+void flush_to_disk(const fs::path& path) {
+    Descriptor(path, O_RDONLY).flush();
+}
+
+void publish(const fs::path& part, const fs::path& path) {
+    flush_to_disk(part);
+    std::error_code error;
+    fs::rename(part, path, error);
+    if (error) refuse("cannot rename to", path, error.value());
+    flush_directory(path);
+}
+
+double free_bytes(const fs::path& path) {
+    struct statvfs info {};
+    if (::statvfs(path.c_str(), &info) != 0) refuse("cannot query", path, errno);
+    return static_cast<double>(info.f_bavail) * static_cast<double>(info.f_frsize);
+}
+
+} // namespace shearwake::storage

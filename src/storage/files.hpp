@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace shearwake::storage {
+
+/// None of these functions is collective. After an error of the file system, each throws UsageError
+/// with code `environment` and the reason of the operating system. Temporary errors are retried for
+/// up to two seconds.
+
+/// Values of errno after which a retry may succeed.
+inline constexpr std::array passing_errors = {
+    EIO, EAGAIN, EBUSY, EINTR, ESTALE, ETIMEDOUT, EREMOTEIO, ENETDOWN, ENETUNREACH, EHOSTUNREACH};
+Trouble trouble_of(int error);
+
+/// Journals of large sweeps have some megabytes.
+inline constexpr std::uintmax_t largest_text_B = std::uintmax_t{1} << 30;
+/// User files: jobs, points of paths, motions.
+inline constexpr std::uintmax_t largest_user_text_B = std::uintmax_t{1} << 28;
+
+/// Reads a regular file; devices and pipes may be endless or block. Throws UsageError (environment)
+/// for another kind of file, or a longer one.
+std::string read_file(const std::filesystem::path& path, std::uintmax_t most_B = largest_text_B);
+
+/// The size of a regular file; throws UsageError (environment) for another kind of file.
+std::uintmax_t regular_size_B(const std::filesystem::path& path);
+
+/// Writes a file atomically: under a temporary name, flushed to the disk, then renamed.
+void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// Whether a line must be flushed to the disk before the program continues. Otherwise it survives a
+/// crash of the program, but may be lost in a crash of the machine.
+enum class Flush { now, later };
+
+/// Appends one line to a file in a single write. An incomplete last line, left by a kill or a full
+/// disk, is ended first.
+void append_line(const std::filesystem::path& path, std::string_view line,
+                 Flush flush = Flush::now);
+
+void make_directory(const std::filesystem::path& path);
+
+/// Flushes the file to the disk.
+void flush_to_disk(const std::filesystem::path& path);
+
+/// Flushes `part` to the disk and gives it its final name.
+void publish(const std::filesystem::path& part, const std::filesystem::path& path);
+
+/// Free space for this user in bytes.
+double free_bytes(const std::filesystem::path& path);
+
+} // namespace shearwake::storage

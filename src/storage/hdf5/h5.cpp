@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/hdf5/h5.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <hdf5_hl.h>
+#include <fmt/format.h>
+#include <mpi.h>
+#include <optional>
+#include <utility>
+
+namespace shearwake::h5 {
+namespace {
+
+void be_quiet() {
+    // Errors become exceptions; the library would otherwise also print them on every rank.
+    static const bool once = (H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), true);
+    (void)once;
+}
+
+Id property(hid_t kind) {
+    return Id(H5Pcreate(kind), H5Pclose, "create a property list");
+}
+
+Id text_type(std::size_t length) {
+    Id type(H5Tcopy(H5T_C_S1), H5Tclose, "copy a type");
+    check(H5Tset_size(type.raw(), std::max<std::size_t>(length, 1)), "size a type");
+    check(H5Tset_cset(type.raw(), H5T_CSET_UTF8), "set the character set of a type");
+    return type;
+}
+
+void write_attribute(hid_t object, const std::string& name, hid_t type, const void* value) {
+    const Id space(H5Screate(H5S_SCALAR), H5Sclose, "create a dataspace");
+    const Id attribute(
+        H5Acreate2(object, name.c_str(), type, space.raw(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+        "create attribute " + name);
+    check(H5Awrite(attribute.raw(), type, value), "write attribute " + name);
+}
+
+/// "No space left on device" out of "file write failed: time = ..., error message = '...', buf
+/// ...".
+std::optional<std::string> system_reason(const std::string& message) {
+    constexpr std::string_view before = "error message = '";
+    const auto found = message.find(before);
+    if (found == std::string::npos) return std::nullopt;
+    const auto begin = found + before.size();
+    return message.substr(begin, message.find('\'', begin) - begin);
+}
+
+/// Limit of the length of a text in user files.
+constexpr std::size_t longest_believed = std::size_t{1} << 24;
+
+/// User files may refer to any file on the machine: only the file itself is read.
+Id within_the_file(hid_t kind) {
+    Id access = property(kind);
+    const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t,
+                           void*) -> herr_t { return -1; };
+    check(H5Pset_elink_cb(access.raw(), refuse, nullptr), "refuse external links");
+    return access;
+}
+
+/// Rejects values in other files: external storage and virtual datasets.
+void must_hold_its_numbers(const Id& dataset, const std::string& name) {
+    const Id creation(H5Dget_create_plist(dataset.raw()), H5Pclose, "inspect dataset " + name);
+    if (H5Pget_external_count(creation.raw()) > 0 || H5Pget_layout(creation.raw()) == H5D_VIRTUAL)
+        throw Error("dataset " + name + " stores its values in another file, which is not read");
+}
+
+/// The attribute must be a single value.
+void must_be_single(const Id& attribute, const std::string& name) {
+    const Id space(H5Aget_space(attribute.raw()), H5Sclose, "inspect attribute " + name);
+    if (H5Sget_simple_extent_npoints(space.raw()) != 1)
+        throw Error("attribute " + name + " is not a single value");
+}
+
+/// Classifies the message of HDF5, which ends in that of the operating system, if any. MPI gives no
+/// reason.
+Trouble trouble_of_words(const std::string& reason) {
+    for (const int error : {ENOSPC, EDQUOT, EROFS, EACCES, EPERM, ENOENT, ENOTDIR, EISDIR, EFBIG})
+        if (reason.ends_with(std::strerror(error))) return Trouble::lasting;
+    return Trouble::passing;
+}
+
+} // namespace
+
+std::string last_error() {
+    std::string message;
+    H5Ewalk2(
+        H5E_DEFAULT, H5E_WALK_UPWARD,
+        [](unsigned n, const H5E_error2_t* error, void* out) -> herr_t {
+            if (n == 0 && error->desc) *static_cast<std::string*>(out) = error->desc;
+            return 0;
+        },
+        &message);
+    H5Eclear2(H5E_DEFAULT);
+    return system_reason(message).value_or(message);
+}
+
+void check_together(herr_t status, const std::string& what, const Comm& comm) {
+    const std::string reason = status < 0 ? last_error() : "";
+    const bool passing = trouble_of_words(reason) == Trouble::passing;
+    const int worst = comm.max(status >= 0 ? 0 : passing ? 1 : 2);
+    if (worst != 0)
+        throw FileFailure(fmt::format("HDF5 cannot {} {}", what, reason),
+                          worst == 1 ? Trouble::passing : Trouble::lasting);
+}
+
+void check(herr_t status, const std::string& what) {
+    if (status >= 0) return;
+    const std::string reason = last_error();
+    throw FileFailure(fmt::format("HDF5 cannot {}: {}", what, reason), trouble_of_words(reason));
+}
+
+void never_tidy_up() {
+    H5dont_atexit();
+    H5open();
+}
+
+Id::Id(hid_t raw, Close closer, const std::string& what) : raw_(raw), close_(closer) {
+    if (raw < 0) check(-1, what);
+}
+
+Id::~Id() {
+    if (raw_ >= 0) close_(raw_);
+}
+
+Id::Id(Id&& other) noexcept : raw_(std::exchange(other.raw_, -1)), close_(other.close_) {}
+
+Id& Id::operator=(Id&& other) noexcept {
+    std::swap(raw_, other.raw_);
+    std::swap(close_, other.close_);
+    return *this;
+}
+
+void Id::close(const std::string& what) {
+    check(close_(std::exchange(raw_, -1)), what);
+}
+
+void Id::close_shared(const std::string& what, const Comm& comm) {
+    check_together(close_(std::exchange(raw_, -1)), what + " on all ranks", comm);
+}
+
+Id open_file(const std::filesystem::path& path, Access access) {
+    be_quiet();
+    // Values are written immediately: errors of a buffer that is flushed when its dataset is closed
+    // would not be reported.
+    const Id unbuffered = property(H5P_FILE_ACCESS);
+    check(H5Pset_sieve_buf_size(unbuffered.raw(), 0), "disable the sieve buffer");
+    if (access != Access::create) {
+        const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
+        return Id(H5Fopen(path.c_str(), flags, unbuffered.raw()), H5Fclose,
+                  "open " + path.string());
+    }
+    // The order of creation is stored, as netCDF-4 readers expect.
+    const Id creation = property(H5P_FILE_CREATE);
+    check(H5Pset_link_creation_order(creation.raw(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
+          "track order");
+    return Id(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.raw(), unbuffered.raw()), H5Fclose,
+              "create " + path.string());
+}
+
+Id open_shared(const std::filesystem::path& path, const Comm& comm, Access access) {
+    be_quiet();
+    const Id properties = property(H5P_FILE_ACCESS);
+    check(H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL), "choose MPI");
+    const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
+    const hid_t raw = H5Fopen(path.c_str(), flags, properties.raw());
+    Id file;
+    if (raw >= 0) file = Id(raw, H5Fclose, "");
+    check_together(raw < 0 ? -1 : 0, "open " + path.string() + " on all ranks", comm);
+    return file;
+}
+
+Id open_group(hid_t parent, const std::string& name) {
+    return Id(H5Gopen2(parent, name.c_str(), within_the_file(H5P_GROUP_ACCESS).raw()), H5Gclose,
+              "open group " + name);
+}
+
+Id create_group(hid_t parent, const std::string& name) {
+    const Id creation = property(H5P_GROUP_CREATE);
+    check(H5Pset_link_creation_order(creation.raw(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED),
+          "track order");
+    return Id(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, creation.raw(), H5P_DEFAULT), H5Gclose,
+              "create group " + name);
+}
+
+Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape) {
+    const Id space(shape.empty()
+                       ? H5Screate(H5S_SCALAR)
+                       : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                   H5Sclose, "create a dataspace");
+    const Id creation = property(H5P_DATASET_CREATE);
+    check(H5Pset_alloc_time(creation.raw(), H5D_ALLOC_TIME_EARLY), "allocate early");
+    check(H5Pset_fill_time(creation.raw(), H5D_FILL_TIME_NEVER), "not fill");
+    return Id(H5Dcreate2(parent, name.c_str(), H5T_NATIVE_DOUBLE, space.raw(), H5P_DEFAULT,
+                         creation.raw(), H5P_DEFAULT),
+              H5Dclose, "create dataset " + name);
+}
+
+Id open_dataset(hid_t parent, const std::string& name) {
+    Id dataset(H5Dopen2(parent, name.c_str(), within_the_file(H5P_DATASET_ACCESS).raw()), H5Dclose,
+               "open dataset " + name);
+    must_hold_its_numbers(dataset, name);
+    return dataset;
+}
+
+std::vector<hsize_t> shape(const Id& dataset) {
+    const Id space(H5Dget_space(dataset.raw()), H5Sclose, "inspect the shape of a dataset");
+    const int rank = H5Sget_simple_extent_ndims(space.raw());
+    check(rank, "count dimensions");
+    std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+    check(H5Sget_simple_extent_dims(space.raw(), extents.data(), nullptr), "read extents");
+    return extents;
+}
+
+void write_all(const Id& dataset, std::span<const double> values) {
+    if (values.empty()) return;
+    check(H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+          "write a dataset");
+}
+
+std::vector<double> read_all(const Id& dataset) {
+    hsize_t count = 1;
+    for (const hsize_t extent : shape(dataset)) {
+        // A damaged file may declare any size; files of this program are far smaller.
+        if (extent > 0 && count > (hsize_t{1} << 34) / extent)
+            throw Error("implausible dataset size");
+        count *= extent;
+    }
+    if (H5Dget_storage_size(dataset.raw()) < count * sizeof(double))
+        throw Error("a dataset is shorter than its declared size");
+    std::vector<double> values(count);
+    if (count > 0)
+        check(
+            H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+            "read a dataset");
+    return values;
+}
+
+void put_attribute(hid_t object, const std::string& name, const std::string& value) {
+    if (value.size() > largest_text) throw Error("attribute " + name + " is too long");
+    write_attribute(object, name, text_type(value.size()).raw(), value.c_str());
+}
+
+void put_attribute(hid_t object, const std::string& name, double value) {
+    write_attribute(object, name, H5T_NATIVE_DOUBLE, &value);
+}
+
+void put_attribute(hid_t object, const std::string& name, long value) {
+    write_attribute(object, name, H5T_NATIVE_LONG, &value);
+}
+
+bool has_attribute(hid_t object, const std::string& name) {
+    return H5Aexists(object, name.c_str()) > 0;
+}
+
+std::string text_attribute(hid_t object, const std::string& name) {
+    const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose,
+                       "open attribute " + name);
+    const Id type(H5Aget_type(attribute.raw()), H5Tclose, "inspect attribute " + name);
+    if (H5Tget_class(type.raw()) != H5T_STRING || H5Tis_variable_str(type.raw()) != 0)
+        throw Error("attribute " + name + " is not a string of fixed length");
+    must_be_single(attribute, name);
+    const std::size_t size = H5Tget_size(type.raw());
+    if (size > longest_believed) throw Error("attribute " + name + " is implausibly long");
+    std::string value(size, '\0');
+    check(H5Aread(attribute.raw(), type.raw(), value.data()), "read attribute " + name);
+    value.resize(std::min(size, value.find('\0')));
+    return value;
+}
+
+double number_attribute(hid_t object, const std::string& name) {
+    const Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose,
+                       "open attribute " + name);
+    must_be_single(attribute, name);
+    double value = 0.0;
+    check(H5Aread(attribute.raw(), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
+    return value;
+}
+
+std::vector<std::string> attribute_names(hid_t object) {
+    std::vector<std::string> names;
+    const auto visit = [](hid_t, const char* name, const H5A_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+    };
+    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, visit, &names),
+          "list attributes");
+    return names;
+}
+
+void make_scale(const Id& coordinate, const std::string& name) {
+    check(H5DSset_scale(coordinate.raw(), name.c_str()), "create a dimension scale");
+}
+
+void attach_scale(const Id& dataset, const Id& coordinate, unsigned dimension) {
+    check(H5DSattach_scale(dataset.raw(), coordinate.raw(), dimension), "attach a dimension scale");
+}
+
+std::vector<std::string> dataset_names(hid_t group) {
+    std::vector<std::string> names;
+    const auto visit = [](hid_t parent, const char* name, const H5L_info_t*, void* out) -> herr_t {
+        H5L_info_t link;
+        if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0) return -1;
+        if (link.type == H5L_TYPE_EXTERNAL) return 0;
+        H5O_info_t info;
+        if (H5Oget_info_by_name1(parent, name, &info, H5P_DEFAULT) < 0) return -1;
+        if (info.type == H5O_TYPE_DATASET)
+            static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+    };
+    if (H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, visit, &names) >= 0)
+        return names;
+    names.clear(); // files of other programs may not store the order of creation
+    check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, visit, &names), "list a group");
+    return names;
+}
+
+std::string library_version() {
+    unsigned major = 0, minor = 0, release = 0;
+    H5get_libversion(&major, &minor, &release);
+    return fmt::format("{}.{}.{}", major, minor, release);
+}
+
+} // namespace shearwake::h5

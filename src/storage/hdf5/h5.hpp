@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/comm.hpp"
+
+#include <filesystem>
+#include <hdf5.h>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace shearwake::h5 {
+
+/// Owner of an HDF5 identifier. A failed call throws FileFailure with the innermost message of
+/// HDF5.
+class Id {
+public:
+    using Close = herr_t (*)(hid_t);
+    Id() = default;
+    Id(hid_t raw, Close closer, const std::string& what);
+    ~Id();
+    Id(Id&& other) noexcept;
+    Id& operator=(Id&& other) noexcept;
+
+    hid_t raw() const { return raw_; }
+    /// Closes with a check, unlike the destructor: closing can fail, for example on a full disk.
+    void close(const std::string& what);
+    /// Closes an object that all ranks have open. Collective; throws FileFailure on all of them.
+    void close_shared(const std::string& what, const Comm& comm);
+
+private:
+    hid_t raw_ = -1;
+    Close close_ = nullptr;
+};
+
+/// Call before MPI starts. Disables the cleanup of HDF5 1.10 at exit, which crashes on files that
+/// could not be written or closed. Objects that are open at exit are not closed.
+void never_tidy_up();
+
+/// Throws FileFailure with `what` and HDF5's message if `status` is negative.
+void check(herr_t status, const std::string& what);
+/// Throws on all ranks if `status` is negative on any. Collective.
+void check_together(herr_t status, const std::string& what, const Comm& comm);
+
+/// The innermost description on HDF5's error stack; clears it.
+std::string last_error();
+
+enum class Access { create, read_write, read };
+
+/// A file through the ordinary driver. Not collective.
+Id open_file(const std::filesystem::path& path, Access access);
+/// An existing file through MPI. Collective; throws FileFailure on all ranks together.
+Id open_shared(const std::filesystem::path& path, const Comm& comm,
+               Access access = Access::read_write);
+
+Id open_group(hid_t parent, const std::string& name);
+Id create_group(hid_t parent, const std::string& name);
+/// Contiguous doubles with early allocation.
+Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape);
+Id open_dataset(hid_t parent, const std::string& name);
+std::vector<hsize_t> shape(const Id& dataset);
+void write_all(const Id& dataset, std::span<const double> values);
+std::vector<double> read_all(const Id& dataset);
+
+/// The compact storage of an attribute is limited to 64 KiB; longer text is an error.
+inline constexpr std::size_t largest_text = 60000;
+void put_attribute(hid_t object, const std::string& name, const std::string& value);
+void put_attribute(hid_t object, const std::string& name, double value);
+void put_attribute(hid_t object, const std::string& name, long value);
+bool has_attribute(hid_t object, const std::string& name);
+std::string text_attribute(hid_t object, const std::string& name);
+double number_attribute(hid_t object, const std::string& name);
+std::vector<std::string> attribute_names(hid_t object);
+
+/// Makes the dataset the coordinate of a dimension, or attaches a coordinate to a dimension.
+void make_scale(const Id& coordinate, const std::string& name);
+void attach_scale(const Id& dataset, const Id& coordinate, unsigned dimension);
+
+/// Names of the datasets of a group in order of creation, or in alphabetical order if it is not
+/// stored.
+std::vector<std::string> dataset_names(hid_t group);
+
+std::string library_version();
+
+} // namespace shearwake::h5

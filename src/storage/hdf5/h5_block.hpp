@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/view.hpp"
+#include "storage/hdf5/h5.hpp"
+
+namespace shearwake::h5 {
+
+/// Position of the block of one rank in a dataset; the product of `count` is its size.
+struct Block {
+    std::vector<hsize_t> start, count;
+};
+
+/// Write or read one block per rank through MPI; ranks with an empty view participate without data.
+/// Collective; throw CaseFailure with `what` on all ranks.
+void write_block(const Id& dataset, const Block& block, View2<const double> values,
+                 const std::string& what, const Comm& comm);
+void read_block(const Id& dataset, const Block& block, View2<double> values,
+                const std::string& what, const Comm& comm);
+
+} // namespace shearwake::h5

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/input/grid_study_file.hpp"
+
+#include "base/error.hpp"
+#include "parallel/agree.hpp"
+#include "storage/hdf5/number_block.hpp"
+#include "storage/hdf5/user_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <set>
+#include <sstream>
+
+namespace shearwake::storage {
+namespace {
+
+constexpr const char* schema = "shearwake grid study 1";
+constexpr double most_points = 2147483648.0;
+constexpr double most_of_a_list = 1e9;
+
+/// A group of the file, with the names of its datasets and attributes in messages.
+class Section {
+public:
+    Section(hid_t file, std::string name)
+        : name_(std::move(name)), group_(h5::open_group(file, name_)) {}
+
+    std::vector<double> numbers(const std::string& name) const {
+        std::vector<double> values = read_numbers(group_.raw(), name).values;
+        for (const double value : values)
+            if (!std::isfinite(value)) fail(name, "contains a number that is not finite");
+        return values;
+    }
+    std::vector<hsize_t> shape(const std::string& name) const {
+        return h5::shape(h5::open_dataset(group_.raw(), name));
+    }
+    bool has(const std::string& name) const {
+        const auto names = h5::dataset_names(group_.raw());
+        return std::find(names.begin(), names.end(), name) != names.end();
+    }
+    double number(const std::string& name, double least, double most) const {
+        const double value = h5::number_attribute(group_.raw(), name);
+        if (!(value >= least && value <= most))
+            fail(name, fmt::format("is {}, but must be between {:g} and {:g}", value, least, most));
+        return value;
+    }
+    std::ptrdiff_t whole(const std::string& name, double least, double most) const {
+        return as_whole(name, number(name, least, most));
+    }
+    std::string text(const std::string& name) const {
+        return h5::text_attribute(group_.raw(), name);
+    }
+    template <class Number>
+    std::array<Number, 3> triple(const std::string& name, double least, double most) const {
+        const auto values = numbers(name);
+        if (values.size() != 3) fail(name, "must contain three numbers: along x, y, z");
+        std::array<Number, 3> result{};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            if (!(values[axis] >= least && values[axis] <= most))
+                fail(name, fmt::format("contains {}, but must be between {:g} and {:g}",
+                                       values[axis], least, most));
+            if constexpr (std::is_integral_v<Number>)
+                result[axis] = as_whole(name, values[axis]);
+            else
+                result[axis] = values[axis];
+        }
+        return result;
+    }
+    /// Reads indices of nodes, [n][3].
+    std::vector<std::array<std::ptrdiff_t, 3>> nodes(const std::string& name,
+                                                     const GridStudy& study) const {
+        const auto extents = shape(name);
+        if (extents.size() != 2 || extents[1] != 3) fail(name, "must have the shape (nodes, 3)");
+        const auto values = numbers(name);
+        std::vector<std::array<std::ptrdiff_t, 3>> result(values.size() / 3);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const std::size_t axis = i % 3;
+            if (!(values[i] >= 0.0 && values[i] < static_cast<double>(study.points[axis])))
+                fail(name, fmt::format("contains a node at {} along {}, which has {} points",
+                                       values[i], "xyz"[axis], study.points[axis]));
+            result[i / 3][axis] = as_whole(name, values[i]);
+        }
+        return result;
+    }
+    [[noreturn]] void fail(const std::string& name, const std::string& what) const {
+        throw UsageError(fmt::format("{}/{} {}", name_, name, what));
+    }
+
+private:
+    std::ptrdiff_t as_whole(const std::string& name, double value) const {
+        if (value != std::floor(value))
+            fail(name, fmt::format("contains {}, which is not a whole number", value));
+        return static_cast<std::ptrdiff_t>(value);
+    }
+
+    std::string name_;
+    h5::Id group_;
+};
+
+std::size_t field_of(const Section& section, const std::string& attribute,
+                     const std::string& name) {
+    const auto found = std::find(grid_fields.begin(), grid_fields.end(), name);
+    if (found == grid_fields.end())
+        section.fail(attribute, fmt::format("refers to the field \"{:.20}\"; the fields are {}",
+                                            name, fmt::join(grid_fields, ", ")));
+    return static_cast<std::size_t>(found - grid_fields.begin());
+}
+
+void read_grid(hid_t file, GridStudy& study) {
+    const Section grid(file, "grid");
+    study.points = grid.triple<std::ptrdiff_t>("points", 2, 1e6);
+    const double points = static_cast<double>(study.points[0]) *
+                          static_cast<double>(study.points[1]) *
+                          static_cast<double>(study.points[2]);
+    if (points > most_points)
+        grid.fail("points", fmt::format("result in {:.3g} nodes; at most {:.3g} are supported",
+                                        points, most_points));
+    study.spacing_m = grid.triple<double>("spacing_m", 1e-9, 1e3);
+    study.time_step_s = grid.number("time_step_s", 1e-15, 1e3);
+    study.steps = grid.whole("steps", 1, 1e9);
+    const Section layer(file, "layer");
+    study.layer_points = layer.triple<std::ptrdiff_t>("points", 0, 1e6);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (2 * study.layer_points[axis] > study.points[axis])
+            layer.fail("points",
+                       fmt::format("{} on both sides do not fit into {} along {}",
+                                   study.layer_points[axis], study.points[axis], "xyz"[axis]));
+    study.layer_strength = layer.triple<double>("strength", 0.0, 1e3);
+    study.layer_ratio = layer.number("ratio", 0.0, 10.0);
+    study.layer_speed_m_s = layer.number("speed_m_s", 0.0, 1e6);
+}
+
+void read_medium(hid_t file, GridStudy& study) {
+    const Section medium(file, "medium");
+    const auto read = [&](const char* name, double least) {
+        auto values = medium.numbers(name);
+        if (values.size() != 1 && values.size() != study.size())
+            medium.fail(
+                name,
+                fmt::format("contains {} values, but must contain one, or one for each of {} nodes",
+                            values.size(), study.size()));
+        for (const double value : values)
+            if (value < least) medium.fail(name, fmt::format("is {} somewhere", value));
+        return values;
+    };
+    study.density_kg_m3 = read("density_kg_m3", 1e-9);
+    study.c_p_m_s = read("c_p_m_s", 0.0);
+    study.c_s_m_s = read("c_s_m_s", 0.0);
+    if (!medium.has("eta_Pa_s") && !medium.has("chi_Pa_s")) return;
+    study.eta_Pa_s = read("eta_Pa_s", 0.0);
+    study.chi_Pa_s = read("chi_Pa_s", -1e300);
+}
+
+NodeSource read_source(hid_t file, const std::string& name, const GridStudy& study) {
+    const Section section(file, name);
+    NodeSource source;
+    source.field = field_of(section, "field", section.text("field"));
+    const std::string mode = section.text("mode");
+    if (mode != "additive" && mode != "dirichlet")
+        section.fail("mode", fmt::format("is \"{:.20}\", but must be additive or dirichlet", mode));
+    source.dirichlet = mode == "dirichlet";
+    source.nodes = section.nodes("nodes", study);
+    std::set<std::array<std::ptrdiff_t, 3>> seen(source.nodes.begin(), source.nodes.end());
+    if (seen.size() != source.nodes.size()) section.fail("nodes", "contains a node twice");
+    const auto shape = section.shape("series");
+    if (shape.size() != 2) section.fail("series", "must have the shape (rows, samples)");
+    source.samples = static_cast<std::ptrdiff_t>(shape[1]);
+    source.series = section.numbers("series");
+    source.weights = section.numbers("weights");
+    for (const double row : section.numbers("rows")) {
+        if (!(row >= 0.0 && row < static_cast<double>(shape[0])))
+            section.fail("rows", fmt::format("contains {}, but there are {} rows", row, shape[0]));
+        source.rows.push_back(static_cast<std::size_t>(row));
+    }
+    for (const std::size_t count : {source.weights.size(), source.rows.size()})
+        if (count != source.nodes.size())
+            section.fail("nodes",
+                         fmt::format("has {} nodes, but weights and rows have {} and {} values",
+                                     source.nodes.size(), source.weights.size(),
+                                     source.rows.size()));
+    return source;
+}
+
+void read_sensor(hid_t file, GridStudy& study) {
+    const Section sensor(file, "sensor");
+    study.sensors = sensor.nodes("nodes", study);
+    std::istringstream fields(sensor.text("fields"));
+    for (std::string name; fields >> name;)
+        study.sensor_fields.push_back(field_of(sensor, "fields", name));
+    study.sensor_start = sensor.whole("start", 1, static_cast<double>(study.steps));
+    const double values = static_cast<double>(study.sensors.size()) *
+                          static_cast<double>(study.steps) *
+                          static_cast<double>(study.sensor_fields.size());
+    if (values > most_of_a_list)
+        sensor.fail("nodes",
+                    fmt::format("require {:.3g} values in memory, but at most {:.3g} are "
+                                "supported: use fewer nodes, or frames and volumes of the job",
+                                values, most_of_a_list));
+}
+
+GridStudy read_from(hid_t file) {
+    if (!h5::has_attribute(file, "schema") || h5::text_attribute(file, "schema") != schema)
+        throw UsageError(
+            fmt::format("it is not a \"{}\"; create one with scripts/import-kwave", schema));
+    GridStudy study;
+    read_grid(file, study);
+    read_medium(file, study);
+    const double sources = h5::number_attribute(file, "sources");
+    if (!(sources >= 0.0 && sources <= 1000.0))
+        throw UsageError("sources must be between 0 and 1000");
+    for (int n = 0; n < static_cast<int>(sources); ++n)
+        study.sources.push_back(read_source(file, fmt::format("source_{}", n), study));
+    read_sensor(file, study);
+    return study;
+}
+
+} // namespace
+
+GridStudy read_grid_study(const std::filesystem::path& path) {
+    GridStudy study = read_user_file(path, read_from);
+    study.file = path.string();
+    study.content_hash = hash_of(study);
+    return study;
+}
+
+GridStudy read_grid_study(const std::filesystem::path& path, const Comm& comm) {
+    std::vector<double> numbers;
+    on_root(comm, [&] { numbers = packed(read_grid_study(path)); });
+    comm.broadcast(numbers);
+    GridStudy study = unpacked(numbers);
+    study.file = path.string();
+    return study;
+}
+
+} // namespace shearwake::storage

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/input/motion_file.hpp"
+
+#include "base/csv.hpp"
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "storage/files.hpp"
+#include "storage/hdf5/h5.hpp"
+#include "storage/hdf5/number_block.hpp"
+#include "storage/hdf5/user_file.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <optional>
+
+namespace shearwake::storage {
+namespace {
+
+using Cells = std::vector<std::string>;
+
+double number(std::string_view text, std::size_t line) {
+    const auto value = number_in(text);
+    if (!value) throw UsageError(fmt::format("line {}: \"{:.40}\" is not a number", line, text));
+    return *value;
+}
+
+/// The SI factor of the unit at the end of the name of a column.
+double unit(std::string_view name, std::string_view quantity, std::string_view example,
+            std::size_t line) {
+    const auto found = unit_of(name);
+    if (!found || found->quantity != quantity)
+        throw UsageError(fmt::format("line {}: \"{:.40}\" must end in a unit of {}, as in {}", line,
+                                     name, quantity, example));
+    return found->to_SI;
+}
+
+/// Sampling rate of uniform times. Rounding of printed numbers is tolerated.
+double rate_Hz_of(const std::vector<double>& times_s) {
+    if (times_s.size() < 2) throw UsageError("a motion requires at least 2 times");
+    const double span_s = times_s.back() - times_s.front();
+    const double step_s = span_s / static_cast<double>(times_s.size() - 1);
+    if (!std::isfinite(step_s) || !(step_s > 0.0))
+        throw UsageError("its times must be in ascending order");
+    for (std::size_t k = 0; k < times_s.size(); ++k) {
+        const double regular_s = times_s.front() + static_cast<double>(k) * step_s;
+        if (!(std::abs(times_s[k] - regular_s) <= 1e-3 * step_s))
+            throw UsageError(fmt::format(
+                "its times must be uniformly spaced: number {} is {:.9g} s, expected {:.9g} s", k,
+                times_s[k], regular_s));
+    }
+    const double rate_Hz = 1.0 / step_s, whole = std::round(rate_Hz);
+    return std::abs(rate_Hz - whole) <= 1e-6 * rate_Hz ? whole : rate_Hz;
+}
+
+/// Reads the lines of a CSV file in sequence.
+class CsvTraces {
+public:
+    /// For columns of one quantity; the example shows the header.
+    CsvTraces(std::string_view quantity, std::string_view example)
+        : quantity_(quantity), example_(example) {}
+    void take(const Cells& cells, std::size_t line) {
+        if (units_.empty()) return heading(cells, line);
+        if (cells.size() != units_.size())
+            throw UsageError(fmt::format("line {}: it has {} cells, but the header has {}", line,
+                                         cells.size(), units_.size()));
+        if (std::isalpha(static_cast<unsigned char>(cells[0].empty() ? '0' : cells[0].front())))
+            return places(cells, line);
+        times_s_.push_back(number(cells[0], line) * units_[0]);
+        for (std::size_t p = 1; p < cells.size(); ++p)
+            lines_[p - 1].push_back(number(cells[p], line) * units_[p]);
+    }
+
+    PointMotion motion() {
+        check_heading();
+        if (xs_m_.empty() != ys_m_.empty())
+            throw UsageError("positions require both lines, x_mm,... and y_mm,...");
+        if (xs_m_.empty() && lines_.size() > 1)
+            throw UsageError(fmt::format("it has {} points but not their positions: add the lines "
+                                         "x_mm,... and y_mm,... below the header",
+                                         lines_.size()));
+        PointMotion motion{.rate_Hz = rate_Hz_of(times_s_), .u_m = std::move(lines_)};
+        for (std::size_t p = 0; p < xs_m_.size(); ++p)
+            motion.at_m.push_back({xs_m_[p], ys_m_[p]});
+        return motion;
+    }
+
+    PointStress stress() {
+        check_heading();
+        if (!xs_m_.empty() || !ys_m_.empty())
+            throw UsageError("the positions of receptors are given by [afferents], not by lines "
+                             "x_mm,... or y_mm,...");
+        return {rate_Hz_of(times_s_), std::move(lines_)};
+    }
+
+private:
+    void check_heading() const {
+        if (units_.empty()) throw UsageError("it is empty");
+    }
+
+    void heading(const Cells& cells, std::size_t line) {
+        if (cells.size() < 2)
+            throw UsageError(fmt::format(
+                "line {}: it must name the time and at least one point, as in {}", line, example_));
+        units_.push_back(unit(cells[0], "time", example_, line));
+        for (std::size_t p = 1; p < cells.size(); ++p)
+            units_.push_back(unit(cells[p], quantity_, example_, line));
+        lines_.resize(cells.size() - 1);
+    }
+
+    void places(const Cells& cells, std::size_t line) {
+        const std::string_view name = without_unit(cells[0]);
+        if ((name != "x" && name != "y") || !times_s_.empty())
+            throw UsageError(fmt::format(
+                "line {}: \"{:.40}\" is neither a time nor x_mm or y_mm below the header", line,
+                cells[0]));
+        std::vector<double>& to = name == "x" ? xs_m_ : ys_m_;
+        const double to_m = unit(cells[0], "length", "x_mm,0,5", line);
+        to.clear();
+        for (std::size_t p = 1; p < cells.size(); ++p)
+            to.push_back(number(cells[p], line) * to_m);
+    }
+
+    std::string_view quantity_, example_;
+    std::vector<double> units_; // of all columns; empty: the header has not been read
+    std::vector<double> times_s_, xs_m_, ys_m_;
+    std::vector<std::vector<double>> lines_; // one per column except the times
+};
+
+void read_lines(std::string_view csv, CsvTraces& traces) {
+    try {
+        for (CsvReader reader(csv, CsvText::relaxed); reader.next();)
+            traces.take(reader.cells(), reader.line());
+    } catch (const CsvError& error) {
+        throw UsageError(fmt::format("line {}: it has {}", error.line, error.what()));
+    }
+}
+
+std::vector<std::vector<double>> rows(const NumberBlock& block, const std::string& name,
+                                      double to_m) {
+    if (block.shape.size() != 2)
+        throw UsageError(fmt::format("{} must have two dimensions, points and samples", name));
+    std::vector<std::vector<double>> lines(block.shape[0]);
+    for (std::size_t p = 0; p < lines.size(); ++p) {
+        const auto first = block.values.begin() + static_cast<std::ptrdiff_t>(p * block.shape[1]);
+        for (auto at = first; at != first + static_cast<std::ptrdiff_t>(block.shape[1]); ++at)
+            lines[p].push_back(*at * to_m);
+    }
+    return lines;
+}
+
+void check_places(const PointMotion& motion) {
+    if (motion.at_m.size() != motion.u_m.size())
+        throw UsageError(fmt::format("it has {} points but {} positions", motion.u_m.size(),
+                                     motion.at_m.size()));
+}
+
+PointMotion of_case_file(hid_t file, const std::string& prefix) {
+    PointMotion motion;
+    motion.u_m = rows(read_numbers(file, prefix + "u_z"), "u_z", 1.0);
+    const NumberBlock times = read_numbers(file, prefix + "time"),
+                      x = read_numbers(file, prefix + "x"), y = read_numbers(file, prefix + "y");
+    if (x.values.size() != y.values.size()) throw UsageError("x and y must have the same length");
+    for (std::size_t p = 0; p < x.values.size(); ++p)
+        motion.at_m.push_back({x.values[p], y.values[p]});
+    check_places(motion);
+    motion.rate_Hz = rate_Hz_of(times.values);
+    for (std::vector<double>& line : motion.u_m) {
+        if (line.size() != times.values.size())
+            throw UsageError("u_z and time must have the same number of times");
+        if (std::abs(times.values.front() * motion.rate_Hz - 1.0) < 1e-3)
+            line.insert(line.begin(),
+                        0.0); // the first frame is one interval after the start of the load
+    }
+    return motion;
+}
+
+double rate_Hz_of(const h5::Id& group) {
+    if (!h5::has_attribute(group.raw(), "fs_hz"))
+        throw UsageError("the attribute fs_hz, the number of samples per second, is missing");
+    return h5::number_attribute(group.raw(), "fs_hz");
+}
+
+PointMotion of_traces(hid_t file, const std::string& group) {
+    constexpr double mm = 1e-3;
+    const std::string prefix = group.empty() ? "" : group + "/";
+    PointMotion motion;
+    motion.u_m = rows(read_numbers(file, prefix + "trace_mm"), "trace_mm", mm);
+    const NumberBlock at = read_numbers(file, prefix + "pin_xy_mm");
+    if (at.shape.size() != 2 || at.shape[1] != 2)
+        throw UsageError("pin_xy_mm must have two columns, x and y");
+    for (std::size_t p = 0; p < at.shape[0]; ++p)
+        motion.at_m.push_back({mm * at.values[2 * p], mm * at.values[2 * p + 1]});
+    check_places(motion);
+    const h5::Id opened = h5::open_group(file, group.empty() ? "/" : group);
+    motion.rate_Hz = rate_Hz_of(opened);
+    if (h5::has_attribute(opened.raw(), "pin_radius_mm"))
+        motion.radius_m = mm * h5::number_attribute(opened.raw(), "pin_radius_mm");
+    return motion;
+}
+
+PointMotion motion_of(hid_t file, std::string group) {
+    const auto holds = [&](const std::string& name) {
+        for (std::size_t slash = name.find('/', 1);; slash = name.find('/', slash + 1)) {
+            if (H5Lexists(file, name.substr(0, slash).c_str(), H5P_DEFAULT) <= 0) return false;
+            if (slash == std::string::npos) return true;
+        }
+    };
+    if (group.empty() && holds("traces/u_z")) group = "traces";
+    const std::string prefix = group.empty() ? "" : group + "/";
+    if (holds(prefix + "trace_mm")) return of_traces(file, group);
+    if (holds(prefix + "u_z")) return of_case_file(file, prefix);
+    throw UsageError(fmt::format(
+        "{} contains neither u_z nor trace_mm; specify the group that does with --group",
+        group.empty() ? "its root" : "the group " + group));
+}
+
+PointStress stress_of(hid_t file, const std::string& group) {
+    const h5::Id opened = h5::open_group(file, group.empty() ? "/" : group);
+    const std::string name = "compression_Pa";
+    if (H5Lexists(opened.raw(), name.c_str(), H5P_DEFAULT) <= 0)
+        throw UsageError(fmt::format(
+            "{} does not contain compression_Pa; specify the group that does with --group",
+            group.empty() ? "its root" : "the group " + group));
+    return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name), name, 1.0)};
+}
+
+template <class OfCsv>
+auto read_csv_file(const std::filesystem::path& path, OfCsv of_csv) {
+    try {
+        return of_csv(read_file(path, largest_user_text_B));
+    } catch (const UsageError& error) {
+        if (error.code() != ExitCode::usage)
+            throw; // messages of the file system already name the file
+        throw UsageError(fmt::format("{}: {}", path.string(), error.what()));
+    }
+}
+
+} // namespace
+
+PointMotion motion_of_csv(std::string_view csv) {
+    CsvTraces traces("length", "t_ms,u_um,u_um");
+    read_lines(csv, traces);
+    return traces.motion();
+}
+
+PointStress stress_of_csv(std::string_view csv) {
+    CsvTraces traces("pressure", "t_ms,p_Pa,p_Pa");
+    read_lines(csv, traces);
+    return traces.stress();
+}
+
+PointMotion read_motion(const std::filesystem::path& path, const std::string& group) {
+    if (path.extension() == ".csv") return read_csv_file(path, motion_of_csv);
+    return read_user_file(path, [&](hid_t file) { return motion_of(file, group); });
+}
+
+PointStress read_stress(const std::filesystem::path& path, const std::string& group) {
+    if (path.extension() == ".csv") return read_csv_file(path, stress_of_csv);
+    return read_user_file(path, [&](hid_t file) { return stress_of(file, group); });
+}
+
+} // namespace shearwake::storage

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/journal/journal.hpp"
+
+#include "storage/files.hpp"
+#include "storage/checksum/sealed_text.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <unistd.h>
+
+namespace shearwake::storage {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double unix_time_s() {
+    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+/// Lines of earlier versions have no checksum and do not have this member.
+constexpr const char* version_member = "v";
+
+Json event(const std::string& name) {
+    Json line;
+    line[version_member] = 2;
+    line["event"] = name;
+    line["time"] = timestamp();
+    line["unix_s"] = unix_time_s();
+    line["host"] = host_name();
+    return line;
+}
+
+/// Invalid UTF-8 (in paths or system messages) is replaced and does not cause an exception.
+std::string text(const Json& line) {
+    return seal(line.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+void take(const Json& line, JournalContents& contents) {
+    const std::string name = line.at("event");
+    if (name == "damaged") return; // the case is recomputed, which other lines record
+    if (name == "run_started" || name == "run_ended") {
+        contents.running = name == "run_started";
+        if (name == "run_ended") {
+            contents.last_run_ended = line.at("how");
+            contents.last_run_times = {line.value("idle_share", 0.0),
+                                       line.value("beside_solve_s", 0.0)};
+        }
+        if (name == "run_started") {
+            contents.overrides = line.value("overrides", std::vector<std::string>{});
+            contents.unix_time_s = line.at("unix_s");
+        }
+        return;
+    }
+    CaseHistory& history = contents.cases[line.at("id").get<std::string>()];
+    history.host = line.at("host");
+    history.unix_time_s = line.at("unix_s");
+    if (name == "started") {
+        history.state = CaseHistory::State::started;
+    } else if (name == "finished") {
+        history.state = CaseHistory::State::finished;
+        history.times = {line.at("seconds"), line.value("estimated_seconds", 0.0),
+                         line.value("engine", std::string())};
+    } else if (name == "failed") {
+        history.state = CaseHistory::State::failed;
+        history.reason = line.at("reason");
+        history.blame =
+            line.value("blame", std::string()) == "files" ? Blame::files : Blame::case_itself;
+    }
+}
+
+} // namespace
+
+Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
+
+void Journal::run_started(const RunStart& start) const {
+    Json line = event("run_started");
+    line["ranks"] = start.ranks;
+    line["teams"] = start.teams;
+    line["cases_left"] = start.cases_left;
+    line["git_id"] = start.git_id;
+    line["kernels"] = start.kernels;
+    if (start.allow_mixed) line["allow_mixed"] = true;
+    if (!start.overrides.empty()) line["overrides"] = start.overrides;
+    append_line(path_, text(line));
+}
+
+void Journal::run_ended(const std::string& how, const RunTimes& times) const {
+    Json line = event("run_ended");
+    line["how"] = how;
+    line["idle_share"] = times.idle_share;
+    line["beside_solve_s"] = times.beside_solve_s;
+    append_line(path_, text(line));
+}
+
+void Journal::started(const std::string& id, int ranks) const {
+    Json line = event("started");
+    line["id"] = id;
+    line["ranks"] = ranks;
+    append_line(path_, text(line), Flush::later);
+}
+
+void Journal::checkpointed(const std::string& id, long step) const {
+    Json line = event("checkpointed");
+    line["id"] = id;
+    line["step"] = step;
+    append_line(path_, text(line));
+}
+
+void Journal::resumed(const std::string& id, long step) const {
+    Json line = event("resumed");
+    line["id"] = id;
+    line["step"] = step;
+    append_line(path_, text(line));
+}
+
+void Journal::finished(const std::string& id, const CaseTimes& times) const {
+    Json line = event("finished");
+    line["id"] = id;
+    line["seconds"] = times.seconds;
+    line["estimated_seconds"] = times.estimated_seconds;
+    line["engine"] = times.engine;
+    append_line(path_, text(line));
+}
+
+void Journal::failed(const std::string& id, const std::string& reason, Blame blame) const {
+    Json line = event("failed");
+    line["id"] = id;
+    line["blame"] = blame == Blame::files ? "files" : "case";
+    line["reason"] = reason;
+    append_line(path_, text(line));
+}
+
+void Journal::damaged(const std::string& id, const std::string& reason) const {
+    Json line = event("damaged");
+    line["id"] = id;
+    line["reason"] = reason;
+    append_line(path_, text(line));
+}
+
+JournalContents read_journal(const std::filesystem::path& path) {
+    JournalContents contents;
+    if (!std::filesystem::exists(path)) return contents;
+    std::istringstream lines(read_file(path));
+    for (std::string text; std::getline(lines, text);) {
+        if (text.empty()) continue;
+        const Unsealed line = unseal(text);
+        try {
+            const Json event = Json::parse(line.text);
+            const bool is_old = line.seal == Seal::none && !event.contains(version_member);
+            if (line.seal == Seal::sound || is_old)
+                take(event, contents);
+            else
+                ++contents.unreadable_lines;
+        } catch (const nlohmann::json::exception&) {
+            ++contents.unreadable_lines;
+        }
+    }
+    return contents;
+}
+
+std::string journal_name(const std::string& part, const std::string& host) {
+    return fmt::format("journal{}{}{}{}.jsonl", part.empty() ? "" : ".", part,
+                       host.empty() ? "" : "@", host);
+}
+
+JournalContents read_journals(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> paths;
+    std::error_code missing; // a missing folder has none
+    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with("journal") && name.ends_with(".jsonl")) paths.push_back(entry.path());
+    }
+    std::ranges::sort(paths); // gives a deterministic order
+    JournalContents all;
+    for (const auto& path : paths) {
+        JournalContents one = read_journal(path);
+        for (auto& [id, history] : one.cases) {
+            const auto known = all.cases.find(id);
+            if (known == all.cases.end() || known->second.unix_time_s <= history.unix_time_s)
+                all.cases[id] = std::move(history);
+        }
+        all.running = all.running || one.running;
+        all.unreadable_lines += one.unreadable_lines;
+        if (one.unix_time_s >= all.unix_time_s) {
+            all.overrides = std::move(one.overrides);
+            all.last_run_ended = std::move(one.last_run_ended);
+            all.last_run_times = one.last_run_times;
+            all.unix_time_s = one.unix_time_s;
+        }
+    }
+    return all;
+}
+
+std::string host_name() {
+    char name[256] = {};
+    return ::gethostname(name, sizeof name - 1) == 0 ? name : "unknown";
+}
+
+std::string timestamp() {
+    const std::time_t now = std::time(nullptr);
+    std::tm utc{};
+    ::gmtime_r(&now, &utc);
+    char buffer[32];
+    std::strftime(buffer, sizeof buffer, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    return buffer;
+}
+
+} // namespace shearwake::storage

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace shearwake::storage {
+
+/// The cause of a failure: the case itself, or files and disks, which may be repaired.
+enum class Blame { case_itself, files };
+
+/// Data of a run that are recorded when it starts.
+struct RunStart {
+    int ranks = 1, teams = 1;
+    std::size_t cases_left = 0;
+    std::vector<std::string> overrides; // key=value
+    std::string git_id;                 // git id of the program
+    std::string kernels;                // the instruction set in use
+    bool allow_mixed = false;           // results of another program exist and are allowed
+};
+
+/// Computing time and its estimate.
+struct CaseTimes {
+    double seconds = 0.0;           // over all runs
+    double estimated_seconds = 0.0; // estimate of the engine for these ranks, uncorrected
+    std::string engine;
+};
+
+/// Use of the time of a run. The time of cases includes the solve, not the files.
+struct RunTimes {
+    double idle_share = 0.0;     // fraction of the time that teams wait for the last one
+    double beside_solve_s = 0.0; // per case on its team: claim, journal, file, scalars of the table
+};
+
+/// The journal contains one JSON object per line. Lines are only appended, each in one write, so
+/// that the teams of a run need not communicate. Each line ends in its own checksum; a line that
+/// was changed, or truncated by a kill, is ignored. Each shard, and each additional host of a run,
+/// has a separate journal, since network file systems lose lines that two hosts append at the same
+/// time.
+class Journal {
+public:
+    explicit Journal(std::filesystem::path path);
+
+    /// Each throws UsageError (environment) when the file cannot be written. Not collective.
+    void run_started(const RunStart& start) const;
+    void run_ended(const std::string& how, const RunTimes& times) const;
+    void started(const std::string& id, int ranks) const;
+    void checkpointed(const std::string& id, long step) const;
+    void resumed(const std::string& id, long step) const;
+    void finished(const std::string& id, const CaseTimes& times) const;
+    void failed(const std::string& id, const std::string& reason, Blame blame) const;
+    /// The case file was damaged and was moved aside.
+    void damaged(const std::string& id, const std::string& reason) const;
+
+private:
+    std::filesystem::path path_;
+};
+
+/// The latest state of a case in a journal.
+struct CaseHistory {
+    enum class State { started, finished, failed } state = State::started;
+    std::string reason; // reason of the failure
+    Blame blame = Blame::case_itself;
+    CaseTimes times; // of the last finished computation
+    std::string host;
+    double unix_time_s = 0.0;
+};
+
+struct JournalContents {
+    std::map<std::string, CaseHistory> cases;
+    bool running = false;       // a run has started, and no end of a run was recorded since
+    std::string last_run_ended; // how the last run ended
+    RunTimes last_run_times;
+    std::vector<std::string> overrides; // overrides of the last run, key=value
+    double unix_time_s = 0.0;           // when the last run started
+    long unreadable_lines = 0;          // number of ignored lines, damaged or truncated by a kill
+};
+
+/// Empty when there is no journal. Throws UsageError (environment) when it cannot be read.
+JournalContents read_journal(const std::filesystem::path& path);
+
+/// The name of the journal of a part of a sweep (empty: the complete sweep) on a further host of
+/// the run (empty: that of rank 0): journal.jsonl, journal.2-of-8.jsonl,
+/// journal.2-of-8@node7.jsonl.
+std::string journal_name(const std::string& part, const std::string& host = "");
+
+/// Combines all journals of an output folder; for a case in several journals, the latest entry
+/// counts.
+JournalContents read_journals(const std::filesystem::path& folder);
+
+std::string host_name();
+/// UTC, ISO 8601, to the second.
+std::string timestamp();
+
+} // namespace shearwake::storage

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/plan.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::storage {
+
+/// A case as plan.json lists it.
+struct IndexedCase {
+    std::string id;
+    std::vector<Setting> settings;
+    bool is_reference = false;
+    std::string reference_id;
+};
+
+/// The part of a plan that later stages require.
+struct PlanIndex {
+    std::string name;
+    std::string title;
+    std::vector<std::string> swept_keys;
+    TableOptions table;
+    std::vector<IndexedCase> cases;
+};
+
+/// The text of plan.json: cases, ids, settings and canonical texts, with a checksum of the whole.
+/// Equal plans give equal text.
+std::string plan_text(const Plan& plan);
+
+/// How the text of a plan.json relates to a plan. Earlier versions wrote no checksum.
+enum class PlanMatch { same, another, damaged };
+PlanMatch compare_plan(const std::string& text, const Plan& plan);
+
+/// Throws UsageError (environment) if it is missing, damaged or not a plan. Not collective.
+PlanIndex read_plan(const std::filesystem::path& path);
+
+/// The settings of one case as one JSON object.
+std::string settings_text(const std::vector<Setting>& settings);
+
+} // namespace shearwake::storage

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every shell, Python, Octave and TOML block of docs/ works as it is printed."""
+import json
+import shutil
+import subprocess
+import sys
+import tomllib
+import unittest
+
+import jsonschema
+
+from blocks import EXECUTED, FRAGMENT, SHOWN, VALIDATED, blocks, make_reader_folder, pages
+from program import PATIENCE_s, ProgramTest, report_life
+
+
+def interpreter(language):
+    return {"sh": ["sh", "-eu", "-c"], "python": [sys.executable, "-c"],
+            "octave": ["octave-cli", "--quiet", "--eval"]}[language]
+
+
+class Blocks(ProgramTest):
+    def test_every_block_names_a_known_language(self):
+        for page in pages():
+            for block in blocks(page):
+                self.assertIn(block.language, EXECUTED | VALIDATED | SHOWN, str(block))
+
+    def test_toml_blocks_are_jobs_or_parts_of_jobs(self):
+        schema = json.loads(self.shearwake("schema").stdout)
+        for rule in ("required", "if", "then", "else"):  # what only complete jobs must have
+            schema.pop(rule)
+        fragments = jsonschema.Draft202012Validator(schema)
+        count = 0
+        for page in pages():
+            for block in blocks(page):
+                if block.language != "toml":
+                    continue
+                count += 1
+                with self.subTest(block=str(block)):
+                    if block.text.startswith(FRAGMENT):
+                        fragments.validate(tomllib.loads(block.text))
+                    else:
+                        self.shearwake("check", self.write_job(block.text))
+        self.assertGreater(count, 0)
+
+    def execute(self, page):
+        """The executed blocks of a page in order, in one folder."""
+        folder = self.folder / "reader"
+        folder.mkdir()
+        reader = make_reader_folder(folder)
+        session = {"python": "", "octave": ""}  # the blocks of one page share their variables
+        for block in blocks(page):
+            if block.language not in EXECUTED or (block.language == "octave" and not shutil.which("octave-cli")):
+                continue
+            text = block.text
+            if block.language in session:
+                session[block.language] += block.text
+                text = session[block.language]
+            done = subprocess.run([*interpreter(block.language), text], cwd=folder, env=reader,
+                                  stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
+                                  errors="replace", timeout=PATIENCE_s, check=False)
+            report_life()
+            self.assertEqual(done.returncode, 0, f"{block}:\n{block.text}\n{done.stdout}{done.stderr}")
+
+
+def _add_pages():
+    for page in pages():
+        if any(block.language in EXECUTED for block in blocks(page)):
+            name = f"{page.parent.name}_{page.stem}".replace("-", "_")
+            setattr(Blocks, f"test_the_commands_of_{name}_work", lambda self, page=page: self.execute(page))
+
+
+_add_pages()
+
+if __name__ == "__main__":
+    unittest.main()

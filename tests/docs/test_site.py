@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The documentation site builds without warnings, and its pages are all there."""
+import subprocess
+import unittest
+
+from blocks import DOCS, ROOT, pages
+from program import PATIENCE_s, ProgramTest
+
+
+class Site(ProgramTest):
+    def build(self):
+        done = subprocess.run([ROOT / "scripts" / "docs", self.folder / "site"], stdin=subprocess.DEVNULL,
+                              capture_output=True, encoding="utf-8", timeout=PATIENCE_s, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_every_page_is_in_the_site(self):
+        self.build()
+        for page in pages():
+            made = self.folder / "site" / page.relative_to(DOCS).with_suffix(".html")
+            self.assertTrue(made.is_file(), made)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`cmake --install` gives a complete program: it works from its prefix, far from the source tree."""
+import os
+import re
+import shutil
+import subprocess
+import unittest
+
+from kwave import reference, save, structures_of
+from program import PATIENCE_s, PROGRAM, ProgramTest, case_files, environment, report_life
+
+
+class Installed(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.prefix = self.folder / "a prefix"
+        self.command("cmake", "--install", PROGRAM.parent, "--prefix", self.prefix)
+        self.user = self.folder / "user"
+        self.user.mkdir()
+
+    def command(self, *words, cwd=None):
+        """Runs a command that finds the installed program on the PATH, and nothing of the source tree."""
+        found = {name: value for name, value in environment().items() if name != "SHEARWAKE"}
+        found["PATH"] = f"{self.prefix / 'bin'}{os.pathsep}{found['PATH']}"
+        done = subprocess.run([str(word) for word in words], cwd=cwd or self.folder, env=found,
+                              stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
+                              errors="replace", timeout=PATIENCE_s, check=False)
+        report_life()
+        self.assertEqual(done.returncode, 0, f"{words}:\n{done.stdout}{done.stderr}")
+        return done.stdout
+
+    def test_the_main_job_runs_and_is_reported(self):
+        job = self.prefix / "share" / "shearwake" / "jobs" / "quickstart.toml"
+        self.command("mpirun", "--oversubscribe", "--bind-to", "none", "-n", "2", "shearwake", "run", job,
+                     cwd=self.user)
+        self.command("shearwake", "reduce", "out/quickstart", cwd=self.user)
+        self.command("shearwake", "report", "out/quickstart", cwd=self.user)
+        out = self.user / "out" / "quickstart"
+        self.assertEqual(len(case_files(out)), 8)
+        self.assertGreater((out / "report" / "index.html").stat().st_size, 10000)
+
+    def test_a_kwave_study_is_imported_and_run(self):
+        run = "a_additive_pml10"
+        save(self.user / "study.mat", structures_of(run, reference(run)))
+        self.command("shearwake-import-kwave", "study.mat", cwd=self.user)
+        self.command("shearwake", "run", "study.toml", cwd=self.user)
+        self.assertEqual(len(case_files(self.user / "out" / "study")), 1)
+
+    def test_the_scripts_find_their_parts(self):
+        for name in ("shearwake-make-map", "shearwake-submit", "shearwake-nightly"):
+            with self.subTest(script=name):
+                self.assertIn("usage", self.command(name, "--help", cwd=self.user).lower())
+
+    @unittest.skipUnless(shutil.which("groff"), "groff is not installed")
+    def test_the_manual_page_is_well_formed(self):
+        page = self.prefix / "share" / "man" / "man1" / "shearwake.1"
+        shown = subprocess.run(["groff", "-man", "-ww", "-Tascii", page], capture_output=True,
+                               encoding="ascii", errors="replace", check=True)
+        self.assertEqual(shown.stderr, "")
+        for word in ("check", "SHEARWAKE_CACHE", "EXIT STATUS"):
+            self.assertIn(word, re.sub(".\x08", "", shown.stdout))  # bold is printed twice
+
+    def completed(self, *words):
+        """What bash offers for the last word."""
+        script = self.prefix / "share" / "bash-completion" / "completions" / "shearwake"
+        text = ('source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _shearwake; '
+                'printf "%s\\n" "${COMPREPLY[@]}"')
+        return self.command("bash", "-c", text, "bash", script, "shearwake", *words, cwd=self.user).split()
+
+    def test_bash_completes_commands_options_values_and_files(self):
+        for name in ("a.toml", "b.txt"):
+            (self.user / name).touch()
+        self.assertEqual(self.completed("re"), ["reduce", "report", "respond"])
+        self.assertEqual(self.completed("run", "--retry"), ["--retry-failed"])
+        self.assertEqual(self.completed("bench", "lay"), ["layered"])
+        self.assertEqual(self.completed("check", ""), ["a.toml"])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Kernels for several instruction sets: the choice, its record in the results, and equal results."""
+import os
+import re
+import subprocess
+import unittest
+from unittest import mock
+
+from program import PROGRAM, SWEEP, ProgramTest, changed, journal, without_reference
+
+# A stiff body, which requires iterations; receptors; and the engine layered.
+BODY = ('base = "rigid"\n', '''base = "rigid"
+
+[[medium.body]]
+name = "lump"
+shape = "ellipsoid"
+center_mm = [0.0, 3.0, 8.0]
+semi_axes_mm = [8.0, 6.0, 4.0]
+c_s_m_s = 20.0
+''')
+ENGINES = (SWEEP, '"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = ["layered", "spectral"]')
+
+
+class InstructionSets(ProgramTest):
+    def available(self):
+        said = self.shearwake("--version").said
+        return re.search(r"^kernels +(\w+) of (.*?) \(", said, re.M).group(2).split(", ")
+
+    def run_with(self, name, out):
+        with mock.patch.dict(os.environ, {"SHEARWAKE_SIMD": name}):
+            self.shearwake("run", "job.toml", "--out", out, "--quiet")
+            self.says(self.shearwake("--version").said, f"kernels   {name} of")
+        started = next(line for line in journal(self.folder / out) if line["event"] == "run_started")
+        self.assertEqual(started["kernels"], name)
+        self.shearwake("reduce", out)
+
+    def compare(self, text):
+        self.write_job(text)
+        names = self.available()
+        for name in names:
+            self.run_with(name, name)
+        for name in names[:-1]:  # within the default tolerances of diff
+            self.says(self.shearwake("diff", name, names[-1]).said, "no difference")
+
+    def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
+        self.compare(changed(ENGINES, ("[record]", "[afferents]\n\n[record]")))
+
+    def test_tables_with_iterations_do_not_depend_on_the_instruction_set(self):
+        self.compare(changed(BODY, (SWEEP, '"load.modulation.am_frequency_Hz" = [400]'),
+                             ('engine = "layered"', 'engine = "spectral"')))
+
+    def test_pstd_gives_one_table_with_every_set(self):
+        self.compare(without_reference(
+            (SWEEP, '"load.modulation.am_frequency_Hz" = [1250]'), ('engine = "layered"', 'engine = "pstd"'),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"),
+            ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
+            ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2")))
+
+    def test_an_unknown_instruction_set_is_an_error_that_lists_the_allowed_ones(self):
+        with mock.patch.dict(os.environ, {"SHEARWAKE_SIMD": "sse9"}):
+            said = self.shearwake("--version", expect=2, ranks=2).said
+        self.says(said, "SHEARWAKE_SIMD=sse9 is not an instruction set", "baseline, avx2, avx512")
+
+
+class Objects(unittest.TestCase):
+    """Functions that the linker may take from any object must not require more than the baseline."""
+
+    def test_kernels_share_no_function_with_other_objects(self):
+        objects = sorted(PROGRAM.parent.glob("src/**/*_kernels_*.dir/**/*.o"))
+        self.assertTrue(objects, "no objects of kernels beside the program")
+        for path in objects:
+            said = subprocess.run(["nm", "--demangle", str(path)], capture_output=True, text=True, check=True)
+            shared = [line for line in said.stdout.splitlines() if re.search(r" [WVuw] ", line)]
+            self.assertEqual(shared, [], f"{path} defines what others may define as well")
+
+
+if __name__ == "__main__":
+    unittest.main()

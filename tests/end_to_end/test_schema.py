@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The JSON Schema of job files: every job of the repository is valid, and what it rejects `check` rejects too."""
+import json
+import tomllib
+import unittest
+
+import jsonschema
+
+from program import JOB, ROOT, ProgramTest, changed
+
+JOBS = sorted((ROOT / "jobs").glob("*.toml"))
+FOOTPRINT = 'footprint = { shape = "gaussian", fwhm_mm = 4.5 }'
+PATH = 'path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }'
+END = 'reference = { kind = "STM" }\n'
+# (text of the small job, what replaces it): each makes it invalid in one place.
+INVALID = [
+    ("schema = 1", "schema = 2"), ("schema = 1", 'schema = "1"'), ("schema = 1", ""),
+    ('name = "small"', 'name = "../small"'), ('name = "small"', "name = 3"), ('name = "small"', ""),
+    ('title = "a small', 'titel = "a small'),
+    ('base = "rigid"', 'base = "rigit"'), ('base = "rigid"', "base = 1"), ('base = "rigid"', 'bass = "rigid"'),
+    ('name = "tissue"', "name = 4"), ("thickness_mm = 20.0", "thickness_mm = 0.0"),
+    ("thickness_mm = 20.0", "thickness_cm = 2.0"), ("thickness_mm = 20.0", 'thickness_mm = "20"'),
+    ("density_kg_m3 = 1000.0", "density_kg_m3 = -1.0"), ("density_kg_m3 = 1000.0", "density_kg_m3 = [1000.0]"),
+    ("c_s_m_s = 5.0", "c_s_m_s = 0"), ("c_s_m_s = 5.0", "c_s_mps = 5.0"), ("c_p_m_s = 1500.0", "c_p_m_s = true"),
+    ("viscosity_Pa_s = 1.0", "viscosity_Pa_s = -1.0"), ("viscosity_Pa_s = 1.0", 'loss = "some"'),
+    ("viscosity_Pa_s = 1.0", 'loss = { law = "maxwell" }'),
+    ("viscosity_Pa_s = 1.0", 'loss = { law = "fractional", tau_us = 260.0, exponent = 1.5 }'),
+    ("viscosity_Pa_s = 1.0", 'loss = { law = "kelvin-voigt", tau_us = 3.0, viscosity_Pa_s = 1.0 }'),
+    ("viscosity_Pa_s = 1.0", 'viscosity_Pa_s = 1.0\n[[medium.body]]\nshape = "cone"'),
+    ("viscosity_Pa_s = 1.0", 'viscosity_Pa_s = 1.0\n[[medium.body]]\nshape = "ellipsoid"\nradius_mm = 3.0\n'
+                             "center_mm = [0.0, 0.0, 5.0]\nc_s_m_s = 9.0"),
+    ("viscosity_Pa_s = 1.0", 'viscosity_Pa_s = 1.0\n[[medium.body]]\nshape = "box"\nsize_mm = [1.0, 2.0]\n'
+                             "center_mm = [0.0, 0.0, 5.0]\nc_s_m_s = 9.0"),
+    ("peak_Pa = 100.0", "peak_Pa = 0.0"), ("peak_Pa = 100.0", "peak_kPa = 0.1"), ("peak_Pa = 100.0", 'peak_Pa = "1"'),
+    (FOOTPRINT, 'footprint = { shape = "square", fwhm_mm = 4.5 }'), (FOOTPRINT, "footprint = 4.5"),
+    (FOOTPRINT, 'footprint = { shape = "gaussian", fwhm_mm = 4.5, pitch_mm = 10.0 }'),
+    (FOOTPRINT, FOOTPRINT + '\ncarrier = "resolve"'),
+    ('kind = "AM-STM"', 'kind = "AMSTM"'), ('kind = "AM-STM"', "kind = 3"),
+    (PATH, 'path = { shape = "lime", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }'),
+    (PATH, 'path = { shape = "line", from_mm = [-14.0], to_mm = [14.0, 0.0] }'),
+    (PATH, 'path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0], at_end = "jump" }'),
+    (PATH, 'path = { shape = "circle", radius_mm = 5.0, sweep_deg = 90.0 }'),
+    (PATH, 'path = { shape = "polygon", sides = 2, radius_mm = 5.0 }'),
+    ("speed_m_s = 7.0", "speed_m_s = 0.0"), ("speed_m_s = 7.0", "speed = 7.0"), ("speed_m_s = 7.0", 'speed_m_s = "7"'),
+    ("am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_depth = 2.0"), ("am_frequency_Hz = 500.0", "am_frequenzy_Hz = 500.0"),
+    ("am_frequency_Hz = 500.0", 'am_frequency_Hz = 500.0\nam_wave = "saw"'),
+    ("extent_mm = [64.0, 48.0]", "extent_mm = 64.0"), ("extent_mm = [64.0, 48.0]", "extent_mm = [64.0, 48.0, 1.0]"),
+    ("spacing_mm = 1.5", "spacing_mm = 0"), ("spacing_mm = 1.5", "spacing_mm = [1.5]"),
+    ("duration_ms = 4.0", "duration_s = 0.004"), ("output_interval_us = 100.0", "output_interval_us = -100.0"),
+    ('engine = "layered"', 'engine = "layerd"'), ('engine = "layered"', 'engine = "layered"\ndegree = 4'),
+    ('engine = "layered"', 'engine = "spectral"\n[solver.spectral]\ndegree = 1'),
+    ('engine = "layered"', 'engine = "pstd"\n[solver.pstd]\nprecision = "half"'),
+    ("at_ms = 4.0", "at_ms = 0"), ("frames = true", 'frames = "yes"'), ("frames = true", "frame = true"),
+    ('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"load.modulation.am_frequency_Hz" = 400'),
+    ('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"modulation.am_frequency_Hz" = [400]'),
+    ('x = "load.modulation.am_frequency_Hz"', "x = 1"), (END, 'referenz = { kind = "STM" }\n'),
+    (END, END + '[afferents]\nwhere = "foot"\n'), (END, END + "[afferents]\nclasses = [\"SA2\"]\n"),
+    (END, END + '[afferents]\nwhere = "grid"\nextent_mm = [10.0, 10.0]\npitch_mm = 0.0\n'),
+]
+
+
+class Schema(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        schema = json.loads(self.shearwake("schema").stdout)
+        jsonschema.Draft202012Validator.check_schema(schema)
+        self.validator = jsonschema.Draft202012Validator(schema)
+
+    def rejects(self, text):
+        return not self.validator.is_valid(tomllib.loads(text))
+
+    def test_every_job_is_valid(self):
+        for job in JOBS:
+            errors = [error.message for error in self.validator.iter_errors(tomllib.loads(job.read_text("utf-8")))]
+            self.assertEqual(errors, [], job.name)
+        self.assertFalse(self.rejects(JOB))
+
+    def test_what_it_rejects_the_program_rejects(self):
+        self.assertGreater(len(INVALID), 50)
+        for change in INVALID:
+            with self.subTest(change=change):
+                text = changed(change)
+                self.assertTrue(self.rejects(text), "the schema accepts it")
+                self.shearwake("check", self.write_job(text), expect=3)
+
+    def test_keys_may_come_from_the_sweep_alone(self):
+        text = changed(("am_frequency_Hz = 500.0\n", ""))
+        self.assertFalse(self.rejects(text))
+        self.shearwake("check", self.write_job(text))
+
+    def test_descriptions_state_meaning_unit_default_and_range(self):
+        spacing = self.validator.schema["properties"]["domain"]["properties"]["spacing_mm"]
+        self.assertIn("[mm]", spacing["description"])
+        self.assertEqual(spacing["exclusiveMinimum"], 0.0)
+        depth = self.validator.schema["properties"]["measure"]["properties"]["depths_mm"]
+        self.assertEqual(depth["type"], "array")
+        degree = self.validator.schema["properties"]["solver"]["properties"]["spectral"]["properties"]["degree"]
+        self.assertEqual((degree["default"], degree["minimum"], degree["maximum"]), (8, 2, 16))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Errors of users: messages state the location, the error and a suggestion; exit codes state the category."""
+import random
+import unittest
+
+from program import JOB, SWEEP, ProgramTest, changed, processor_s
+
+COMMANDS = ["check", "plan", "run", "status", "reduce", "report", "show", "bench"]
+
+
+class JobMistakes(ProgramTest):
+    def assert_rejected(self, text, *words):
+        self.write_job(text)
+        for command in ("check", "run"):
+            done = self.shearwake(command, "job.toml", expect=3)
+            self.says(done.said, *words)
+            self.assertNotIn("internal error", done.said)
+            self.assertFalse(self.out.exists(), "something was made of a bad job")
+        return done.said
+
+    def place(self, text, piece):
+        """file:line of a text in the job."""
+        return f"job.toml:{text[:text.index(piece)].count(chr(10)) + 1}:"
+
+    def test_a_misspelled_key_is_reported_with_a_suggestion(self):
+        text = changed(("am_frequency_Hz = 500.0", "am_frequncy_Hz = 500.0"))
+        said = self.assert_rejected(text, self.place(text, "am_frequncy_Hz"), "am_frequncy_Hz",
+                            "did you mean", "am_frequency_Hz")
+        self.assertRegex(said, r"job\.toml:\d+:\d+: ")
+
+    def test_a_wrong_unit_is_reported(self):
+        text = changed(("thickness_mm = 20.0", "thickness_cm = 2.0"))
+        self.assert_rejected(text, self.place(text, "thickness_cm"), "thickness_cm", "thickness_mm")
+
+    def test_a_negative_thickness_is_reported(self):
+        text = changed(("thickness_mm = 20.0", "thickness_mm = -20.0"))
+        self.assert_rejected(text, self.place(text, "thickness_mm"), "thickness_mm", "-20")
+
+    def test_an_empty_axis_is_reported(self):
+        text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = []'))
+        self.assert_rejected(text, self.place(text, '"load.modulation.am_f'), "am_frequency_Hz", "no values")
+
+    def test_two_axes_of_the_same_key_are_reported(self):
+        text = changed((SWEEP, f'{SWEEP}\nzip = [ {{ "load.modulation.am_frequency_Hz" = [1, 2], '
+                               '"load.peak_Pa" = [1, 2] } ]'))
+        self.assert_rejected(text, "load.modulation.am_frequency_Hz")
+
+    def test_an_unknown_modulation_is_reported(self):
+        text = changed(('kind = "AM-STM"', 'kind = "AM-SMT"'))
+        self.assert_rejected(text, self.place(text, "AM-SMT"), "AM-SMT", "did you mean", "AM-STM")
+
+    def test_a_path_that_leaves_the_domain_is_reported(self):
+        text = changed(("to_mm = [14.0, 0.0]", "to_mm = [140.0, 0.0]"), ("from_mm = [-14.0", "from_mm = [20.0"),
+                       ("duration_ms = 4.0", "duration_ms = 6.0"))
+        self.assert_rejected(text, "leaves the domain", "domain.extent_mm")
+
+    def test_all_errors_are_reported_at_once(self):
+        text = changed(("peak_Pa = 100.0", "peek_Pa = 100.0"), ("c_p_m_s = 1500.0", 'c_p_m_s = "fast"'),
+                       ('engine = "layered"', 'engine = "layer"'))
+        self.assert_rejected(text, "peek_Pa", "c_p_m_s", "layer")
+
+    def test_a_file_that_is_not_toml_is_reported(self):
+        for text in ("", "schema = 1", "{", "\x00\x01", "schema = 1\nschema = 1", "[[[", "a" * 100000):
+            with self.subTest(text[:20]):
+                self.write_job(text)
+                self.says(self.shearwake("check", "job.toml", expect=3).said, "job.toml")
+
+    def test_random_bytes_are_reported(self):
+        path = self.folder / "noise.toml"
+        path.write_bytes(random.Random(1).randbytes(10_000_000))
+        began_s = processor_s()
+        said = self.shearwake("run", path, expect=3).said
+        self.assertLess(processor_s() - began_s, 5.0)
+        self.assertLess(len(said.encode()), 2000)
+        small = self.folder / "small.toml"
+        small.write_bytes(random.Random(2).randbytes(100_000))
+        self.assertLess(len(self.shearwake("run", small, expect=3).said.encode()), 2000)
+
+    def test_a_missing_job_is_reported(self):
+        self.says(self.shearwake("run", "nowhere.toml", expect=6).said, "nowhere.toml",
+                  "No such file or directory")
+        self.says(self.shearwake("run", self.folder, expect=6).said, "Is a directory")
+
+
+class CommandLine(ProgramTest):
+    def test_help_lists_the_commands(self):
+        said = self.shearwake("--help").stdout
+        self.says(said, *COMMANDS, "Exit codes")
+        for command in COMMANDS:
+            with self.subTest(command):
+                self.says(self.shearwake(command, "--help").stdout, "Usage")
+
+    def test_version_lists_the_libraries(self):
+        said = self.shearwake("--version").stdout
+        self.says(said, "shearwake", "git", "g++", "MPI", "FFTW", "HDF5")
+        self.assertEqual(self.shearwake("--version", ranks=2).stdout.count("HDF5"), 1)
+
+    def test_unknown_commands_and_options_are_reported(self):
+        self.write_job(JOB)
+        for words in ([], ["fly"], ["run"], ["run", "job.toml", "--fast"], ["run", "job.toml", "other"],
+                      ["plan", "job.toml", "-n", "none"], ["plan", "job.toml", "-n", "0"],
+                      ["run", "job.toml", "--ranks-per-case", "-1"], ["bench", "magic"]):
+            with self.subTest(words):
+                said = self.shearwake(*words, expect=2).said
+                self.assertNotEqual(said, "")
+                self.assertFalse(self.out.exists())
+        self.assertEqual(self.shearwake("fly", ranks=2, expect=2).said.count("fly"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

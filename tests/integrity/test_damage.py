@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Damaged files of an output folder: every reader detects every flipped bit and every truncation, and the next run
+repairs the damage."""
+import json
+import random
+import shutil
+import unittest
+
+import h5py
+
+from attacks import LEDGER, times
+from program import JOB, ProgramTest, case_files, plan, table
+
+import load
+
+
+class CaseFiles(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job()
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        self.before = table(self.out)
+        self.victim = case_files(self.out)[1]
+        self.sound = self.victim.read_bytes()
+        self.chance = random.Random(16)
+
+    def notice(self, how, reader):
+        """This reader reports the damage with its exit code, and no reader accepts it."""
+        id_, out = self.victim.stem, self.out
+        if reader == "verify":
+            self.says(self.shearwake("verify", out, expect=4).said, f"damaged {id_}")
+        elif reader == "show":
+            said = self.shearwake("show", self.victim, expect=6).said
+            self.says(said, self.victim.name, "is not a complete case file")
+        elif reader == "status --verify":
+            self.says(self.shearwake("status", "--verify", out, expect=4).said, f"damaged {id_}")
+        elif reader == "reduce":
+            self.says(self.shearwake("reduce", out, expect=4).said, "1 damaged case file", id_)
+            self.assertEqual({row["id"]: row["status"] for row in table(out)}[id_], "damaged")
+        else:
+            self.assertEqual(load.load(out).by_id(id_).status, "damaged")
+        LEDGER.add(how, f"reported by `{reader}`")
+
+    def readers(self):
+        return self.chance.choice(["verify", "show", "status --verify", "reduce", "report"])
+
+    def test_every_flipped_bit_is_detected(self):
+        for _ in range(times(12, 300)):
+            damaged = bytearray(self.sound)
+            bit = self.chance.randrange(8 * len(damaged))
+            damaged[bit // 8] ^= 1 << bit % 8
+            self.victim.write_bytes(damaged)
+            self.notice("flipped bit in a case file", self.readers())
+
+    def test_every_truncation_is_detected(self):
+        for n in range(times(8, 210)):
+            # Also within the line of the checksum, and all of it.
+            keep = len(self.sound) - 1 - n if n % 2 else self.chance.randrange(len(self.sound))
+            self.victim.write_bytes(self.sound[:keep])
+            self.notice("truncated case file", self.readers())
+
+    def test_a_changed_measure_is_moved_aside_and_computed_again(self):
+        with h5py.File(self.victim, "r") as file:
+            offset = file["eta_period_1"].id.get_offset()
+        damaged = bytearray(self.sound)
+        damaged[offset + 6] ^= 0x10
+        self.victim.write_bytes(damaged)
+        with h5py.File(self.victim, "r") as file:  # HDF5 notices nothing
+            self.assertNotEqual(file["eta_period_1"][()], float(self.before[1]["eta_period_1"]))
+        self.shearwake("reduce", self.out, expect=4)
+        self.shearwake("report", self.out, expect=4)
+        said = self.shearwake("run", "job.toml").said
+        self.says(said, f"case {self.victim.stem} is damaged", "moved to", "1 computed now", "3 already complete")
+        kept = self.out / "failed" / f"{self.victim.stem}.damaged.h5"
+        self.assertEqual(kept.read_bytes(), bytes(damaged))
+        self.shearwake("verify", self.out)
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table(self.out), self.before)
+
+    def test_a_file_without_checksum_is_read_with_a_note(self):
+        shutil.copy(self.victim, self.folder / "old.h5")
+        with h5py.File(self.folder / "old.h5", "r+") as file:  # drops the line after HDF5's end
+            del file.attrs["checksum"]
+        shutil.copy(self.folder / "old.h5", self.victim)
+        self.says(self.shearwake("show", self.victim).said, "written by an earlier version without checksum")
+        unprotected = "1 case files were written by an earlier version without checksum"
+        self.says(self.shearwake("verify", self.out).said, unprotected, "0 damaged")
+        self.says(self.shearwake("reduce", self.out).said, unprotected)
+        self.assertEqual(table(self.out), self.before)
+        self.assertEqual(load.load(self.out).by_id(self.victim.stem).status, "complete")
+
+    def test_verify_writes_json(self):
+        self.shearwake("verify", self.out, "--json", "v.json")
+        found = json.loads((self.folder / "v.json").read_text(encoding="utf-8"))
+        self.assertTrue(found["sound"])
+        self.assertEqual((found["files"], found["damaged"], found["plan"]), (4, [], "sound"))
+        self.victim.write_bytes(self.sound[:-1])
+        self.shearwake("verify", self.out, "--json", "v.json", expect=4)
+        found = json.loads((self.folder / "v.json").read_text(encoding="utf-8"))
+        self.assertFalse(found["sound"])
+        self.assertEqual([entry["id"] for entry in found["damaged"]], [self.victim.stem])
+        self.shearwake("verify", self.folder / "nowhere", expect=6)
+
+
+class TextFiles(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_job()
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        self.before = table(self.out)
+
+    def test_a_changed_index_changes_no_table(self):
+        path = self.out / "index.jsonl"
+        path.write_text(path.read_text(encoding="utf-8").replace("0.5", "0.9"), encoding="utf-8")
+        self.shearwake("status", self.out)
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table(self.out), self.before)
+        self.says(self.shearwake("verify", self.out).said, "lines of the index do not match")
+
+    def test_no_flipped_bit_of_index_or_journal_changes_the_table(self):
+        chance = random.Random(2)
+        for name in ("index.jsonl", "journal.jsonl"):
+            path = self.out / name
+            sound = path.read_bytes()
+            for _ in range(times(5, 60)):
+                damaged = bytearray(sound)
+                damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
+                path.write_bytes(damaged)
+                self.shearwake("reduce", self.out)
+                self.assertEqual(table(self.out), self.before)
+                self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+                LEDGER.add(f"flipped bit in {name}", "table unchanged, nothing computed again")
+            path.write_bytes(sound)
+
+    def test_a_damaged_plan_is_reported_and_written_again(self):
+        path = self.out / "plan.json"
+        sound = path.read_bytes()
+        chance = random.Random(3)
+        for n in range(times(6, 60)):
+            damaged = bytearray(sound)
+            if n % 2:
+                del damaged[chance.randrange(len(damaged) - 1):]
+            else:
+                damaged[chance.randrange(len(damaged))] ^= 1 << chance.randrange(8)
+            path.write_bytes(damaged)
+            said = self.shearwake("status", self.out, expect=6).said
+            self.says(said, "plan.json", "damaged")
+            self.assertLess(len(said), 400, said)
+            self.says(self.shearwake("run", "job.toml").said, "was damaged and has been rewritten",
+                      "0 computed now, 4 already complete")
+            self.assertEqual(path.read_bytes(), sound)
+            LEDGER.add("flipped bit in or truncated plan.json", "reported, written again by `run`")
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table(self.out), self.before)
+
+    def test_a_damaged_plan_of_another_job_is_not_replaced(self):
+        (self.out / "plan.json").write_bytes((self.out / "plan.json").read_bytes()[:1000])
+        self.write_job(JOB.replace("peak_Pa = 100.0", "peak_Pa = 200.0"))
+        said = self.shearwake("run", "job.toml", expect=6).said
+        self.says(said, "is damaged", "does not belong to a case of this job")
+
+    def test_a_plan_of_an_earlier_version_is_the_same_plan(self):
+        path = self.out / "plan.json"
+        old = {key: value for key, value in plan(self.out).items() if key != "checksum"}
+        old["schema"] = 1
+        path.write_text(json.dumps(old, indent=1), encoding="utf-8")
+        self.says(self.shearwake("run", "job.toml").said, "0 computed now, 4 already complete")
+        self.shearwake("reduce", self.out)
+        self.assertEqual(table(self.out), self.before)
+
+
+if __name__ == "__main__":
+    unittest.main()

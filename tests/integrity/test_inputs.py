@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Malicious or absurd input: unbounded quantities, devices, links to other files, and texts with a special meaning
+in a terminal, a table, a page or a shell."""
+import os
+import resource
+import subprocess
+import threading
+import time
+import unittest
+
+import h5py
+import numpy
+
+from attacks import LEDGER
+from program import ProgramTest, changed, command, environment, without_reference
+
+# What any `check` or `plan` may take, of a core and of memory.
+MOST_s, MOST_B = 2.0, 300e6
+
+SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
+PSTD = ('engine = "layered"', 'engine = "pstd"')
+ABSURD = {
+    "thickness_mm = 1e308, pstd": [("thickness_mm = 20.0", "thickness_mm = 1e308"), PSTD],
+    "thickness_mm = 1e5, spectral": [("thickness_mm = 20.0", "thickness_mm = 1e5"), SPECTRAL],
+    "thickness_mm = 1e4, c_s = 1e-3, spectral": [
+        ("thickness_mm = 20.0", "thickness_mm = 1e4"), ("c_s_m_s = 5.0", "c_s_m_s = 1e-3"), SPECTRAL],
+    "c_s_m_s = 1e-30, spectral": [("c_s_m_s = 5.0", "c_s_m_s = 1e-30"), SPECTRAL],
+    "density_kg_m3 = 1e308, spectral": [("density_kg_m3 = 1000.0", "density_kg_m3 = 1e308"), SPECTRAL],
+    "viscosity_Pa_s = 1e15, pstd": [("viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1e15"), PSTD],
+    "extent_mm = 1e9": [("extent_mm = [64.0, 48.0]", "extent_mm = [1e9, 1e9]")],
+    "extent_mm = 1e4, spacing_mm = 1e-5": [("extent_mm = [64.0, 48.0]", "extent_mm = [1e4, 1e4]"),
+                                           ("spacing_mm = 1.5", "spacing_mm = 1e-5")],
+    "duration_ms = 1e300": [("duration_ms = 4.0", "duration_ms = 1e300")],
+    "duration_ms = 1e7, output_interval_us = 1e-6": [
+        ("duration_ms = 4.0", "duration_ms = 1e7"), ("output_interval_us = 100.0", "output_interval_us = 1e-6")],
+    "fwhm_mm = 1e-300": [("fwhm_mm = 4.5", "fwhm_mm = 1e-300")],
+}
+
+
+class Sizes(ProgramTest):
+    def taken(self, verb, *more, timeout_s=60.0):
+        """Runs to the end; returns the output, the exit code and the resources used."""
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        process = subprocess.Popen(command(verb, "job.toml", *more), cwd=self.folder, env=environment(),
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   encoding="utf-8", errors="replace")
+        timer = threading.Timer(timeout_s, process.kill)
+        timer.start()
+        said, _ = process.communicate()
+        timer.cancel()
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return said, process.returncode, after.ru_utime - before.ru_utime, 1024.0 * after.ru_maxrss
+
+    def test_absurd_quantities_are_refused_at_once(self):
+        for name, changes in ABSURD.items():
+            self.write_job(without_reference(*changes))
+            for verb in ("check", "plan", "run"):
+                with self.subTest(name=name, verb=verb):
+                    said, code, core_s, most_B = self.taken(verb)
+                    if verb == "check" and code == 0:
+                        continue  # the engine's own estimate refuses it in plan
+                    self.assertEqual(code, 3, said)
+                    self.assertNotIn("internal error", said)
+                    self.assertLess(core_s, MOST_s)
+                    self.assertLess(most_B, MOST_B)
+                    LEDGER.add(f"absurd quantities: `{verb}`", "refused with a reason (exit 3)")
+
+    def test_what_case_files_cannot_hold_is_refused_before_it_is_computed(self):
+        rows = ", ".join("[0.0, 0.0]" for _ in range(300000))
+        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", f"traces_mm = [{rows}]")))
+        for verb in ("check", "plan", "run"):
+            said, code, _, _ = self.taken(verb)
+            self.assertEqual(code, 3, said)
+            self.says(said, "traces")
+            LEDGER.add("300 000 traces", "refused with a reason (exit 3)")
+
+
+class Files(ProgramTest):
+    def test_devices_and_pipes_are_not_read(self):
+        os.mkfifo(self.folder / "pipe.csv")
+        for file in ("/dev/zero", "pipe.csv"):
+            self.write_job(changed(
+                ('path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }',
+                 f'path = {{ shape = "csv", file = "{file}" }}')))
+            done = subprocess.run(command("check", "job.toml"), cwd=self.folder, env=environment(), timeout=60,
+                                  capture_output=True, encoding="utf-8", check=False)
+            self.assertIn(done.returncode, (3, 6), done.stdout + done.stderr)
+            self.says(done.stdout + done.stderr, "not a regular file")
+            LEDGER.add("device or pipe as input", "refused at once")
+        for words in (("check", "/dev/zero"), ("check", "pipe.csv"), ("respond", "/dev/zero"),
+                      ("respond", "pipe.csv"), ("show", "/dev/zero"), ("show", "pipe.csv")):
+            done = subprocess.run(command(*words), cwd=self.folder, env=environment(), timeout=60,
+                                  capture_output=True, encoding="utf-8", check=False)
+            self.assertIn(done.returncode, (2, 3, 6), done.stdout + done.stderr)
+            self.assertNotIn("internal error", done.stderr)
+            LEDGER.add("device or pipe as input", "refused at once")
+
+    def test_maps_that_point_to_other_files_are_refused(self):
+        other = self.folder / "other.h5"
+        axis = numpy.linspace(-0.04, 0.04, 5)
+        values = numpy.full((5, 5, 2), 5.0)
+        with h5py.File(other, "w") as file:
+            file["c_s_m_s"] = values
+        (self.folder / "raw.bin").write_bytes(values.tobytes())
+
+        def external_link(file):
+            file["c_s_m_s"] = h5py.ExternalLink("other.h5", "/c_s_m_s")
+
+        def external_storage(file):
+            file.create_dataset("c_s_m_s", values.shape, values.dtype, external=[("raw.bin", 0, values.nbytes)])
+
+        def virtual(file):
+            layout = h5py.VirtualLayout(values.shape, values.dtype)
+            layout[...] = h5py.VirtualSource(str(other), "c_s_m_s", values.shape)
+            file.create_virtual_dataset("c_s_m_s", layout)
+
+        for point_elsewhere in (external_link, external_storage, virtual):
+            with h5py.File(self.folder / "map.h5", "w") as file:
+                for name, at in (("x_m", axis), ("y_m", axis), ("z_m", numpy.array([0.001, 0.01]))):
+                    file[name] = at
+                point_elsewhere(file)
+            self.write_job(changed(SPECTRAL, ('base = "rigid"\n', 'base = "rigid"\nmap = "map.h5"\n')))
+            with self.subTest(kind=point_elsewhere.__name__):
+                done = self.shearwake("check", "job.toml", expect=None)
+                self.assertIn(done.returncode, (2, 3, 6), done.said)
+                self.assertIn("map.h5", done.said)
+                LEDGER.add("map that points to another file", "refused")
+
+    def test_motions_with_absurd_times_are_refused(self):
+        for step_ms in (1e-12, 1e15):
+            (self.folder / "m.csv").write_text(
+                "t_ms,u_um\n" + "".join(f"{n * step_ms:.17g},0.1\n" for n in range(3)), encoding="utf-8")
+            done = self.shearwake("respond", "m.csv", "-S", "afferents.where=\"finger\"", expect=None)
+            self.assertIn(done.returncode, (2, 3), done.said)
+            self.assertNotIn("MPI_ABORT", done.said)
+            LEDGER.add("`respond` with absurd sample times", "refused with a reason")
+
+    def test_motions_with_too_many_points_are_refused_at_once(self):
+        n = 100000
+        places = [(f"{i % 400 - 200:g}", f"{i // 400:g}") for i in range(n)]
+        lines = ["t_ms," + ",".join(["u_um"] * n), "x_mm," + ",".join(x for x, _ in places),
+                 "y_mm," + ",".join(y for _, y in places), "0," + ",".join(["0"] * n), "1," + ",".join(["1"] * n)]
+        (self.folder / "m.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        began = time.process_time()
+        done = self.shearwake("respond", "m.csv", expect=None)
+        self.assertIn(done.returncode, (2, 3), done.said)
+        self.says(done.said, "100000 pins exceed the limit")
+        self.assertLess(time.process_time() - began, 60.0)
+        LEDGER.add("`respond` with 100 000 points", "refused with a reason")
+
+
+class Texts(ProgramTest):
+    def test_control_characters_in_titles_and_names_are_refused(self):
+        for text in ("a\\u001b[2Jb", "a\\nb", "a\\u0000b", "a\\u009bb", "a\\u202eb"):
+            self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f'title = "{text}"')))
+            done = self.shearwake("check", "job.toml", expect=3)
+            self.says(done.said, "control character")
+            self.assertNotIn("\x1b", done.said)
+            LEDGER.add("control character in a title", "refused, and not printed")
+        self.write_job(changed(('name = "small"', 'name = "-rf"')))
+        self.shearwake("check", "job.toml", expect=3)
+
+    def test_formulas_in_titles_are_drawn_as_they_are(self):
+        title = r"$\frac{$ <b>&amp; | =1+1 `x`"
+        self.write_job(changed(('title = "a small sweep, \u03b7 against frequency"', f"title = '{title}'"),
+                               ('name = "tissue"', r"name = '$\frac{$'")))
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", self.out)
+        said = self.shearwake("report", self.out).said
+        self.assertNotIn("Traceback", said)
+        page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
+        self.says(page, "&lt;b&gt;&amp;amp;")
+        self.assertNotIn("<b>&amp; |", page)
+        heading = (self.out / "tables" / "small.md").read_text(encoding="utf-8").splitlines()[0]
+        self.says(heading, "&lt;b>", r"\|", r"\`x\`")
+        LEDGER.add("formula, HTML and Markdown in a title", "shown as text")
+
+
+if __name__ == "__main__":
+    unittest.main()

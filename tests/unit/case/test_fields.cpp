@@ -1,0 +1,385 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The descriptions of option structs: nothing of a struct may be missing, everything decides the
+// id.
+#include "base/field.hpp"
+#include "case/case.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <set>
+
+using namespace shearwake;
+
+namespace {
+
+std::string name_of(const Field& field) {
+    return std::string(field.key) + "/" + field.text;
+}
+
+/// A walk that changes the n-th thing it meets.
+class Change {
+public:
+    explicit Change(int number) : left_(number) {}
+
+    template <class T>
+    void operator()(T& value, const Field& field) {
+        if (!field.applies || field.zero_in_text) return;
+        const bool was_done = is_done_;
+        change(value);
+        if (is_done_ && !was_done) what_ = name_of(field);
+    }
+    template <class... T>
+    void choice(std::variant<T...>& value, const Field& field) {
+        if (!is_turn()) return std::visit([&](auto& a) { walk_fields(*this, a); }, value);
+        const std::size_t next = (value.index() + 1) % sizeof...(T);
+        std::size_t i = 0;
+        ((i++ == next ? void(value = Example<T>::make()) : void()), ...);
+        what_ = name_of(field);
+    }
+    template <class T>
+    void each(const char* table, std::vector<T>& list, const Field& field) {
+        if (is_turn()) {
+            what_ = table;
+            list.push_back(list.empty() ? Example<T>::make() : list.front());
+            return;
+        }
+        for (T& element : list)
+            if constexpr (requires { element.valueless_by_exception(); })
+                choice(element, field);
+            else
+                walk_fields(*this, element);
+    }
+    template <class T>
+    void maybe(const char* table, std::optional<T>& value) {
+        if (is_turn()) {
+            what_ = table;
+            value = value ? std::nullopt : std::optional(Example<T>::make());
+        } else if (value) {
+            walk_fields(*this, *value);
+        }
+    }
+    void section(const char*) {}
+    void key(const Field&) {}
+
+    bool is_done() const { return is_done_; }
+    const std::string& what() const { return what_; }
+
+private:
+    bool is_turn() {
+        if (left_-- != 0) return false;
+        is_done_ = true;
+        return true;
+    }
+    // By the least that a number can change.
+    void change(double& value) {
+        if (is_turn()) value = value == 0.0 ? 1e-3 : std::nextafter(value, 1e300);
+    }
+    void change(std::integral auto& value) {
+        if (is_turn()) ++value;
+    }
+    void change(bool& value) {
+        if (is_turn()) value = !value;
+    }
+    void change(std::string& value) {
+        if (is_turn()) value += "x";
+    }
+    template <class E>
+    requires std::is_enum_v<E>
+    void change(E& value) {
+        if constexpr (Named<E>) {
+            const auto count = names_of(std::type_identity<E>{}).size();
+            if (is_turn()) value = static_cast<E>((static_cast<std::size_t>(value) + 1) % count);
+        } else {
+            static_assert(std::is_same_v<E, Switch>);
+            if (is_turn()) value = value == Switch::on ? Switch::off : Switch::on;
+        }
+    }
+    void change(Vec2& value) {
+        change(value.x);
+        change(value.y);
+    }
+    void change(Vec3& value) {
+        change(value.x);
+        change(value.y);
+        change(value.z);
+    }
+    void change(FrequencyBand& band) {
+        change(band.low_Hz);
+        change(band.high_Hz);
+    }
+    void change(ListedAfferent& one) {
+        change(one.at_m);
+        change(one.kind);
+        change(one.row);
+    }
+    template <class T>
+    void change(std::optional<T>& value) {
+        if (value)
+            change(*value);
+        else if (is_turn())
+            value = T{};
+    }
+    template <class T>
+    void change(std::vector<T>& values) {
+        for (T& value : values)
+            change(value);
+        if (is_turn()) values.push_back(values.empty() ? T{} : values.back());
+    }
+    template <class T>
+    void change(std::shared_ptr<const T>& file) {
+        if (!is_turn()) return;
+        T other;
+        other.content_hash = file ? file->content_hash + "x" : "other";
+        file = std::make_shared<const T>(other);
+    }
+
+    int left_;
+    bool is_done_ = false;
+    std::string what_;
+};
+
+/// A walk over every alternative of everything: what there is to change.
+class Everything {
+public:
+    template <class T>
+    void operator()(T&, const Field& field) {
+        all.insert(name_of(field));
+    }
+    template <class... T>
+    void choice(const std::variant<T...>&, const Field&) {
+        for_each_alternative(std::type_identity<std::variant<T...>>{},
+                             [&](auto alternative) { walk_fields(*this, alternative); });
+    }
+    template <class T>
+    void each(const char*, const std::vector<T>&, const Field& field) {
+        T example = Example<T>::make();
+        if constexpr (requires { example.valueless_by_exception(); })
+            choice(example, field);
+        else
+            walk_fields(*this, example);
+    }
+    template <class T>
+    void maybe(const char*, const std::optional<T>&) {
+        T example = Example<T>::make();
+        walk_fields(*this, example);
+    }
+    void section(const char*) {}
+    void key(const Field&) {}
+
+    std::set<std::string> all;
+};
+
+Layer layer(const ShearLoss& loss) {
+    return {"tissue", 0.02, 1000.0, 1500.0, 5.0, loss};
+}
+
+Travel travel(const Curve& path, const Motion& motion) {
+    return {.path = path, .motion = motion};
+}
+
+std::vector<Vec2> spiral(int points) {
+    std::vector<Vec2> all;
+    for (int n = 0; n < points; ++n)
+        all.push_back({1e-3 * n * std::cos(n), 1e-3 * n * std::sin(n)});
+    return all;
+}
+
+/// Between them, these hold every alternative.
+std::vector<Case> samples() {
+    Case first;
+    first.medium = {.layers = {layer(Lossless{}), layer(KelvinVoigt{1.0}),
+                               layer(FractionalKelvinVoigt{1e-4, 0.3}),
+                               layer(StandardLinearSolid{1e-4, 0.5})},
+                    .bodies = {{.name = "a", .shape = Ellipsoid{{1e-3, 2e-3, 3e-3}}},
+                               {.name = "b", .shape = Cylinder{1e-3, 5e-3, 30.0}},
+                               {.name = "c", .shape = Box{{1e-3, 1e-3, 1e-3}}}}};
+    first.load.peak_Pa = 100.0;
+    first.load.footprint = ArrayFootprint{};
+    first.load.carrier = ResolvedCarrier{};
+    first.load.modulation = {
+        .kind = "custom",
+        .trajectory = {{Hold{}, Swing{.amplitude_m = {1e-3, 0.0}, .frequency_Hz = 100.0},
+                        travel(Line{{}, {0.1, 0.0}}, ConstantSpeed{7.0}),
+                        travel(Arc{{}, 0.01, 0.0, 1.0}, OscillatingSpeed{7.0, 1.0, 200.0}),
+                        travel(Example<Lissajous>::make(), ConstantSpeed{1.0}),
+                        travel(Polyline(spiral(4), Ends::closed), ConstantSpeed{1.0})}},
+        .envelope = {{SineGain{200.0}, RampGain{0.01}, RampGain{0.01, 0.0, 0.2}, SquareGain{20.0},
+                      WindowGain{0.0, 0.1}}},
+        .foci_m = {{1e-3, 0.0}, {-1e-3, 0.0}}};
+    first.domain = {.nx = 256, .ny = 180, .spacing_m = 0.00075};
+    first.time = {.frames = 280, .interval_s = 5e-5};
+    first.measure = {.at_s = 0.014, .settled_after_s = 0.004, .focal_radius_m = 0.003};
+    first.measure.bands = {{100.0, 500.0}};
+    first.record = {.traces_m = {{}},
+                    .snapshots_s = {0.007},
+                    .volumes_s = {0.007},
+                    .volume_fields = {VolumeField::u}};
+    first.solver = PstdOptions{.top = PstdTop::fluid, .load = PstdLoad::displacement};
+    first.afferents = AfferentOptions{.places = AfferentList{{{{1e-3, 0.0}, AfferentClass::RA, 3}}},
+                                      .input = CarrierInput{}};
+    Case second = first;
+    second.load.footprint = GaussianFootprint{0.003};
+    second.load.carrier = AveragedCarrier{};
+    second.load.modulation.trajectory.parts = {
+        travel(Polyline(spiral(101), Ends::open), ConstantSpeed{1.0})};
+    second.load.modulation.foci_m = {};
+    second.record.volumes_s = {};
+    second.record.volume_fields = {};
+    second.measure.bands = {};
+    second.solver = SpectralOptions{};
+    second.afferents = AfferentOptions{.places = GridAfferents{{0.01, 0.01}, 1e-3}};
+    Case third = second;
+    third.solver = LayeredOptions{};
+    third.afferents =
+        AfferentOptions{.places = HandAfferents{"fingertip", 2}, .input = StressInput{}};
+    Case fourth = third;
+    fourth.solver = PstdOptions{};
+    fourth.afferents.reset();
+    return {first, second, third, fourth};
+}
+
+/// The members of an aggregate of N.
+template <std::size_t N>
+auto members(auto& s) {
+    if constexpr (N == 1) {
+        auto& [a] = s;
+        return std::tie(a);
+    } else if constexpr (N == 2) {
+        auto& [a, b] = s;
+        return std::tie(a, b);
+    } else if constexpr (N == 3) {
+        auto& [a, b, c] = s;
+        return std::tie(a, b, c);
+    } else if constexpr (N == 4) {
+        auto& [a, b, c, d] = s;
+        return std::tie(a, b, c, d);
+    } else if constexpr (N == 5) {
+        auto& [a, b, c, d, e] = s;
+        return std::tie(a, b, c, d, e);
+    } else if constexpr (N == 6) {
+        auto& [a, b, c, d, e, f] = s;
+        return std::tie(a, b, c, d, e, f);
+    } else if constexpr (N == 8) {
+        auto& [a, b, c, d, e, f, g, h] = s;
+        return std::tie(a, b, c, d, e, f, g, h);
+    } else if constexpr (N == 12) {
+        auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
+    } else if constexpr (N == 13) {
+        auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
+    }
+}
+
+/// A walk that notes where the things are that it meets.
+class Places {
+public:
+    template <class T>
+    void operator()(T& value, const Field&) {
+        note(value);
+    }
+    template <class T>
+    void choice(T& value, const Field&) {
+        note(value);
+    }
+    template <class T>
+    void each(const char*, T& value, const Field&) {
+        note(value);
+    }
+    template <class T>
+    void maybe(const char*, T& value) {
+        note(value);
+    }
+    void section(const char*) {}
+    void key(const Field&) {}
+
+    bool has_one_in(const auto& member) const {
+        const auto from = reinterpret_cast<std::uintptr_t>(&member);
+        const auto first = all_.lower_bound(from);
+        return first != all_.end() && *first < from + sizeof(member);
+    }
+
+private:
+    void note(const auto& value) { all_.insert(reinterpret_cast<std::uintptr_t>(&value)); }
+    std::set<std::uintptr_t> all_;
+};
+
+/// Does not compile when N is not the number of members: add the new one to the description.
+template <std::size_t N, class T>
+void check_members(T object = Example<T>::make()) {
+    INFO(typeid(T).name());
+    Places places;
+    walk_fields(places, object);
+    const bool all_are_met =
+        std::apply([&](const auto&... member) { return (places.has_one_in(member) && ...); },
+                   members<N>(object));
+    CHECK(all_are_met);
+}
+
+} // namespace
+
+TEST_CASE("every field of every option struct decides the id of a case", "[fields][case]") {
+    std::set<std::string> changed;
+    for (const Case& sample : samples()) {
+        const std::string id = case_id(sample);
+        for (int n = 0;; ++n) {
+            Case other = sample;
+            Change change(n);
+            walk_fields(change, other);
+            if (!change.is_done()) break;
+            INFO(change.what());
+            CHECK(case_id(other) != id);
+            CHECK_FALSE(other == sample);
+            changed.insert(change.what());
+        }
+    }
+    Everything everything;
+    Case defaults;
+    walk_fields(everything, defaults);
+    for (const std::string& name : everything.all) {
+        INFO(name);
+        CHECK(changed.count(name) == 1);
+    }
+}
+
+TEST_CASE("every member of an option struct is described", "[fields][case]") {
+    check_members<4, LayeredOptions>();
+    check_members<8, SpectralOptions>();
+    check_members<13, PstdOptions>();
+    check_members<4, Domain>();
+    check_members<2, TimeAxis>();
+    check_members<5, MeasureOptions>();
+    check_members<5, RecordOptions>();
+    check_members<8, Case>();
+    check_members<4, Medium>();
+    check_members<6, Layer>();
+    check_members<1, KelvinVoigt>();
+    check_members<2, FractionalKelvinVoigt>();
+    check_members<2, StandardLinearSolid>();
+    check_members<8, Body>();
+    check_members<1, Ellipsoid>();
+    check_members<4, Cylinder>();
+    check_members<1, Box>();
+    check_members<4, Load>();
+    check_members<1, ResolvedCarrier>();
+    check_members<1, GaussianFootprint>();
+    check_members<12, ArrayFootprint>();
+    check_members<4, Modulation>();
+    check_members<1, Hold>();
+    check_members<4, Swing>();
+    check_members<4, Travel>();
+    check_members<2, Line>();
+    check_members<4, Arc>();
+    check_members<1, ConstantSpeed>();
+    check_members<4, OscillatingSpeed>();
+    check_members<3, CornerPace>();
+    check_members<4, SineGain>();
+    check_members<5, RampGain>();
+    check_members<6, SquareGain>();
+    check_members<4, WindowGain>();
+    check_members<12, AfferentOptions>();
+    check_members<2, HandAfferents>();
+    check_members<2, GridAfferents>();
+    check_members<1, AfferentList>();
+    check_members<6, CarrierInput>();
+}

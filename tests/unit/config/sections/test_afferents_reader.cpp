@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/afferent_options.hpp"
+#include "config/files/afferents_file.hpp"
+#include "unit/config/jobs.hpp"
+
+#include <algorithm>
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+AfferentOptions options_of(std::string_view text, const config::TextLoader& files = nullptr) {
+    return config::read_afferent_options("[afferents]\n" + std::string(text), "options", {}, files);
+}
+
+std::string refusal(std::string_view text, const config::TextLoader& files = nullptr) {
+    try {
+        options_of(text, files);
+    } catch (const config::BadJob& bad) {
+        return bad.what();
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("a job without [afferents] keeps its case id", "[config][afferents]") {
+    CHECK_FALSE(only_case(plain_job).afferents.has_value());
+    CHECK_THAT(canonical_text(only_case(plain_job)), !Catch::Contains("afferents"));
+    const Case c = only_case(plain_and("[afferents]\n"));
+    REQUIRE(c.afferents.has_value());
+    CHECK(*c.afferents == AfferentOptions{});
+    CHECK(case_id(c) != case_id(only_case(plain_job)));
+}
+
+TEST_CASE("afferents are read in millimetres", "[config][afferents]") {
+    const AfferentOptions o = options_of(R"(where = "fingertip"
+digit = 3
+classes = ["PC", "SA1"]
+seed = 7
+patch_mm = [10, -20]
+patch_deg = 90
+pins_mm = [[0, 0], [1.5, 0]]
+pin_radius_mm = 0.5
+silence_ms = 5
+noise = true
+conduction_delay = true
+)");
+    CHECK(o.places == AfferentPlaces(HandAfferents{"fingertip", 3}));
+    CHECK(o.classes == std::vector{AfferentClass::SA1, AfferentClass::PC});
+    CHECK(o.seed == 7);
+    CHECK(o.patch_m == Vec2{0.01, -0.02});
+    CHECK(o.patch_rad == Approx(M_PI / 2).epsilon(1e-15));
+    CHECK(o.pins_m == std::vector<Vec2>{{}, {0.0015, 0.0}});
+    CHECK(o.pin_radius_m == 0.0005);
+    CHECK(o.silence_s == 0.005);
+    CHECK(o.noise == Switch::on);
+    CHECK(o.conduction_delay == Switch::on);
+    CHECK(o.sheet == SkinSheet::hand);
+}
+
+TEST_CASE("pins can be given as a line or a grid", "[config][afferents]") {
+    CHECK(options_of("pin_line = { from_mm = [-2, 0], to_mm = [2, 0], count = 3 }").pins_m ==
+          std::vector<Vec2>{{-0.002, 0.0}, {}, {0.002, 0.0}});
+    const auto grid = options_of("pin_grid = { extent_mm = [4, 2], pitch_mm = 2 }").pins_m;
+    CHECK(grid.size() == 3); // 2 mm along y leave one row
+    CHECK_THAT(refusal("pin_grid = { extent_mm = [100, 100], pitch_mm = 1 }"),
+               Catch::Contains("results in 10201 pins; at most 1000"));
+    CHECK_THAT(refusal("pins_mm = [[0, 0]]\npin_grid = { extent_mm = [4, 2], pitch_mm = 2 }"),
+               Catch::Contains("pins_mm cannot be combined with pin_line or pin_grid"));
+}
+
+TEST_CASE("a line with one pin is reported once and not as a position", "[config][afferents]") {
+    const auto said = findings_of(
+        plain_and("[afferents]\npin_line = { from_mm = [-2, 0], to_mm = [2, 0], count = 1 }\n"));
+    REQUIRE(said.size() == 1);
+    CHECK_THAT(said[0], Catch::Contains("pin_line.count must be between 2 and 1000"));
+}
+
+TEST_CASE("pins outside the domain are rejected", "[config][afferents]") {
+    CHECK_THAT(
+        findings_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
+        Catch::Contains("afferents.pins_mm must lie inside the domain, within 48 and 33.75 mm") &&
+            Catch::Contains("[60, 0] does not"));
+}
+
+TEST_CASE("the default skin for a grid of afferents is flat", "[config][afferents]") {
+    const AfferentOptions o = options_of("where = \"grid\"\nextent_mm = [10, 20]\npitch_mm = 2\n");
+    CHECK(o.places == AfferentPlaces(GridAfferents{{0.01, 0.02}, 0.002}));
+    CHECK(o.sheet == SkinSheet::flat);
+    CHECK_THAT(refusal("extent_mm = [10, 20]"), Catch::Contains("only with where = \"grid\""));
+}
+
+TEST_CASE("afferents come from a CSV file", "[config][afferents]") {
+    const auto file = [](const std::string&) {
+        return std::string("# mine\nx_mm,y_mm,class,row\n1, 2,PC,3\n-4,5,RA,8\n");
+    };
+    const AfferentOptions o = options_of("where = \"csv\"\nfile = \"a.csv\"", file);
+    CHECK(o.places == AfferentPlaces(AfferentList{{{{0.001, 0.002}, AfferentClass::PC, 3},
+                                                   {{-0.004, 0.005}, AfferentClass::RA, 8}}}));
+    CHECK_THAT(config::read_listed_afferents("x_mm,y_mm,class,row\n1,2,PC,4\n").problem,
+               Catch::Contains("line 2") && Catch::Contains("1,2,PC,4"));
+    CHECK_THAT(config::read_listed_afferents("x,y\n1,2\n").problem,
+               Catch::Contains("x_mm,y_mm,class,row"));
+    CHECK_THAT(config::read_listed_afferents("x_mm,y_mm,class,row\n").problem,
+               Catch::Contains("must contain at least one afferent"));
+}
+
+TEST_CASE("the sampling rate of a carrier must resolve it", "[config][afferents]") {
+    const AfferentOptions o =
+        options_of("input = \"carrier\"\ncarrier = { amplitude_um = 50, am_frequency_Hz = 200 }");
+    const auto& carrier = std::get<CarrierInput>(o.input);
+    CHECK(carrier == CarrierInput{.wave = CarrierWave::squared,
+                                  .frequency_Hz = 40e3,
+                                  .amplitude_m = 50e-6,
+                                  .sampling_Hz = 200e3,
+                                  .am_frequency_Hz = 200.0,
+                                  .am_depth = 1.0});
+    CHECK_THAT(refusal("input = \"carrier\"\ncarrier = { amplitude_um = 50, sampling_kHz = 10 }"),
+               Catch::Contains("0.25 samples per cycle of 40 kHz") &&
+                   Catch::Contains("at least 200"));
+    CHECK_THAT(refusal("input = \"carrier\"\ncarrier = { amplitude_um = 50, am_depth = 1 }"),
+               Catch::Contains("am_depth requires am_frequency_Hz"));
+    CHECK_THAT(refusal("carrier = { amplitude_um = 50 }"),
+               Catch::Contains("only with input = \"carrier\""));
+}
+
+TEST_CASE("errors in [afferents] name the key", "[config][afferents]") {
+    CHECK_THAT(refusal("pin_radius_mm = -1"),
+               Catch::Contains("afferents.pin_radius_mm must be above 0, but is -1"));
+    CHECK_THAT(refusal("classes = [\"SA2\"]"), Catch::Contains("but contains \"SA2\""));
+    CHECK_THAT(refusal("where = \"plam\""), Catch::Contains("did you mean \"palm\"?"));
+    CHECK_THAT(refusal("nois = true"), Catch::Contains("did you mean noise?"));
+}

@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "unit/config/jobs.hpp"
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+TEST_CASE("omitted keys have the documented defaults", "[config][case]") {
+    const Case c = only_case(plain_job);
+    CHECK(c.domain == Domain{128, 90, 0.00075, 0.0});
+    CHECK(c.time == TimeAxis{80, 5e-5});
+    CHECK(c.measure.at_s == c.time.duration_s());
+    CHECK(c.measure.settled_after_s == Approx(0.0010).epsilon(1e-14)); // a quarter of it
+    CHECK(c.measure.focal_radius_m == 0.003);                          // 1 FWHM
+    CHECK(c.measure.depths_m == std::vector{0.0});
+    CHECK(c.record == RecordOptions{{{0.0, 0.0}}, {c.measure.at_s}, false});
+    CHECK(c.solver == SolverOptions(LayeredOptions{}));
+}
+
+TEST_CASE("given keys are converted to SI units", "[config][case]") {
+    const Case c = only_case(plain_and(R"(
+[solver]
+engine = "layered"
+[solver.layered]
+time_step_us = 12.5
+window_factor = 3
+wrap_suppression = 1e4
+interpolation_tolerance = 1e-6
+[measure]
+at_ms = 3
+settled_after_ms = 0.5
+focal_radius_mm = 2
+depths_mm = [0, 1.5, 4]
+[record]
+traces_mm = [[0, 0], [-3, 1]]
+snapshots_ms = [1, 2.05]
+frames = true
+)"));
+    CHECK(c.solver == SolverOptions(LayeredOptions{1.25e-5, 3.0, 1e4, 1e-6}));
+    CHECK(c.measure.at_s == Approx(0.003).epsilon(1e-14));
+    CHECK(c.measure.settled_after_s == 0.0005);
+    CHECK(c.measure.focal_radius_m == 0.002);
+    CHECK(c.measure.depths_m == std::vector{0.0, 0.0015, 0.004});
+    CHECK(c.record.traces_m == std::vector<Vec2>{{0.0, 0.0}, {-0.003, 0.001}});
+    CHECK(c.record.snapshots_s.at(1) == c.time.frame_s(40));
+    CHECK(c.record.frames);
+}
+
+TEST_CASE("a time that coincides with a frame is exactly the time of that frame",
+          "[config][case]") {
+    const Case c = only_case(plain_and("[measure]\nat_ms = 3.35\n"));
+    CHECK(c.measure.at_s == c.time.frame_s(66));
+}
+
+TEST_CASE("a grid has at least the requested extent and a size with fast FFTs", "[config][case]") {
+    CHECK(only_case(plain_with("[96.0, 64.0]", "[96.1, 63.0]")).domain.nx == 140); // 129 -> 140
+    CHECK(only_case(plain_with("[96.0, 64.0]", "[96.1, 63.0]")).domain.ny == 84);
+}
+
+TEST_CASE("an error in domain or time is reported with its location", "[config][case]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"[96.0, 64.0]", "[96.0, -64.0]",
+         "job.toml:22:20: error: domain.extent_mm must be above 0, but is -64"},
+        {"extent_mm", "extent_cm",
+         "job.toml:22:1: error: domain.extent_cm is unknown; the unit of extent is mm: use "
+         "extent_mm"},
+        {"= 0.75", "= 0.002",
+         "job.toml:23:14: error: domain.spacing_mm results in 48000 points along 96 mm; at most "
+         "32768 are supported"},
+        {"[96.0, 64.0]", "[1e6, 64.0]",
+         "job.toml:22:14: error: domain.extent_mm must be 0 or have a magnitude from 1e-09 to "
+         "1e+04, but is 1000000: atoms are 0.1 nm apart, and no human is longer than 10 m"},
+        {"= 0.75", "= 0.75\nsponge_mm = 34",
+         "job.toml:24:13: error: domain.sponge_mm must leave a measured region between the "
+         "margins: it must be below 33.75 mm, half of the shorter side, but is 34"},
+        {"= 4.0", "= 4.01",
+         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, but "
+         "4.01 ms is 80.2 times 50 us"},
+        {"= 4.0", "= 0.01",
+         "job.toml:25:15: error: time.duration_ms must be a whole number of output intervals, but "
+         "0.01 ms is 0.2 times 50 us"},
+        {"= 50.0", "= 1e-6",
+         "job.toml:26:22: error: time.output_interval_us results in 4000000000 frames; at most "
+         "1000000 are supported"},
+        {"duration_ms = 4.0\n", "", "job.toml:24:1: error: time.duration_ms is missing"},
+    }));
+    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+}
+
+TEST_CASE("an error in solver, measure or record is reported with its location", "[config][case]") {
+    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+        {"[solver]\nengine = \"fem\"\n",
+         "job.toml:28:10: error: solver.engine must be one of \"layered\", \"spectral\" or "
+         "\"pstd\", but is \"fem\""},
+        {"[solver]\nengine = \"spectral\"\n[solver.spectral]\ndegree = 8.5",
+         "job.toml:30:10: error: solver.spectral.degree must be a whole number"},
+        {"[solver.layered]\nwindow_factor = 1",
+         "job.toml:28:17: error: solver.layered.window_factor must be between 1.25 and 16, but is "
+         "1"},
+        {"[solver.layered]\nwrap_suppression = 1e9",
+         "job.toml:28:20: error: solver.layered.wrap_suppression must be between 10 and 100000000, "
+         "but is 1000000000"},
+        {"[solver.layered]\ninterpolation_tolerance = 1",
+         "job.toml:28:27: error: solver.layered.interpolation_tolerance must be between 1e-12 and "
+         "0.001, but is 1"},
+        {"[solver.layered]\ntime_step_us = 51",
+         "job.toml:28:16: error: solver.layered.time_step_us must not exceed "
+         "time.output_interval_us = 50, but is 51"},
+        {"[measure]\nat_ms = 5",
+         "job.toml:28:9: error: measure.at_ms must be the time of a frame: a multiple of "
+         "time.output_interval_us = 50, up to time.duration_ms = 4; 5 is not"},
+        {"[measure]\nat_ms = 3.99",
+         "job.toml:28:9: error: measure.at_ms must be the time of a frame: a multiple of "
+         "time.output_interval_us = 50, up to time.duration_ms = 4; 3.99 is not"},
+        {"[measure]\nat_ms = 3\nsettled_after_ms = 3",
+         "job.toml:29:20: error: measure.settled_after_ms must be before measure.at_ms = 3, but is "
+         "3"},
+        {"[measure]\nfocal_radius_mm = 3\nfocal_radius_fwhm = 1",
+         "job.toml:28:19: error: measure.focal_radius_mm and focal_radius_fwhm are both given; "
+         "specify only one of them"},
+        {"[measure]\ndepths_mm = [1, 0.5]",
+         "job.toml:28:13: error: measure.depths_mm must be in ascending order, but 0.5 follows 1"},
+        {"[measure]\ndepths_mm = [0, 20]", "job.toml:28:13: error: measure.depths_mm must lie "
+                                           "above the rigid base at 20 mm, but contains 20"},
+        {"[measure]\ndepths_mm = [0, -1]",
+         "job.toml:28:17: error: measure.depths_mm must be at least 0, but is -1"},
+        {"[measure]\ndepths_mm = []", "job.toml:28:13: error: measure.depths_mm must contain at "
+                                      "least one depth; 0 is the surface"},
+        {"[measure]\ndepths_mm = 1",
+         "job.toml:28:13: error: measure.depths_mm must be a list of numbers, but is a number"},
+        {"[record]\ntraces_mm = [[0, 0], [49, 0]]",
+         "job.toml:28:13: error: record.traces_mm must lie inside the domain, within 48 and 33.75 "
+         "mm of its centre; [49, 0] does not"},
+        {"[measure]\nbands_Hz = [[100, 500], [500, 100]]",
+         "job.toml:28:12: error: measure.bands_Hz must contain bands [low, high] with 0 <= low < "
+         "high, but contains [500, 100]"},
+        {"[record]\ntraces_mm = [0, 0]",
+         "job.toml:28:14: error: record.traces_mm must be a pair [x, y], but is a number"},
+        {"[record]\nsnapshots_ms = [2.01]",
+         "job.toml:28:16: error: record.snapshots_ms must be the time of a frame: a multiple of "
+         "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
+        {"[record]\nvolumes_ms = [2.01]",
+         "job.toml:28:14: error: record.volumes_ms must be the time of a frame: a multiple of "
+         "time.output_interval_us = 50, up to time.duration_ms = 4; 2.01 is not"},
+        {"[record]\nvolumes_ms = [2]\nvolume_fields = [\"v\"]",
+         "job.toml:29:17: error: record.volume_fields must contain only \"u\", \"strain\" or "
+         "\"stress\", but contains \"v\""},
+        {"[record]\nvolumes_ms = [2]\nvolume_fields = []",
+         "job.toml:29:17: error: record.volume_fields must contain at least one of \"u\", "
+         "\"strain\" or \"stress\""},
+        {"[record]\nvolume_fields = [\"u\"]",
+         "job.toml:28:17: error: record.volume_fields selects what is stored at record.volumes_ms, "
+         "which is missing; add the times, or remove this key"},
+        {"[record]\nframes = 1",
+         "job.toml:28:10: error: record.frames must be true or false, but is a number"},
+    }));
+    CHECK(findings_of(plain_and(more)) == Texts{finding});
+}
+
+TEST_CASE("a section that is not a table is rejected", "[config][case]") {
+    CHECK(findings_of("record = 3\n" + std::string(plain_job)) ==
+          Texts{"job.toml:1:10: error: record must be a table, but is a number"});
+}
+
+TEST_CASE("depths are not limited in a half-space", "[config][case]") {
+    std::string job = plain_with("\"rigid\"", "\"half-space\"");
+    job = replaced(job, "thickness_mm = 20.0\n", "");
+    CHECK(findings_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
+}
+
+TEST_CASE("the options of the spectral engine are read, and unsupported cases are rejected",
+          "[job]") {
+    const std::string chosen = "[solver]\nengine = \"spectral\"\n[solver.spectral]\n"
+                               "time_step_us = 12.5\ndegree = 6\nlongest_element_mm = 2.0\n"
+                               "absorbing_depth_mm = 40.0\n";
+    const auto options = std::get<SpectralOptions>(only_case(plain_and(chosen)).solver);
+    CHECK(options == SpectralOptions{12.5e-6, 6, 2e-3, 40e-3});
+    std::string lossy =
+        replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
+                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }");
+    const Texts found = findings_of(lossy);
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find(
+              "error: solver.engine: \"spectral\" supports only lossless or Kelvin-Voigt layers") !=
+          std::string::npos);
+}
+
+TEST_CASE("the spectral engine accepts a time step or an accuracy", "[config][case]") {
+    const std::string spectral = "[solver]\nengine = \"spectral\"\n";
+    const auto options_of = [&](const std::string& rest) {
+        return std::get<SpectralOptions>(only_case(plain_and(spectral + rest)).solver);
+    };
+    CHECK(options_of("") == SpectralOptions{.time_step_s = {}, .accuracy = 1e-3});
+    CHECK(options_of("spectral.accuracy = 1e-2") == SpectralOptions{.accuracy = 1e-2});
+    CHECK(options_of("spectral.time_step_us = 12.5") == SpectralOptions{.time_step_s = 12.5e-6});
+    CHECK(options_of("spectral = { time_step_us = \"auto\", accuracy = 1e-2 }") ==
+          SpectralOptions{.accuracy = 1e-2});
+}
+
+TEST_CASE(
+    "an accuracy of the spectral engine is rejected if out of range or combined with a time step",
+    "[config][case]") {
+    const auto [given, finding] = GENERATE(table<std::string, std::string>({
+        {"accuracy = 0", "accuracy must be between 0.0001 and 0.1, but is 0"},
+        {"accuracy = 2", "accuracy must be between 0.0001 and 0.1, but is 2"},
+        {"accuracy = \"x\"", "accuracy must be a number, but is a string"},
+        {"time_step_us = \"fast\"", "time_step_us must be a number, but is a string"},
+        {"time_step_us = 25, accuracy = 1e-2",
+         "accuracy determines the time step, but solver.spectral.time_step_us = 25 is also given; "
+         "remove one of them, or set the latter to \"auto\""},
+    }));
+    const Texts found = findings_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
+    REQUIRE(found.size() == 1);
+    CHECK_THAT(found[0], Catch::Contains("error: solver.spectral." + finding));
+}
+
+TEST_CASE("volumes are stored in order and without duplicates, independent of the order in the job",
+          "[config][case]") {
+    const std::string spectral = "[solver]\nengine = \"spectral\"\n[record]\n";
+    const Case c = only_case(plain_and(spectral + "volumes_ms = [3, 1, 3]"));
+    CHECK(c.record.volumes_s == std::vector{c.time.frame_s(19), c.time.frame_s(59)});
+    CHECK(c.record.volume_fields == std::vector{VolumeField::u});
+    CHECK(case_id(c) == case_id(only_case(plain_and(
+                            spectral + "volumes_ms = [1, 3]\nvolume_fields = [\"u\", \"u\"]"))));
+    // A job without volumes is the case it was before there were any.
+    const Case without = only_case(plain_and(spectral + "volumes_ms = []"));
+    CHECK(case_id(without) == case_id(only_case(plain_and(spectral))));
+    CHECK(canonical_text(without).find("volume") == std::string::npos);
+}
+
+TEST_CASE("the options of engine pstd are read, and unsupported cases are rejected", "[job]") {
+    const std::string chosen = "[solver]\nengine = \"pstd\"\n[solver.pstd]\n";
+    CHECK(only_case(plain_and(chosen)).solver == SolverOptions(PstdOptions{}));
+    const auto all = std::get<PstdOptions>(
+        only_case(plain_and(chosen +
+                            "time_step_us = 2.5\nc_p_over_c_s = 5\ntop = \"fluid\"\n"
+                            "fluid_density_kg_m3 = 900\nfluid_c_p_m_s = 40\n"
+                            "load = \"displacement\"\ndisplacement_um = 3.6\ndepth_mm = 15\n"
+                            "absorbing_points = 12\nabsorbing_strength = 2\n"
+                            "edges = \"absorbing\"\nprecision = \"single\"\n"))
+            .solver);
+    CHECK(all.time_step_s == 2.5e-6);
+    CHECK(all.displacement_m == Approx(3.6e-6).epsilon(1e-14));
+    PstdOptions expected{2.5e-6,
+                         5.0,
+                         PstdTop::fluid,
+                         900.0,
+                         40.0,
+                         PstdLoad::displacement,
+                         all.displacement_m,
+                         15e-3,
+                         12,
+                         2.0,
+                         true,
+                         Precision::single_precision};
+    CHECK(all == expected);
+
+    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+        {"top = \"air\"", "solver.pstd.top must be one of \"void\", \"continued\" or \"fluid\""},
+        {"fluid_c_p_m_s = 40", "solver.pstd.fluid_c_p_m_s applies only with top = \"fluid\""},
+        {"load = \"displacement\"", "solver.pstd.displacement_um is missing"},
+        {"displacement_um = 1",
+         "solver.pstd.displacement_um applies only with load = \"displacement\""},
+        {"absorbing_points = 10.5", "solver.pstd.absorbing_points must be a whole number"},
+        {"c_p_over_c_s = 1", "solver.pstd.c_p_over_c_s must be between 2 and 1000"},
+        {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "stores; solver.engine ="},
+    }));
+    const Texts found = findings_of(plain_and(chosen + more));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].find(finding) != std::string::npos);
+
+    const Texts lossy =
+        findings_of(replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
+                             "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }"));
+    REQUIRE(lossy.size() == 1);
+    CHECK(lossy[0].find(
+              "error: solver.engine: \"pstd\" supports only lossless or Kelvin-Voigt layers") !=
+          std::string::npos);
+    const Texts array = findings_of(replaced(
+        plain_and(chosen), "footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
+        "footprint = { shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0 }"));
+    CHECK(any_contains(array, "the engine \"pstd\" supports only Gaussian foci"));
+}

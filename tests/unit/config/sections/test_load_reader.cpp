@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "unit/config/jobs.hpp"
+
+#include <numbers>
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+/// The plain job with another [load.modulation].
+std::string with_modulation(std::string_view modulation) {
+    const std::size_t begin = plain_job.find("kind ="), end = plain_job.find("[domain]");
+    return std::string(plain_job.substr(0, begin)) + std::string(modulation) + "\n" +
+           std::string(plain_job.substr(end));
+}
+
+Modulation modulation_of(std::string_view modulation) {
+    return only_case(with_modulation(modulation)).load.modulation;
+}
+
+const std::string path = "path = { shape = \"line\", from_mm = [-14, 0], to_mm = [14, 0] }\n";
+const Line line = {{-0.014, 0.0}, {0.014, 0.0}};
+
+} // namespace
+
+TEST_CASE("AM is a fixed point with a sine gain", "[config][load]") {
+    const Modulation am = modulation_of("kind = \"AM\"\nam_frequency_Hz = 500");
+    CHECK(am == Modulation{"AM", {{Hold{}}}, {{SineGain{500.0}}}});
+    const Modulation all =
+        modulation_of("kind = \"AM\"\nam_frequency_Hz = 500\nam_depth = 0.4\nam_phase_deg = 90\n"
+                      "am_on = \"pressure\"\nposition_mm = [1, -2]\nramp_ms = 2");
+    CHECK(all.trajectory == Trajectory{{Hold{{0.001, -0.002}}}});
+    const auto& sine = std::get<SineGain>(all.envelope.gains.at(0));
+    CHECK(sine.depth == 0.4);
+    CHECK(sine.phase_rad == Approx(0.5 * std::numbers::pi).epsilon(1e-15));
+    CHECK(sine.on == GainOn::pressure);
+    CHECK(all.envelope.gains.at(1) == Gain(RampGain{0.002}));
+}
+
+TEST_CASE("STM is a path at constant speed", "[config][load]") {
+    CHECK(modulation_of("kind = \"STM\"\nspeed_m_s = 7\n" + path) ==
+          Modulation{"STM", {{Travel{line, ConstantSpeed{7.0}, AtEnd::off}}}, {}});
+}
+
+TEST_CASE("a Mach number is a speed over that of the top layer", "[config][load]") {
+    CHECK(modulation_of("kind = \"STM\"\nmach = 1.4\n" + path) ==
+          modulation_of("kind = \"STM\"\nspeed_m_s = 7.0\n" + path));
+}
+
+TEST_CASE("the focus can rest at the end of a path", "[config][load]") {
+    const Modulation stm =
+        modulation_of("kind = \"STM\"\nspeed_m_s = 7\npath = { shape = \"line\", from_mm = [-14, "
+                      "0], to_mm = [14, 0], at_end = \"hold\" }");
+    CHECK(std::get<Travel>(stm.trajectory.parts.at(0)).at_end == AtEnd::hold);
+}
+
+TEST_CASE("SM-STM is a path at oscillating speed", "[config][load]") {
+    CHECK(modulation_of("kind = \"SM-STM\"\nspeed_m_s = 7\nspeed_deviation_m_s = 2\n"
+                        "sm_frequency_Hz = 500\n" +
+                        path) ==
+          Modulation{"SM-STM", {{Travel{line, OscillatingSpeed{7.0, 2.0, 500.0, 0.0}}}}, {}});
+}
+
+TEST_CASE("a carrier can be resolved", "[config][load]") {
+    const auto carrier = [](std::string_view more) {
+        return only_case(plain_with("peak_Pa = 100.0\n", "peak_Pa = 100.0\n" + std::string(more)))
+            .load.carrier;
+    };
+    CHECK(carrier("") == Carrier(AveragedCarrier{}));
+    CHECK(carrier("carrier = \"averaged\"\n") == Carrier(AveragedCarrier{}));
+    CHECK(carrier("carrier = \"resolved\"\n") == Carrier(ResolvedCarrier{40e3}));
+    CHECK(carrier("carrier = \"resolved\"\ncarrier_kHz = 25\n") == Carrier(ResolvedCarrier{25e3}));
+}
+
+TEST_CASE("an error in the load is reported with its location", "[config][load]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"peak_Pa = 100.0", "peak_Pa = 0",
+         "job.toml:14:11: error: load.peak_Pa must be above 0, but is 0"},
+        {"peak_Pa = 100.0", "peak_kPa = 0.1",
+         "job.toml:14:1: error: load.peak_kPa is unknown; the unit of peak is Pa: use peak_Pa"},
+        {"shape = \"gaussian\", fwhm_mm = 3.0", "shape = \"disc\", radius_mm = 10",
+         "job.toml:15:23: error: load.footprint.shape must be one of \"gaussian\" or \"array\", "
+         "but is \"disc\""},
+        {"peak_Pa = 100.0\n", "", "job.toml:13:1: error: load.peak_Pa is missing"},
+        {", fwhm_mm = 3.0", "", "job.toml:15:13: error: load.footprint.fwhm_mm is missing"},
+        {"footprint = {", "carrier = \"resolvd\"\nfootprint = {",
+         "job.toml:15:11: error: load.carrier must be one of \"averaged\" or \"resolved\", but is "
+         "\"resolvd\"; did you mean \"resolved\"?"},
+        {"footprint = {", "carrier_kHz = 40\nfootprint = {",
+         "job.toml:15:15: error: load.carrier_kHz applies only with carrier = \"resolved\""},
+        {"[load.modulation]", "[load.modulation]\n[load.sound]",
+         "job.toml:17:7: error: load.sound is unknown"},
+    }));
+    const Texts found = findings_of(plain_with(old, by));
+    CHECK(std::find(found.begin(), found.end(), finding) != found.end());
+}
+
+TEST_CASE("an error in the modulation is reported with its location", "[config][load]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"\"AM-STM\"", "\"AMSTM\"",
+         "job.toml:17:8: error: load.modulation.kind must be one of \"STM\", \"AM\", "
+         "\"AM-STM\", \"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", but is \"AMSTM\"; did "
+         "you "
+         "mean \"AM-STM\"?"},
+        {"kind = \"AM-STM\"\n", "", "job.toml:16:1: error: load.modulation.kind is missing"},
+        {"\"AM-STM\"", "\"STM\"",
+         "job.toml:20:19: error: load.modulation.am_frequency_Hz does not apply to kind STM"},
+        {"to_mm = [14.0, 0.0]", "to_mm = [-14.0, 0.0]",
+         "job.toml:18:58: error: load.modulation.path.to_mm equals the start of the path, so the "
+         "path has no length"},
+        {"to_mm = [14.0, 0.0]", "to_mm = [14.0]",
+         "job.toml:18:58: error: load.modulation.path.to_mm must be a pair [x, y], but has 1 "
+         "values"},
+        {"to_mm = [14.0, 0.0]", "to_mm = 14",
+         "job.toml:18:58: error: load.modulation.path.to_mm must be a pair [x, y], but is a "
+         "number"},
+        {", to_mm = [14.0, 0.0]", "",
+         "job.toml:18:8: error: load.modulation.path.to_mm is missing"},
+        {"[14.0, 0.0] }", "[14.0, 0.0], at_end = \"of\" }",
+         "job.toml:18:80: error: load.modulation.path.at_end must be one of \"off\", \"hold\", "
+         "\"repeat\" or \"back-and-forth\", but is \"of\"; did you mean \"off\"?"},
+        {"\"line\"", "\"lien\"",
+         "job.toml:18:18: error: load.modulation.path.shape must be one of \"line\", \"circle\", "
+         "\"arc\", \"polygon\", \"lissajous\", \"polyline\" or \"csv\", but is \"lien\"; did you "
+         "mean \"line\"?"},
+        {"speed_m_s = 7.0", "speed_m_s = 7.0\nmach = 1.4",
+         "job.toml:20:8: error: load.modulation.mach and speed_m_s are both given; specify only "
+         "one of them"},
+        {"speed_m_s = 7.0\n", "",
+         "job.toml:16:1: error: load.modulation.speed_m_s is missing (or mach, the speed divided "
+         "by c_s of the top layer)"},
+        {"speed_m_s = 7.0\n", "draw_frequency_Hz = 70\n",
+         "job.toml:19:21: error: load.modulation.draw_frequency_Hz requires a path that repeats: "
+         "set path.at_end = \"repeat\" or \"back-and-forth\", or give speed_m_s or mach instead"},
+        {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_depth = 1.5",
+         "job.toml:21:12: error: load.modulation.am_depth must be between 0 and 1, but is 1.5"},
+        {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nam_on = \"presure\"",
+         "job.toml:21:9: error: load.modulation.am_on must be one of \"force\" or \"pressure\", "
+         "but is \"presure\"; did you mean \"pressure\"?"},
+        {"am_frequency_Hz = 500.0", "am_frequency_Hz = 500.0\nramp_ms = 0",
+         "job.toml:21:11: error: load.modulation.ramp_ms must be above 0, but is 0"},
+        {"kind = \"AM-STM\"\n", "kind = \"AM\"\n",
+         "job.toml:19:13: error: load.modulation.speed_m_s does not apply to kind AM"},
+    }));
+    const Texts found = findings_of(plain_with(old, by));
+    CHECK(std::find(found.begin(), found.end(), finding) != found.end());
+    CHECK(found.size() <= 2);
+}
+
+TEST_CASE("a focus that would move backwards is rejected", "[config][load]") {
+    const std::string sm = "kind = \"SM-STM\"\nspeed_m_s = 7\nspeed_deviation_m_s = 7\n"
+                           "sm_frequency_Hz = 500\n" +
+                           path;
+    CHECK(findings_of(with_modulation(sm)) ==
+          Texts{"job.toml:19:23: error: load.modulation.speed_deviation_m_s must be below the mean "
+                "speed of 7 m/s, but is 7: the focus would move backwards along its path"});
+}

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/document/presets.hpp"
+#include "unit/config/jobs.hpp"
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+Layer layer_with(std::string_view loss) {
+    return only_case(plain_with("viscosity_Pa_s = 1.0", loss)).medium.layers.at(0);
+}
+
+/// The plain job with another [medium].
+std::string with_medium(std::string_view medium) {
+    const std::size_t begin = plain_job.find("[medium]"), end = plain_job.find("[load]");
+    return std::string(plain_job.substr(0, begin)) + std::string(medium) +
+           std::string(plain_job.substr(end));
+}
+
+} // namespace
+
+TEST_CASE("each loss law is read in SI", "[config][medium]") {
+    CHECK(layer_with("viscosity_Pa_s = 2").loss == ShearLoss(KelvinVoigt{2.0}));
+    CHECK(layer_with("loss = { law = \"kelvin-voigt\", viscosity_Pa_s = 2.0 }").loss ==
+          ShearLoss(KelvinVoigt{2.0}));
+    CHECK(layer_with("loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }").loss ==
+          ShearLoss(FractionalKelvinVoigt{2.6e-4, 0.27}));
+    CHECK(layer_with("loss = { law = \"standard-linear\", tau_us = 5, strength = 3 }").loss ==
+          ShearLoss(StandardLinearSolid{5e-6, 3.0}));
+    CHECK(layer_with("loss = \"none\"").loss == ShearLoss(Lossless{}));
+    CHECK(layer_with("").loss == ShearLoss(Lossless{}));
+    CHECK(layer_with("viscosity_Pa_s = 0").loss == ShearLoss(Lossless{}));
+}
+
+TEST_CASE("an error in a layer is reported with its location", "[config][medium]") {
+    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+        {"thickness_mm", "thickness_cm",
+         "job.toml:8:1: error: medium.layer[1].thickness_cm is unknown; the unit of thickness is "
+         "mm: use thickness_mm"},
+        {"thickness_mm", "thickness",
+         "job.toml:8:1: error: medium.layer[1].thickness is unknown; the unit of thickness is mm: "
+         "use thickness_mm"},
+        {"thickness_mm", "thicknes_mm",
+         "job.toml:8:1: error: medium.layer[1].thicknes_mm is unknown; did you mean "
+         "thickness_mm?"},
+        {"thickness_mm = 20.0\n", "",
+         "job.toml:6:1: error: medium.layer[1].thickness_mm is missing"},
+        {"= 20.0", "= \"20\"",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a string "
+         "(\"20\")"},
+        {"= 20.0", "= 0",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is 0"},
+        {"= 20.0", "= nan",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is nan"},
+        {"= 20.0", "= inf",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is inf"},
+        {"= 20.0", "= 1979-05-27",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a date or "
+         "time"},
+        {"= 20.0", "= [20.0]",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm must be a number, but is a list"},
+        {"\"tissue\"", "true",
+         "job.toml:7:8: error: medium.layer[1].name must be a string, but is true or false"},
+        {"\"rigid\"", "\"rigd\"",
+         "job.toml:5:8: error: medium.base must be one of \"rigid\" or \"half-space\", but is "
+         "\"rigd\"; did you mean \"rigid\"?"},
+        {"\"rigid\"", "\"half-space\"",
+         "job.toml:8:16: error: medium.layer[1].thickness_mm does not apply: with medium.base = "
+         "\"half-space\", the last layer extends to infinity; remove the key, or set medium.base = "
+         "\"rigid\""},
+        {"c_p_m_s = 1500.0", "c_p_m_s = 5.5",
+         "job.toml:10:11: error: medium.layer[1].c_p_m_s must be above 5.7735, 1.1547 times "
+         "c_s_m_s = 5, for a positive bulk modulus, but is 5.5"},
+        {"c_s_m_s = 5.0", "c_s_m_s = 0",
+         "job.toml:11:11: error: medium.layer[1].c_s_m_s must be above 0, but is 0"},
+        {"viscosity_Pa_s = 1.0", "viscosity_Pa_s = 1.0\nloss = \"none\"",
+         "job.toml:13:8: error: medium.layer[1].loss and viscosity_Pa_s are both given; specify "
+         "only one of them"},
+        {"viscosity_Pa_s = 1.0", "loss = \"nne\"",
+         "job.toml:12:8: error: medium.layer[1].loss must be \"none\" or a table { law = "
+         "\"fractional\", ... }"},
+        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractional\", tau_us = 1, exponent = 1.0 }",
+         "job.toml:12:53: error: medium.layer[1].loss.exponent must be between 0 and 1, both "
+         "excluded, but is 1"},
+        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1 }",
+         "job.toml:12:16: error: medium.layer[1].loss.law must be one of \"none\", "
+         "\"kelvin-voigt\", \"fractional\" or \"standard-linear\", but is \"fractinal\"; did you "
+         "mean \"fractional\"?"},
+        {"viscosity_Pa_s = 1.0", "loss = { law = \"standard-linear\", tau_us = 1, strenth = 1 }",
+         "job.toml:12:47: error: medium.layer[1].loss.strenth is unknown; did you mean strength?"},
+        {"viscosity_Pa_s", "preset = \"ecoflx\"\nviscosity_Pa_s",
+         "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
+         "\"ecoflex\" or \"forearm\", but is \"ecoflx\"; did you mean \"ecoflex\"?"},
+        {"viscosity_Pa_s", "preset = \"three-layer-skin\"\nviscosity_Pa_s",
+         "job.toml:12:10: error: medium.layer[1].preset must be one of \"thesis-tissue\", "
+         "\"ecoflex\" or \"forearm\", but is \"three-layer-skin\""},
+        {"base = \"rigid\"", "base = \"rigid\"\npreset = \"ecoflex\"",
+         "job.toml:6:10: error: medium.preset defines all layers, but medium.layer is also given; "
+         "use the preset in a layer, or remove the layers"},
+    }));
+    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+}
+
+TEST_CASE("every preset gives a case without diagnostics", "[config][medium]") {
+    const std::string name = GENERATE(from_range(config::preset_names()));
+    const std::string job = with_medium("[medium]\npreset = \"" + name + "\"\n");
+    const Medium medium = only_case(job).medium;
+    CHECK_FALSE(medium.layers.empty());
+    for (const Layer& layer : medium.layers)
+        CHECK(poisson_ratio(layer) > 0.49);
+}
+
+TEST_CASE("the presets have the values of their sources", "[config][medium]") {
+    const auto layers = [](const std::string& name) {
+        return only_case(with_medium("[medium]\npreset = \"" + name + "\"\n")).medium.layers;
+    };
+    CHECK(static_shear_modulus(layers("ecoflex")[0]) == Approx(27.8e3).epsilon(2e-3));
+    CHECK(layers("ecoflex")[0].loss == ShearLoss(FractionalKelvinVoigt{260e-6, 0.27}));
+    CHECK(static_shear_modulus(layers("forearm")[0]) == Approx(7860.0).epsilon(1e-12));
+    CHECK(layers("forearm")[0].loss == ShearLoss(KelvinVoigt{5.03}));
+    CHECK(layers("thesis-tissue")[0].c_s_m_s == 5.0);
+    const auto skin = layers("three-layer-skin");
+    REQUIRE(skin.size() == 3);
+    CHECK(static_shear_modulus(skin[0]) == Approx(1.33e6).epsilon(1e-12));
+    CHECK(static_shear_modulus(skin[1]) == Approx(13.3e3).epsilon(1e-12));
+    CHECK(static_shear_modulus(skin[2]) == Approx(5e3).epsilon(1e-12));
+    CHECK(skin[1].thickness_m == 0.002);
+    CHECK(skin[2].thickness_m == 0.0);
+}
+
+TEST_CASE("a layer's preset fills in only what is not given", "[config][medium]") {
+    const auto layer = [](const std::string& more) {
+        return only_case(with_medium("[medium]\nbase = \"rigid\"\n[[medium.layer]]\npreset = "
+                                     "\"ecoflex\"\n" +
+                                     more))
+            .medium.layers.at(0);
+    };
+    CHECK(layer("").c_s_m_s == 5.10);
+    CHECK(layer("c_s_m_s = 6.0\n").c_s_m_s == 6.0);
+    CHECK(layer("viscosity_Pa_s = 2.0\n").loss == ShearLoss(KelvinVoigt{2.0}));
+    CHECK(layer("name = \"gel\"\n").name == "gel");
+}
+
+TEST_CASE("the thickness of a preset is ignored in a half-space", "[config][medium]") {
+    const Medium medium =
+        only_case(with_medium("[medium]\nbase = \"half-space\"\n[[medium.layer]]\npreset = "
+                              "\"ecoflex\"\n[[medium.layer]]\npreset = \"forearm\"\n"))
+            .medium;
+    CHECK(medium.base == Base::half_space);
+    CHECK(medium.layers.at(0).thickness_m == 0.02);
+    CHECK(medium.layers.at(1).thickness_m == 0.0);
+}
+
+TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[config][medium]") {
+    CHECK(
+        findings_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
+        Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
+              "\"forearm\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"});
+}
+
+TEST_CASE("a medium without layers is rejected", "[config][medium]") {
+    CHECK(findings_of(with_medium("[medium]\nbase = \"rigid\"\n")) ==
+          Texts{"job.toml:4:1: error: medium.layer is missing"});
+    CHECK(findings_of(with_medium("[medium]\nbase = \"rigid\"\nlayer = []\n")) ==
+          Texts{"job.toml:6:9: error: medium.layer must contain at least one layer"});
+}

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "load/motion/course.hpp"
+#include "unit/config/jobs.hpp"
+
+#include <cmath>
+#include <numbers>
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+std::string job_with(std::string_view modulation) {
+    const std::size_t begin = plain_job.find("kind ="), end = plain_job.find("[domain]");
+    return std::string(plain_job.substr(0, begin)) + std::string(modulation) + "\n" +
+           std::string(plain_job.substr(end));
+}
+
+std::string stm(std::string_view path, std::string_view more = "speed_m_s = 7\n") {
+    return job_with("kind = \"STM\"\n" + std::string(more) + "path = { " + std::string(path) +
+                    " }");
+}
+
+Modulation modulation_of(std::string_view modulation) {
+    return only_case(job_with(modulation)).load.modulation;
+}
+
+Travel travel_of(std::string_view path, std::string_view more = "speed_m_s = 7\n") {
+    return std::get<Travel>(only_case(stm(path, more)).load.modulation.trajectory.parts.at(0));
+}
+
+} // namespace
+
+TEST_CASE("paths are read in millimetres and degrees", "[config][path]") {
+    const Travel circle = travel_of("shape = \"circle\", radius_mm = 10, start_deg = 90");
+    CHECK(std::get<Arc>(circle.path.shape) == Arc{{}, 0.01, 0.5 * pi, 2.0 * pi});
+    CHECK(circle.at_end == AtEnd::repeat);
+    const Travel arc =
+        travel_of("shape = \"arc\", center_mm = [1, 2], radius_mm = 10, sweep_deg = -90");
+    CHECK(std::get<Arc>(arc.path.shape) == Arc{{0.001, 0.002}, 0.01, 0.0, -0.5 * pi});
+    CHECK(arc.at_end == AtEnd::off);
+    const Travel line = travel_of("shape = \"polyline\", points_mm = [[0, 0], [3, 0], [3, 4]]");
+    CHECK(line.path == Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
+    const Travel figure = travel_of(
+        "shape = \"lissajous\", amplitudes_mm = [10, 5], frequencies = [3, 2], phase_deg = 90");
+    CHECK(std::get<Lissajous>(figure.path.shape).shape() ==
+          LissajousShape{{}, {0.01, 0.005}, 3, 2, 0.5 * pi});
+}
+
+TEST_CASE("a regular polygon stands on a side", "[config][path]") {
+    const std::string size = GENERATE("side_mm = 20", "radius_mm = 14.142135623730951");
+    const Travel square = travel_of("shape = \"polygon\", sides = 4, " + size);
+    const auto& points_m = std::get<Polyline>(square.path.shape).points_m();
+    REQUIRE(points_m.size() == 4);
+    CHECK(norm(points_m[0] - Vec2{0.01, -0.01}) < 1e-16);
+    CHECK(norm(points_m[2] - Vec2{-0.01, 0.01}) < 1e-16);
+}
+
+TEST_CASE("a draw frequency is the number of passes per second", "[config][path]") {
+    const Travel circle =
+        travel_of("shape = \"circle\", radius_mm = 10", "draw_frequency_Hz = 70\n");
+    CHECK(cycle_s(circle) == Approx(1.0 / 70.0).epsilon(1e-14));
+    const Travel line = travel_of("shape = \"line\", from_mm = [-5, 0], to_mm = [5, 0], at_end = "
+                                  "\"back-and-forth\"",
+                                  "draw_frequency_Hz = 70\n");
+    CHECK(cycle_s(line) == Approx(1.0 / 70.0).epsilon(1e-14));
+    const Travel square =
+        travel_of("shape = \"polygon\", sides = 4, side_mm = 20",
+                  "draw_frequency_Hz = 5\ncorner_dwell_ms = 20\ncorner_slow_mm = 3\n"
+                  "corner_slow_to = 0.5\n");
+    CHECK(square.corners == CornerPace{0.02, 0.003, 0.5});
+    CHECK(cycle_s(square) == Approx(0.2).epsilon(1e-14));
+}
+
+TEST_CASE("LM oscillates around its position", "[config][path]") {
+    CHECK(modulation_of("kind = \"LM\"\nlm_amplitude_mm = 2\nlm_frequency_Hz = 90\n"
+                        "position_mm = [1, 0]\nlm_wave = \"triangle\"\n") ==
+          Modulation{"LM",
+                     {{Hold{{0.001, 0.0}}, Swing{{0.002, 0.0}, 90.0, 0.0, SwingWave::triangle}}},
+                     {}});
+}
+
+TEST_CASE("DTP is an AM point that moves along a path, STP a pattern that does", "[config][path]") {
+    const std::string along = "path = { shape = \"polygon\", sides = 4, side_mm = 10 }\n"
+                              "speed_m_s = 0.1\ncorner_dwell_ms = 30\n";
+    const Modulation dtp = modulation_of("kind = \"DTP\"\nam_frequency_Hz = 500\n" + along);
+    CHECK(dtp.envelope == Envelope{{SineGain{500.0}}});
+    const std::string radius = GENERATE("0", "2");
+    const Modulation stp = modulation_of("kind = \"STP\"\npattern_frequency_Hz = 500\n"
+                                         "pattern = { shape = \"circle\", radius_mm = " +
+                                         radius + " }\n" + along);
+    CHECK(stp.envelope == Envelope{});
+    for (const double t : {0.01, 0.0777, 0.4}) {
+        const Vec2 off = position(stp.trajectory, t) - position(dtp.trajectory, t);
+        const double r = radius == "2" ? 0.002 : 0.0, angle = 2.0 * pi * 500.0 * t;
+        CHECK(norm(off - Vec2{r * std::cos(angle), r * std::sin(angle)}) < 1e-13);
+    }
+}
+
+TEST_CASE("AM-STM of depth zero and SM-STM of deviation zero are STM", "[config][path]") {
+    const std::string along = "path = { shape = \"circle\", radius_mm = 10 }\nspeed_m_s = 7\n";
+    const Modulation plain = modulation_of("kind = \"STM\"\n" + along);
+    const Modulation am =
+        modulation_of("kind = \"AM-STM\"\nam_frequency_Hz = 500\nam_depth = 0\n" + along);
+    const Modulation sm = modulation_of(
+        "kind = \"SM-STM\"\nsm_frequency_Hz = 500\nspeed_deviation_m_s = 0\n" + along);
+    for (const double t : {0.0, 0.0013, 0.0377}) {
+        CHECK(position(am.trajectory, t) == position(plain.trajectory, t));
+        CHECK(position(sm.trajectory, t) == position(plain.trajectory, t));
+        CHECK(gain(am.envelope, t) == 1.0);
+        CHECK(gain(sm.envelope, t) == 1.0);
+    }
+}
+
+TEST_CASE("a custom modulation is any sum of moves and product of gains", "[config][path]") {
+    const Modulation custom = modulation_of(R"(kind = "custom"
+[[load.modulation.trajectory]]
+move = "path"
+path = { shape = "line", from_mm = [-5, 0], to_mm = [5, 0] }
+speed_m_s = 2
+[[load.modulation.trajectory]]
+move = "swing"
+amplitude_mm = [0, 1]
+frequency_Hz = 600
+[[load.modulation.envelope]]
+shape = "sine"
+frequency_Hz = 500
+on = "pressure"
+[[load.modulation.envelope]]
+shape = "square"
+frequency_Hz = 400
+[[load.modulation.envelope]]
+shape = "window"
+to_ms = 3
+edge_us = 500
+[[load.modulation.envelope]]
+shape = "ramp"
+duration_ms = 2
+from = 0.5)");
+    CHECK(custom.trajectory ==
+          Trajectory{{Travel{{{-0.005, 0.0}, {0.005, 0.0}}, ConstantSpeed{2.0}},
+                      Swing{{0.0, 0.001}, 600.0}}});
+    REQUIRE(custom.envelope.gains.size() == 4);
+    CHECK(custom.envelope.gains[0] == Gain(SineGain{500.0, 1.0, 0.0, GainOn::pressure}));
+    CHECK(custom.envelope.gains[1] == Gain(SquareGain{.frequency_Hz = 400.0, .edge_s = 250e-6}));
+    CHECK(custom.envelope.gains[2] == Gain(WindowGain{0.0, 0.003, 0.0005}));
+    CHECK(custom.envelope.gains[3] == Gain(RampGain{.duration_s = 0.002, .from = 0.5}));
+}
+
+TEST_CASE("every part of a custom modulation can be swept", "[config][path]") {
+    const std::string job = job_with(R"(kind = "custom"
+[[load.modulation.trajectory]]
+move = "swing"
+amplitude_mm = [0, 1]
+frequency_Hz = 500
+[[load.modulation.envelope]]
+shape = "sine"
+frequency_Hz = 500)") + R"([sweep]
+"load.modulation.envelope[1].depth" = [0.5, 1.0]
+"load.modulation.trajectory[1].frequency_Hz" = [500, 600]
+)";
+    const config::Job read = config::read_job(job, "job.toml");
+    REQUIRE(read.plan.cases.size() == 4);
+    const Modulation& last = read.plan.cases[1].physics.load.modulation;
+    CHECK(std::get<Swing>(last.trajectory.parts[0]).frequency_Hz == 600.0);
+    CHECK(std::get<SineGain>(last.envelope.gains[0]).depth == 0.5);
+}
+
+TEST_CASE("a path can come from a file of points", "[config][path]") {
+    const std::string job = stm("shape = \"csv\", file = \"shape.csv\"");
+    const config::Job read =
+        config::read_job(job, "job.toml", {}, nullptr, [](const std::string& file) {
+            CHECK(file == "shape.csv");
+            return "# mine\nx_mm,y_mm\n0, 0\r\n\n3,0\n3,4\n";
+        });
+    const auto& parts = read.plan.cases.at(0).physics.load.modulation.trajectory.parts;
+    CHECK(std::get<Travel>(parts[0]).path ==
+          Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
+}
+
+TEST_CASE("an error in a file of points is reported with its line", "[config][path]") {
+    const auto [csv, said] = GENERATE(table<std::string, std::string>({
+        {"", "must contain at least 2 points below a header that names its columns, as in "
+             "x_mm,y_mm, but contains 0"},
+        {"x_mm,y_mm\n1,2\n", "must contain at least 2 points below a header that names its "
+                             "columns, as in x_mm,y_mm, but contains 1"},
+        {"0,0\n1,1\n",
+         "line 1: must name two columns and their unit, as in x_mm,y_mm, but is \"0,0\""},
+        {"x_mm,y_m\n0,0\n1,1\n",
+         "line 1: must name two columns and their unit, as in x_mm,y_mm, but is \"x_mm,y_m\""},
+        {"x_mm,y_mm\n0,0\n1\n", "line 3: must be two finite numbers x,y, but is \"1\""},
+        {"x_mm,y_mm\n0,0\nnan,1\n", "line 3: must be two finite numbers x,y, but is \"nan,1\""},
+        {"x_mm,y_mm\n0,0\n1e999,1\n", "line 3: must be two finite numbers x,y, but is \"1e999,1\""},
+        {"x_mm,y_mm\n0,0\n0,0\n", "line 3: repeats the previous point"},
+    }));
+    std::string text;
+    try {
+        config::read_job(stm("shape = \"csv\", file = \"shape.csv\""), "job.toml", {}, nullptr,
+                         [&csv = csv](const std::string&) { return csv; });
+    } catch (const config::BadJob& bad) {
+        text = bad.what();
+    }
+    CHECK(text ==
+          "job.toml:19:32: error: load.modulation.path.file cannot be used: shape.csv: " + said);
+}
+
+TEST_CASE("an error in a path is reported with its location", "[config][path]") {
+    const std::string where = "error: load.modulation.";
+    const auto [path, more, said] = GENERATE(table<std::string, std::string, std::string>({
+        {"shape = \"circle\", radius_mm = 0", "speed_m_s = 7\n",
+         "path.radius_mm must be between 0.001 and 10000, but is 0"},
+        {"shape = \"circle\", radius_mm = 5, to_mm = [1, 1]", "speed_m_s = 7\n",
+         "path.to_mm is unknown"},
+        {"radius_mm = 5", "speed_m_s = 7\n", "path.shape is missing"},
+        {"shape = \"polyline\", points_mm = [[0, 0]]", "speed_m_s = 7\n",
+         "path.points_mm must contain at least 2 points, but contains 1"},
+        {"shape = \"polyline\", points_mm = [[0, 0], [1, 0], [1, 0]]", "speed_m_s = 7\n",
+         "path.points_mm has points 2 and 3 at the same position"},
+        {"shape = \"polygon\", sides = 4", "speed_m_s = 7\n", "path.radius_mm is missing"},
+        {"shape = \"polygon\", sides = 4.5, side_mm = 3", "speed_m_s = 7\n",
+         "path.sides must be a whole number, but is 4.5"},
+        {"shape = \"lissajous\", amplitudes_mm = [9, 9], frequencies = [4, 2]", "speed_m_s = 7\n",
+         "path.frequencies have the common factor 2, so the figure would be drawn 2 times; [2, 1] "
+         "draws it once"},
+        {"shape = \"csv\", file = \"a.csv\"", "speed_m_s = 7\n",
+         "path.file names a file, but no files can be read in this context"},
+        {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ndraw_frequency_Hz = 9\n",
+         "draw_frequency_Hz and a speed are both given; specify only one of them"},
+        {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ncorner_dwell_ms = 1\n",
+         "corner_dwell_ms does not apply to a path that has no corners and is not traversed back "
+         "and forth; a corner turns by 20 degrees or more"},
+        {"shape = \"polygon\", sides = 4, side_mm = 20",
+         "speed_m_s = 7\ncorner_slow_mm = 11\ncorner_slow_to = 0.5\n",
+         "corner_slow_mm must be at most 10, half of the shortest distance between two corners "
+         "along the path, but is 11"},
+        {"shape = \"polygon\", sides = 4, side_mm = 20", "speed_m_s = 7\ncorner_slow_mm = 5\n",
+         "corner_slow_mm is given alone: corner_slow_mm is the distance from a corner within which "
+         "the focus slows down, and corner_slow_to the fraction of its speed at the corner"},
+        {"shape = \"polygon\", sides = 4, side_mm = 20",
+         "draw_frequency_Hz = 100\ncorner_dwell_ms = 3\n",
+         "draw_frequency_Hz leaves 10 ms per pass along the path, but the 4 corners take 3 ms "
+         "each"},
+    }));
+    const Texts found = findings_of(stm(path, more));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].ends_with(where + said));
+}
+
+TEST_CASE("an error in a custom modulation is reported with its location", "[config][path]") {
+    const auto [more, said] = GENERATE(table<std::string, std::string>({
+        {"", "error: load.modulation.trajectory is missing"},
+        {"trajectory = []",
+         "error: load.modulation.trajectory must be a list of at least one table"},
+        {"trajectory = [{ move = \"jump\" }]",
+         "error: load.modulation.trajectory[1].move must be one of \"hold\", \"swing\" or "
+         "\"path\", but is \"jump\""},
+        {"trajectory = [{ position_mm = [0, 0] }]",
+         "error: load.modulation.trajectory[1].move is missing"},
+        {"trajectory = [{ move = \"hold\", position_mm = [0, 0] }]\n"
+         "envelope = [{ shape = \"square\", frequency_Hz = 500, edge_us = 1500 }]",
+         "error: load.modulation.envelope[1].edge_us must be at most 1000, the shorter part of a "
+         "period, but is 1500"},
+        {"trajectory = [{ move = \"hold\", position_mm = [0, 0] }]\n"
+         "envelope = [{ shape = \"window\", from_ms = 3, to_ms = 2 }]",
+         "error: load.modulation.envelope[1].to_ms must be after from_ms = 3, but is 2"},
+        {"trajectory = [{ move = \"hold\", position_mm = [0, 0] }]\nspeed_m_s = 3",
+         "error: load.modulation.speed_m_s does not apply to kind custom"},
+    }));
+    const Texts found = findings_of(job_with("kind = \"custom\"\n" + more));
+    REQUIRE(found.size() == 1);
+    CHECK(found[0].ends_with(said));
+}

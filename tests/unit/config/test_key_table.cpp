@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/key_table.hpp"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <sstream>
+
+using namespace shearwake;
+using namespace shearwake::config;
+
+TEST_CASE("docs/reference/keys.md is the reference that the descriptions give", "[fields]") {
+    std::ifstream file(std::string(JOBS_DIRECTORY) + "/../docs/reference/keys.md");
+    std::stringstream text;
+    text << file.rdbuf();
+    INFO("shearwake keys > docs/reference/keys.md");
+    CHECK((text.str() == key_reference())); // no diff of 300 lines
+}
+
+TEST_CASE("the reference has ranges and defaults in the units of the keys", "[fields]") {
+    const std::string text = key_reference();
+    for (const char* row :
+         {"| `silence_ms` | between 0 and 10000 | 20 |",
+          "| `footprint.distance_mm` | between 20 and",
+          "| `top` | `\"void\"`, `\"continued\"`, `\"fluid\"` | `\"void\"` |",
+          "## `[[load.modulation.envelope]]` with `shape = \"square\"`", "## `[solver.pstd]`",
+          "with `load = \"displacement\"`: displacement of the skin"})
+        CHECK_THAT(text, Catch::Contains(row));
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/layered/transfer_table.hpp"
+
+#include "base/error.hpp"
+#include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/stack_response.hpp"
+#include "support/cases.hpp"
+#include "support/worst.hpp"
+
+#include <catch2/catch.hpp>
+#include <numbers>
+
+using namespace shearwake;
+using Complex = std::complex<double>;
+
+TEST_CASE("relative interpolation error of the table in |k| is below 1e-6 everywhere",
+          "[layered][slow]") {
+    // |delta H| <= 1e-6 |H| at every (k, omega) of the grid limits the error of the field to 1e-6
+    // for any load (Parseval). Media: a lossless half-space (sharp Rayleigh pole, branch point of
+    // the head wave), one viscous layer, three layers with a stiff film, and a lossless plate whose
+    // trapped modes are poles within eps / c of the axis.
+    const int which = GENERATE(0, 1, 2, 3);
+    Medium medium = test::half_space(test::tissue(1500.0, 0.0));
+    if (which == 1 || which == 3) {
+        medium.base = Base::rigid;
+        medium.layers[0] = test::tissue(1500.0, which == 1 ? 1.0 : 0.0);
+        medium.layers[0].thickness_m = 0.02;
+    } else if (which == 2) {
+        medium.layers.insert(medium.layers.begin(), medium.layers[0]);
+        medium.layers[0].c_s_m_s = 36.5;
+        medium.layers[0].thickness_m = 0.1e-3;
+        medium.layers[1].loss = FractionalKelvinVoigt{260e-6, 0.27};
+    }
+    Case c = test::moving_focus(medium, ConstantSpeed{7.0});
+    c.measure.depths_m = {0.0, 2e-3};
+    const LayeredOptions options;
+    const layered::TransferKey key{.medium = medium,
+                                   .depths_m = c.measure.depths_m,
+                                   .nx = 128,
+                                   .ny = 96,
+                                   .spacing_m = 0.75e-3,
+                                   .time = layered::time_transform(c, options),
+                                   .tolerance = options.interpolation_tolerance};
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    layered::TransferTable table(key, 0, key.ny / 2 + 1, alone);
+
+    // At the surface the error at every point is compared with H at this point. At depth H
+    // decreases as e^{-k z} within a panel; there the error of the field of a 2 mm focus is
+    // compared frequency by frequency.
+    double worst = 0.0, worst_below = 0.0;
+    const GaussianFootprint focus{2e-3};
+    const double dk_x = 2.0 * std::numbers::pi / (128 * 0.75e-3);
+    const double dk_y = 2.0 * std::numbers::pi / (96 * 0.75e-3);
+    std::vector<Complex> exact(2);
+    for (std::ptrdiff_t m = 0; m < table.frequencies(); m += 7) {
+        const layered::StackResponse response(medium, key.time.omega(m), key.depths_m);
+        double error2 = 0.0, field2 = 0.0;
+        for (std::ptrdiff_t ky = 0; ky <= 48; ky += 3) {
+            for (std::size_t depth = 0; depth < 2; ++depth) {
+                const auto row = table.row(ky, depth);
+                for (std::ptrdiff_t kx = 0; kx <= 64; ++kx) {
+                    const double x = static_cast<double>(kx) * dk_x;
+                    const double y = static_cast<double>(ky) * dk_y;
+                    response.evaluate(std::hypot(x, y), exact);
+                    const Complex h = row[static_cast<std::size_t>(kx * table.frequencies() + m)];
+                    const double error = std::abs(h - exact[depth]), size = std::abs(exact[depth]);
+                    if (depth == 0) {
+                        worst = test::worse(worst, error / size);
+                    } else {
+                        const double g = spectrum(focus, x, y);
+                        error2 += g * g * error * error;
+                        field2 += g * g * size * size;
+                    }
+                }
+            }
+        }
+        worst_below = test::worse(worst_below, std::sqrt(error2 / field2));
+    }
+    CAPTURE(which, worst, worst_below);
+    CHECK(worst < 1e-6);       // required
+    CHECK(worst_below < 1e-6); // required
+}
+
+TEST_CASE("packing and unpacking a radial interpolant preserves its values", "[layered]") {
+    const auto f = [](double k, std::span<Complex> out) {
+        out[0] = 1.0 / Complex(k - 3.0, 0.01);
+        out[1] = std::exp(-k);
+    };
+    const auto fitted = layered::RadialInterpolant::fit(f, 2, 10.0, 1e-10);
+    const auto packed = fitted.packed();
+    CHECK(packed.size() == layered::RadialInterpolant::packed_size(fitted.panels(), 2));
+    const auto back = layered::RadialInterpolant::unpacked(packed, 2);
+    const std::vector<double> k = {0.0, 1.0, 2.99, 3.0, 3.01, 9.0, 10.0};
+    for (std::size_t component = 0; component < 2; ++component) {
+        std::vector<Complex> before(k.size()), after(k.size()), exact(2);
+        fitted.evaluate(component, k, before.data(), 1);
+        back.evaluate(component, k, after.data(), 1);
+        CHECK(before == after);
+        for (std::size_t i = 0; i < k.size(); ++i) {
+            f(k[i], exact);
+            // Relative to the peak, 1/0.01.
+            CHECK(std::abs(before[i] - exact[component]) < 1e-8 * 100.0);
+        }
+    }
+}
+
+TEST_CASE("rejects a function with a pole on the axis", "[layered]") {
+    const auto f = [](double k, std::span<Complex> out) { out[0] = std::sqrt(std::abs(k - 1.0)); };
+    CHECK_THROWS_AS(layered::RadialInterpolant::fit(f, 1, 3.0, 1e-12), CaseFailure);
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/spectral_estimate.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
+#include "engines/spectral/stepping/time_step.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+constexpr double step_s = 50e-6;
+
+/// A body with `contrast` times the shear stiffness, or none for 1, under a 3 mm focus: 48 x 36
+/// points, two elements.
+Case body_case(double contrast) {
+    Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
+    c.medium.base = Base::rigid;
+    c.medium.layers[0].thickness_m = 8e-3;
+    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0}, {200e-3, 0.0}};
+    if (contrast != 1.0)
+        c.medium.bodies = {{.name = "body",
+                            .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},
+                            .centre_m = {0.0, 2e-3, 3.5e-3},
+                            .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+    c.domain = {48, 36, 1e-3, 0.0};
+    c.time = {20, step_s};
+    c.solver = SpectralOptions{.time_step_s = step_s};
+    return c;
+}
+
+spectral::DepthMesh mesh_of(const Case& c) {
+    return spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver));
+}
+
+engines::Estimate estimate(const Case& c, int ranks = 1) {
+    return spectral::estimate_spectral(c, mesh_of(c), 1, ranks);
+}
+
+/// Estimated seconds at the assumed rates.
+double seconds(const Case& c) {
+    return engines::time_s(estimate(c).work, {});
+}
+
+double iterations(const Case& c) {
+    return spectral::estimate_variation(c, mesh_of(c), step_s, 1).iterations;
+}
+
+struct Found {
+    double memory_B, iterations;
+};
+
+/// Values of a stepper after some steps.
+Found counted(const Case& c, int steps) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    spectral::Stepper stepper(c, mesh_of(c), slabs, step_s, alone);
+    for (int n = 0; n < steps; ++n)
+        stepper.advance();
+    return {stepper.memory_B(), static_cast<double>(stepper.statistics().iterations) / steps};
+}
+
+} // namespace
+
+TEST_CASE("estimated memory equals that of the stepper's arrays", "[spectral]") {
+    Case c = body_case(GENERATE(1.0, 2.0, 16.0));
+    SECTION("unchanged") {}
+    SECTION("with a sponge") {
+        c.domain.sponge_m = 6e-3;
+    }
+    SECTION("with a soft, light body, for which the complete plane is stored") {
+        if (c.medium.bodies.empty()) return;
+        c.medium.bodies[0].c_s_m_s = 3.0;
+        c.medium.bodies[0].density_kg_m3 = 900.0;
+    }
+    // Includes the bounding boxes of bodies and the planes of the engine, but not the spare
+    // capacity of vectors.
+    CHECK(estimate(c).memory_per_rank_B - engines::program_B ==
+          Approx(counted(c, 0).memory_B).epsilon(0.3));
+}
+
+TEST_CASE("estimated iterations are accurate within a factor of three", "[spectral][slow]") {
+    Case c = body_case(GENERATE(4.0, 16.0, 100.0));
+    SECTION("stiffer") {}
+    SECTION("stiffer and without loss") {
+        c.medium.bodies[0].viscosity_Pa_s = 0.0;
+    }
+    SECTION("stiffer and denser") {
+        c.medium.bodies[0].density_kg_m3 = 1900.0;
+    }
+    const double found = counted(c, 5).iterations;
+    CHECK(iterations(c) > found / 3.0);
+    CHECK(iterations(c) < found * 3.0);
+}
+
+TEST_CASE("estimates no iterations for one solve per step", "[spectral]") {
+    Case c = body_case(16.0);
+    std::get<SpectralOptions>(c.solver).method = SpectralMethod::one_solve;
+    CHECK(iterations(c) == 0.0);
+    CHECK(counted(c, 2).iterations == 0.0);
+}
+
+TEST_CASE("estimated seconds grow with the amount of work", "[spectral]") {
+    const double none = seconds(body_case(1.0));
+    const double stiff = seconds(body_case(16.0));
+    CHECK(stiff > 3.0 * none); // iterations, and six planes at half of the nodes
+    CHECK(seconds(body_case(100.0)) > stiff);
+
+    Case longer = body_case(16.0);
+    longer.time.frames *= 10;
+    CHECK(seconds(longer) > 5.0 * stiff);
+
+    Case kept = body_case(16.0);
+    kept.record.volumes_s = {kept.time.frame_s(9)};
+    kept.record.volume_fields = {VolumeField::u};
+    CHECK(seconds(kept) > stiff);
+    Case stress = kept;
+    stress.record.volume_fields = {VolumeField::stress};
+    CHECK(seconds(stress) > seconds(kept));
+    CHECK(estimate(stress).memory_per_rank_B > estimate(kept).memory_per_rank_B);
+}
+
+TEST_CASE("memory per rank decreases with the number of ranks and is largest above a body",
+          "[spectral]") {
+    const Case c = body_case(16.0);
+    const double one = estimate(c, 1).memory_per_rank_B - engines::program_B;
+    const double four = estimate(c, 4).memory_per_rank_B - engines::program_B;
+    CHECK(four > one / 4.0);
+    // 19 ky are divided into at most 5 per rank; blocks of 8 lanes stay complete.
+    CHECK(four < one / 2.0);
+    const spectral::DepthMesh mesh = mesh_of(c);
+    const spectral::VariationEstimate v = spectral::estimate_variation(c, mesh, step_s, 4);
+    CHECK(v.fullest_cells > 0.25 * v.cells);
+    CHECK(v.fullest_cells <= v.cells);
+}
+
+TEST_CASE("counts cells only where the map extends", "[spectral]") {
+    Case c = body_case(1.0);
+    auto map = std::make_shared<MaterialMap>();
+    map->counts = {2, 2, 2};
+    map->origin_m = {-4e-3, -4e-3, 1e-3};
+    map->spacing_m = {8e-3, 8e-3, 1e-3};
+    map->c_s_m_s = {5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 20.0};
+    map->content_hash = hash_of(*map);
+    c.medium.map = map;
+    const spectral::VariationEstimate v = spectral::estimate_variation(c, mesh_of(c), step_s, 1);
+    CHECK(v.iterations > 1.0); // the last point of the map is found
+    // 17 x 17 cells at each point of the first element within the depths 0.5 to 2.5 mm.
+    CHECK(v.points >= 3.0);
+    CHECK(v.cells == Approx(v.points * 17 * 17));
+    CHECK(seconds(c) > seconds(body_case(1.0)));
+}

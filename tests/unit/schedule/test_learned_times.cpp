@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/learned_times.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+/// Two kinds of cases of one engine, and one of another.
+std::vector<schedule::ExpectedCase> some_cases() {
+    return {{"layered", "a", 10.0},
+            {"layered", "a", 20.0},
+            {"layered", "b", 30.0},
+            {"pstd", "c", 40.0}};
+}
+
+} // namespace
+
+TEST_CASE("estimates are not corrected before a case has been measured", "[learned]") {
+    const schedule::LearnedTimes times(some_cases(), Comm::world());
+    for (const std::size_t index : {0u, 1u, 2u, 3u})
+        CHECK(times.factor(index) == 1.0);
+    CHECK(times.left_s() == Approx(100.0));
+}
+
+TEST_CASE("a measured case corrects those like it, then those of its engine", "[learned]") {
+    schedule::LearnedTimes times(some_cases(), Comm::world());
+    times.begin(0);
+    times.learn(0, 30.0, 10.0);
+    times.end(0);
+    CHECK(times.factor(1) == Approx(3.0));
+    CHECK(times.factor(2) == Approx(3.0)); // the same engine, nothing better is known
+    CHECK(times.factor(3) == 1.0);
+    CHECK(times.left_s() == Approx(3.0 * 50.0 + 40.0));
+    times.begin(2);
+    times.learn(2, 15.0, 30.0);
+    times.end(2);
+    CHECK(times.factor(2) == Approx(0.5));
+    CHECK(times.factor(1) == Approx(3.0)); // its own kind
+    CHECK(times.left_s() == Approx(3.0 * 20.0 + 40.0));
+}
+
+TEST_CASE("cases are corrected by the sum of what those like them took", "[learned]") {
+    schedule::LearnedTimes times(some_cases(), Comm::world());
+    times.learn(0, 30.0, 10.0);
+    times.learn(1, 10.0, 30.0);
+    CHECK(times.factor(0) == Approx(1.0));
+}
+
+TEST_CASE("earlier runs are recalled by their engine", "[learned]") {
+    schedule::LearnedTimes times(some_cases(), Comm::world());
+    storage::JournalContents journal;
+    journal.cases["x"].times = {.seconds = 8.0, .estimated_seconds = 2.0, .engine = "pstd"};
+    journal.cases["y"].times = {.seconds = 8.0, .estimated_seconds = 0.0, .engine = "pstd"};
+    journal.cases["z"].times = {.seconds = 8.0, .estimated_seconds = 1.0, .engine = "unknown"};
+    times.recall(journal);
+    CHECK(times.factor(3) == Approx(4.0));
+    CHECK(times.factor(0) == 1.0);
+    CHECK(times.left_s() == Approx(60.0 + 160.0));
+}
+
+TEST_CASE("a postponed or claimed case is not counted as remaining", "[learned]") {
+    schedule::LearnedTimes times(some_cases(), Comm::world());
+    times.end(3);
+    CHECK(times.left_s() == Approx(60.0));
+    for (const std::size_t index : {0u, 1u, 2u})
+        times.end(index);
+    CHECK(times.left_s() == 0.0);
+}

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/teams.hpp"
+
+#include "pipeline/memory.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+using namespace shearwake;
+
+namespace {
+
+constexpr double plenty_B = 1e12;
+
+struct Cases {
+    std::vector<PlannedCase> planned;
+    std::vector<const PlannedCase*> pointers() const {
+        std::vector<const PlannedCase*> all;
+        for (const PlannedCase& p : planned)
+            all.push_back(&p);
+        return all;
+    }
+};
+
+Cases alike(int count) {
+    Cases cases;
+    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    for (int i = 0; i < count; ++i)
+        cases.planned.push_back({std::to_string(i), c, {}, false, ""});
+    return cases;
+}
+
+schedule::TeamLayout laid_out(const Cases& cases, int ranks, int wanted, double memory_B) {
+    cost::CaseCosts costs(cases.pointers(), {});
+    return schedule::choose_teams(cases.pointers(), ranks, wanted, memory_B, costs);
+}
+
+} // namespace
+
+TEST_CASE("many small cases run in parallel, and a single case gets all ranks", "[teams]") {
+    const schedule::TeamLayout many = laid_out(alike(400), 4, 0, plenty_B);
+    CHECK(many.ranks_per_case == 1);
+    CHECK(many.teams == 4);
+    const schedule::TeamLayout one = laid_out(alike(1), 4, 0, plenty_B);
+    CHECK(one.ranks_per_case == 4);
+    CHECK(one.teams == 1);
+}
+
+TEST_CASE("a wanted team size is kept, and ranks left over join the last team", "[teams]") {
+    const schedule::TeamLayout layout = laid_out(alike(10), 5, 2, plenty_B);
+    CHECK(layout.ranks_per_case == 2);
+    CHECK(layout.teams == 2);
+    std::vector<int> sizes(2, 0);
+    for (int rank = 0; rank < 5; ++rank)
+        ++sizes[static_cast<std::size_t>(layout.team_of(rank))];
+    CHECK(sizes == std::vector<int>{2, 3});
+    CHECK(laid_out(alike(3), 2, 64, plenty_B).ranks_per_case == 2); // no more than there are
+    CHECK(laid_out({}, 3, 0, plenty_B).teams >= 1);                 // nothing to do
+}
+
+TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]") {
+    const Cases cases = alike(400);
+    const Case& c = cases.planned.front().physics;
+    const double on_one_B = pipeline::memory_needed_B(c, 1),
+                 on_four_B = pipeline::memory_needed_B(c, 4);
+    REQUIRE(on_four_B < on_one_B);
+    CHECK(laid_out(cases, 4, 0, on_one_B).ranks_per_case == 1);
+    CHECK(laid_out(cases, 4, 0, on_four_B).ranks_per_case == 4);
+    // Where none fits, the fastest layout lets each fail by itself.
+    CHECK(laid_out(cases, 4, 0, 1.0).ranks_per_case == 1);
+}
+
+TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
+    Cases cases = alike(6);
+    cases.planned[1].physics.domain.nx = 512; // long
+    cases.planned[2].physics.medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[4].physics.medium.layers[0].c_s_m_s = 4.0;
+    cost::CaseCosts costs(cases.pointers(), {});
+    const auto order = schedule::order_of_work(cases.pointers(), costs);
+    CHECK(order.front() == 1);
+    CHECK(std::set<std::size_t>(order.begin(), order.end()).size() == 6);
+    const auto place = [&](std::size_t index) {
+        return std::find(order.begin(), order.end(), index) - order.begin();
+    };
+    CHECK(std::abs(place(2) - place(4)) == 1); // the softer medium's two
+}
+
+TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
+    const auto cases = alike(400);
+    const Case& c = cases.planned[0].physics;
+    const double on_two_B = pipeline::memory_needed_B(c, 2);
+    REQUIRE(on_two_B < pipeline::memory_needed_B(c, 1));
+    CHECK(laid_out(cases, 4, 0, on_two_B).ranks_per_case == 2);
+}

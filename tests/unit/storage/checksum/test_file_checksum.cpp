@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/checksum/file_checksum.hpp"
+
+#include "base/error.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/case_file_writer.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/plan_file.hpp"
+#include "storage/checksum/sealed_text.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <random>
+
+using namespace shearwake;
+using namespace shearwake::storage;
+
+namespace {
+
+void write_case(const std::filesystem::path& path) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    CaseFileWriter writer(path, alone, {Domain{4, 4, 1e-3, 0.0}, {0.1, 0.2}, {0.0}});
+    const std::vector<double> field(16, 1.0);
+    for (std::size_t t = 0; t < 2; ++t)
+        writer.write_surface(t, 0, View2<const double>(field.data(), 4, 4), 0);
+    writer.commit({{"",
+                    {{"time", {"time"}, {0.1, 0.2}, "s", "time", ""},
+                     {"eta_period_1", {}, {0.503}, "1", "eta", ""}}}},
+                  {{"title", std::string("t")},
+                   {"case_id", std::string("00ff")},
+                   {"status", std::string("complete")}});
+}
+
+void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+bool is_accepted(const std::filesystem::path& path) {
+    try {
+        read_case_summary(path);
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+} // namespace
+
+TEST_CASE("every flipped bit of a case file is detected", "[checksum]") {
+    const test::TemporaryFolder folder;
+    const auto whole = folder / "00ff.h5", damaged = folder / "damaged.h5";
+    write_case(whole);
+    const std::string bytes = read_file(whole);
+    REQUIRE(check_integrity(whole).state == Integrity::intact);
+    CHECK(read_case_summary(whole).has_checksum);
+    std::mt19937 chance(16);
+    std::size_t accepted = 0;
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        std::string changed = bytes;
+        changed[at] = static_cast<char>(changed[at] ^ (1 << (chance() % 8)));
+        put_bytes(damaged, changed);
+        accepted += is_accepted(damaged) ? 1 : 0;
+    }
+    CHECK(accepted == 0);
+}
+
+TEST_CASE("every truncation or extension of a case file is detected", "[checksum]") {
+    const test::TemporaryFolder folder;
+    const auto whole = folder / "00ff.h5", damaged = folder / "damaged.h5";
+    write_case(whole);
+    const std::string bytes = read_file(whole);
+    std::size_t accepted = 0;
+    const std::size_t stride = bytes.size() / 210;
+    for (std::size_t cut = 1; cut <= bytes.size(); cut += cut < 120 ? 1 : stride) {
+        put_bytes(damaged, bytes.substr(0, bytes.size() - cut));
+        accepted += is_accepted(damaged) ? 1 : 0;
+    }
+    put_bytes(damaged, bytes + "\n");
+    accepted += is_accepted(damaged) ? 1 : 0;
+    put_bytes(damaged, bytes + bytes);
+    accepted += is_accepted(damaged) ? 1 : 0;
+    CHECK(accepted == 0);
+}
+
+TEST_CASE("a file without a checksum is read and reported as unprotected", "[checksum]") {
+    const test::TemporaryFolder folder;
+    make_directory(folder / "cases");
+    const auto path = folder / "cases/00ff.h5";
+    {
+        h5::Id file = h5::open_file(path, h5::Access::create);
+        for (const auto& [name, value] :
+             {std::pair{"title", "t"}, {"case_id", "00ff"}, {"status", "complete"}})
+            h5::put_attribute(file.raw(), name, std::string(value));
+        file.close("close");
+    }
+    CHECK(check_integrity(path).state == Integrity::unprotected);
+    CHECK_FALSE(read_case_summary(path).has_checksum);
+    CaseIndex index(folder / "", CaseIndex::Trust::checksum);
+    REQUIRE(index.find("00ff"));
+    CHECK(index.find("00ff")->whole());
+    CHECK_FALSE(index.find("00ff")->has_checksum);
+}
+
+TEST_CASE("the checksum line is the published hash of the bytes", "[checksum]") {
+    // XXH3-128 of nothing and of 222 bytes of a pattern, by xxhsum 0.8.1.
+    CHECK(checksum_line("") == "shearwake checksum 1 XXH3-128 99aa06d3014798d86001c324468d497f of "
+                               "00000000000000000000 bytes");
+    const test::TemporaryFolder folder;
+    for (const std::size_t length : {std::size_t{1}, std::size_t{1} << 18, std::size_t{300001}}) {
+        std::string bytes(length, 'a');
+        for (std::size_t i = 0; i < length; ++i)
+            bytes[i] = static_cast<char>(i * i % 251);
+        put_bytes(folder / "f", bytes);
+        append_checksum(folder / "f");
+        const std::string text = read_file(folder / "f");
+        CHECK(text.ends_with(checksum_line(bytes) + "\n"));
+        CHECK(check_integrity(folder / "f").state == Integrity::intact);
+    }
+}
+
+TEST_CASE("a changed line of the index is ignored", "[checksum]") {
+    const test::TemporaryFolder folder;
+    make_directory(folder / "cases");
+    write_case(folder / "cases/00ff.h5");
+    add_to_index(folder / "index.jsonl", folder / "cases/00ff.h5");
+    std::string line = read_file(folder / "index.jsonl");
+    const auto at = line.find("0.503");
+    REQUIRE(at != std::string::npos);
+    line[at + 2] = '9';
+    write_file(folder / "index.jsonl", line);
+    CaseIndex index(folder / "");
+    REQUIRE(index.find("00ff"));
+    CHECK(index.find("00ff")->scalars.back().value == 0.503);
+    CHECK(index.lines_passed_over() == 1);
+}
+
+TEST_CASE("detected damage is recorded for the next run", "[checksum]") {
+    const test::TemporaryFolder folder;
+    make_directory(folder / "cases");
+    const auto path = folder / "cases/00ff.h5";
+    write_case(path);
+    std::string bytes = read_file(path);
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    put_bytes(path, bytes);
+    {
+        CaseIndex index(folder / "", CaseIndex::Trust::checksum);
+        CHECK_FALSE(index.is_whole("00ff"));
+        index.save();
+    }
+    CHECK(read_file(folder / "index.jsonl").find("do not match") != std::string::npos);
+    CaseIndex index(folder / "");
+    REQUIRE(index.find("00ff"));
+    CHECK(index.find("00ff")->is_lost);
+}
+
+TEST_CASE("a sealed text detects every change", "[checksum]") {
+    const std::string text = "{\"v\":2,\"a\":[0.5,\"b\"]}\n";
+    const std::string sealed = seal(text);
+    CHECK(unseal(sealed).seal == Seal::sound);
+    CHECK(unseal(sealed).text == text);
+    CHECK(unseal(text).seal == Seal::none);
+    CHECK(unseal("").seal == Seal::none);
+    for (std::size_t at = 0; at < sealed.size(); ++at)
+        for (int bit = 0; bit < 8; ++bit) {
+            std::string changed = sealed;
+            changed[at] = static_cast<char>(changed[at] ^ (1 << bit));
+            CHECK(unseal(changed).seal != Seal::sound);
+        }
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/error.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
+#include "support/cases.hpp"
+#include "support/temporary_folder.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+Plan small_plan() {
+    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    Plan plan{.name = "a", .title = "\"quoted\" \xc3\xbc", .swept_keys = {"load.peak_Pa", "kind"}};
+    plan.table = {.x = "load.peak_Pa", .series = {"kind"}};
+    plan.cases.push_back(
+        {"01", c, {{"load.peak_Pa", 0.1}, {"kind", std::string("STM")}}, false, "02"});
+    plan.cases.push_back({"02", c, {}, true, ""});
+    return plan;
+}
+
+} // namespace
+
+TEST_CASE("a plan reads back as it was written", "[plan]") {
+    const test::TemporaryFolder folder;
+    const Plan plan = small_plan();
+    storage::write_file(folder / "plan.json", storage::plan_text(plan));
+    CHECK(storage::plan_text(plan) == storage::plan_text(small_plan()));
+    const storage::PlanIndex index = storage::read_plan(folder / "plan.json");
+    CHECK(index.name == plan.name);
+    CHECK(index.title == plan.title);
+    CHECK(index.swept_keys == plan.swept_keys);
+    CHECK(index.table == plan.table);
+    REQUIRE(index.cases.size() == 2);
+    CHECK(index.cases[0].settings == plan.cases[0].settings);
+    CHECK(index.cases[0].reference_id == "02");
+    CHECK(index.cases[1].is_reference);
+}
+
+TEST_CASE("an invalid plan is rejected", "[plan]") {
+    const test::TemporaryFolder folder;
+    for (const char* text : {"", "{", "[]", "{\"name\": 3}", "{\"name\": \"a\"}"}) {
+        storage::write_file(folder / "plan.json", text);
+        CHECK_THROWS_AS(storage::read_plan(folder / "plan.json"), UsageError);
+    }
+}
+
+TEST_CASE("a plan whose names lead outside its folder is rejected", "[plan]") {
+    const test::TemporaryFolder folder;
+    for (const std::string name : {"../../escaped", "/tmp/x", "", ".hidden", "a b", "a/b"}) {
+        Plan plan = small_plan(), of_cases = small_plan();
+        plan.name = name;
+        of_cases.cases[0].id = name;
+        for (const Plan& hostile : {plan, of_cases}) {
+            storage::write_file(folder / "plan.json", storage::plan_text(hostile));
+            CHECK_THROWS_AS(storage::read_plan(folder / "plan.json"), UsageError);
+        }
+    }
+}
+
+TEST_CASE("the journal gives the latest state of each case and ignores a truncated line",
+          "[journal]") {
+    const test::TemporaryFolder folder;
+    const storage::Journal journal(folder / "journal.jsonl");
+    CHECK(storage::read_journal(folder / "journal.jsonl").cases.empty());
+    journal.run_started({.ranks = 2, .cases_left = 3});
+    journal.started("a", 2);
+    journal.finished("a", {0.5, 0.25, "layered"});
+    journal.started("b", 2);
+    journal.failed("b", "a reason with \"quotes\",\na line break and \xff", storage::Blame::files);
+    journal.resumed("b", 20); // says nothing new of a case that has failed
+    journal.started("c", 2);
+    journal.checkpointed("c", 40);
+    storage::append_line(folder / "journal.jsonl", "{\"event\": \"fini");
+    storage::JournalContents contents = storage::read_journal(folder / "journal.jsonl");
+    CHECK(contents.running);
+    CHECK(contents.cases.at("a").state == storage::CaseHistory::State::finished);
+    CHECK(contents.cases.at("a").times.seconds == 0.5);
+    CHECK(contents.cases.at("a").times.estimated_seconds == 0.25);
+    CHECK(contents.cases.at("b").blame == storage::Blame::files);
+    CHECK(contents.cases.at("b").state == storage::CaseHistory::State::failed);
+    CHECK(contents.cases.at("b").reason.find("line break") != std::string::npos);
+    CHECK(contents.cases.at("c").state == storage::CaseHistory::State::started);
+    journal.run_ended("done", {.idle_share = 0.25, .beside_solve_s = 0.01});
+    contents = storage::read_journal(folder / "journal.jsonl");
+    CHECK_FALSE(contents.running);
+    CHECK(contents.last_run_ended == "done");
+    CHECK(contents.last_run_times.idle_share == 0.25);
+    CHECK(contents.last_run_times.beside_solve_s == 0.01);
+}
