@@ -10,11 +10,11 @@ namespace shearwake::app {
 ExitCode check_command(const schedule::JobArguments& arguments, const Comm& world) {
     const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     if (!world.is_root()) return ExitCode::done;
-    for (const config::Finding& finding : job.findings)
-        fmt::print("{}\n", config::text(finding));
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        fmt::print("{}\n", config::text(diagnostic));
     fmt::print("{}: {} case{}, {} warning{}, no errors\n", arguments.job.string(),
-               job.plan.cases.size(), job.plan.cases.size() == 1 ? "" : "s", job.findings.size(),
-               job.findings.size() == 1 ? "" : "s");
+               job.plan.cases.size(), job.plan.cases.size() == 1 ? "" : "s", job.diagnostics.size(),
+               job.diagnostics.size() == 1 ? "" : "s");
     return ExitCode::done;
 }
 

@@ -122,8 +122,8 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     calibrate_for(costs, ranks, world,
                   [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
     if (!world.is_root()) return ExitCode::done;
-    for (const config::Finding& finding : job.findings)
-        fmt::print("{}\n", config::text(finding));
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        fmt::print("{}\n", config::text(diagnostic));
 
     const schedule::TeamLayout layout =
         schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs);

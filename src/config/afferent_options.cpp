@@ -12,19 +12,19 @@ namespace shearwake::config {
 AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
                                       std::span<const Override> overrides,
                                       const TextLoader& load_text) {
-    Diagnostics findings;
+    DiagnosticList diagnostics;
     AfferentOptions options;
-    if (NodePtr tree = parse_toml(text, file_name, findings)) {
+    if (NodePtr tree = parse_toml(text, file_name, diagnostics)) {
         for (const Override& override : overrides)
-            tree = with_override(tree, override, findings);
-        Reader root(tree, "", findings);
+            tree = with_override(tree, override, diagnostics);
+        Reader root(tree, "", diagnostics);
         root.allow(case_tables());
         root.allow(std::array<std::string_view, 4>{"schema", "job", "sweep", "table"});
         Reader afferents = root.optional_table("afferents");
         if (const auto read = read_afferents(afferents, Domain{}, load_text)) options = *read;
         root.finish();
     }
-    if (findings.errors() > 0) throw BadJob(findings.sorted());
+    if (diagnostics.errors() > 0) throw BadJob(diagnostics.sorted());
     return options;
 }
 

@@ -78,20 +78,21 @@ Generated stepped(double start, double stop, double step) {
     return out;
 }
 
-std::vector<NodePtr> generate(const std::string& key, const Node& node, Diagnostics& findings) {
+std::vector<NodePtr> generate(const std::string& key, const Node& node,
+                              DiagnosticList& diagnostics) {
     const Entry& entry = std::get<TableNode>(node.value).entries.front();
     const auto numbers = three_numbers(*entry.value);
     const bool is_range = entry.key == "range";
     if (!numbers) {
-        findings.error(entry.value->at,
-                       fmt::format("{}: {} requires three numbers, {}", key, entry.key,
-                                   is_range ? "[start, stop, step]" : "[first, last, count]"));
+        diagnostics.error(entry.value->at,
+                          fmt::format("{}: {} requires three numbers, {}", key, entry.key,
+                                      is_range ? "[start, stop, step]" : "[first, last, count]"));
         return {};
     }
     const auto [a, b, c] = *numbers;
     const Generated out = is_range ? stepped(a, b, c) : spaced(a, b, c, entry.key == "logspace");
     if (!out.problem.empty())
-        findings.error(entry.value->at, fmt::format("{}: {} {}", key, entry.key, out.problem));
+        diagnostics.error(entry.value->at, fmt::format("{}: {} {}", key, entry.key, out.problem));
     std::vector<NodePtr> values;
     for (const double value : out.values)
         values.push_back(make_node(value, entry.value->at));
@@ -109,19 +110,19 @@ bool is_generator(const Node& node) {
 }
 
 std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
-                                 Diagnostics& findings) {
-    if (is_generator(*node)) return generate(key, *node, findings);
+                                 DiagnosticList& diagnostics) {
+    if (is_generator(*node)) return generate(key, *node, diagnostics);
     const auto* list = std::get_if<ListNode>(&node->value);
     if (!list) {
-        findings.error(node->at,
-                       fmt::format("{} must be a list of values, or a table with one of {}; it is "
-                                   "{}",
-                                   key, quoted_list(generators), kind_name(*node)));
+        diagnostics.error(
+            node->at, fmt::format("{} must be a list of values, or a table with one of {}; it is "
+                                  "{}",
+                                  key, quoted_list(generators), kind_name(*node)));
         return {};
     }
     if (list->empty())
-        findings.error(node->at,
-                       fmt::format("{} has no values; an axis must have at least one", key));
+        diagnostics.error(node->at,
+                          fmt::format("{} has no values; an axis must have at least one", key));
     return *list;
 }
 

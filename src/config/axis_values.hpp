@@ -17,6 +17,6 @@ bool is_generator(const Node& node);
 /// The values of an axis: a list or a generator. If it is neither, is empty, or contains a value
 /// twice, reports errors and returns no values. `key` is for messages.
 std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
-                                 Diagnostics& findings);
+                                 DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

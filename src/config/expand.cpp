@@ -56,13 +56,13 @@ std::string words(const std::vector<Setting>& settings) {
 class Expander {
 public:
     Expander(const Sweep& sweep, const NodePtr& reference, const FileLoaders& files,
-             Diagnostics& findings)
-        : sweep_(sweep), reference_(reference), files_(files), findings_(findings),
+             DiagnosticList& diagnostics)
+        : sweep_(sweep), reference_(reference), files_(files), diagnostics_(diagnostics),
           excluded_(sweep.exclusions.size(), 0) {}
 
     void add(const NodePtr& base, const Odometer& wheel) {
         if (is_excluded(wheel)) return;
-        const std::size_t before = findings_.errors();
+        const std::size_t before = diagnostics_.errors();
         const NodePtr root = chosen(base, wheel);
         if (!root) {
             ++bad_cases_;
@@ -70,8 +70,8 @@ public:
         }
         const bool kind_varies = sweep_.holds(kind_key);
         const auto c = read_case(root, kind_varies ? OtherKinds::ignored : OtherKinds::refused,
-                                 files_, findings_);
-        if (!c || findings_.errors() != before) {
+                                 files_, diagnostics_);
+        if (!c || diagnostics_.errors() != before) {
             ++bad_cases_;
             return;
         }
@@ -85,15 +85,15 @@ public:
     bool gives_up() const { return bad_cases_ > most_bad_cases; }
 
     std::vector<PlannedCase> finish(bool complete) {
-        remarks_.report(findings_);
+        remarks_.report(diagnostics_);
         if (twins_ > 1) twin_message_ += fmt::format(" (and {} more such pairs)", twins_ - 1);
-        if (twins_ > 0) findings_.error(sweep_.at, twin_message_);
+        if (twins_ > 0) diagnostics_.error(sweep_.at, twin_message_);
         for (std::size_t i = 0; complete && i < excluded_.size(); ++i)
             if (excluded_[i] == 0)
-                findings_.warning(sweep_.exclusions[i].at,
-                                  "sweep.exclude: this entry matches no case and has no effect");
+                diagnostics_.warning(sweep_.exclusions[i].at,
+                                     "sweep.exclude: this entry matches no case and has no effect");
         if (complete && cases_.empty() && bad_cases_ == 0)
-            findings_.error(sweep_.at, "sweep.exclude removes all cases");
+            diagnostics_.error(sweep_.at, "sweep.exclude removes all cases");
         for (PlannedCase& reference : references_)
             if (!ordinary_.contains(reference.id)) cases_.push_back(std::move(reference));
         return std::move(cases_);
@@ -129,8 +129,8 @@ private:
                 std::string problem;
                 root = with(root, key.path, key.values[wheel[axis]], key.at, problem);
                 if (root) continue;
-                findings_.error(key.at,
-                                fmt::format("sweep: {} does not exist: {}", key.key, problem));
+                diagnostics_.error(key.at,
+                                   fmt::format("sweep: {} does not exist: {}", key.key, problem));
                 return nullptr;
             }
         }
@@ -169,7 +169,7 @@ private:
         });
         const auto [known, is_new] = reference_ids_.try_emplace(words(settings), "");
         if (!is_new) return known->second;
-        const auto c = read_case(root, OtherKinds::ignored, files_, findings_);
+        const auto c = read_case(root, OtherKinds::ignored, files_, diagnostics_);
         if (!c) {
             ++bad_cases_;
             return "";
@@ -197,7 +197,7 @@ private:
     const Sweep& sweep_;
     NodePtr reference_;
     const FileLoaders& files_;
-    Diagnostics& findings_;
+    DiagnosticList& diagnostics_;
     std::vector<std::size_t> excluded_; // number of cases that each exclusion has matched
     Remarks remarks_;
     std::vector<PlannedCase> cases_, references_;
@@ -211,10 +211,10 @@ private:
 } // namespace
 
 std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
-                                const FileLoaders& files, Diagnostics& findings) {
+                                const FileLoaders& files, DiagnosticList& diagnostics) {
     // Presets are expanded first, so that a sweep can change the layers of a preset.
     const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
-    Expander expander(sweep, reference, files, findings);
+    Expander expander(sweep, reference, files, diagnostics);
     Odometer wheel(sweep);
     do {
         expander.add(base, wheel);

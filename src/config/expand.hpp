@@ -12,6 +12,6 @@ namespace shearwake::config {
 /// reference, or is null. Also checks the physics of all cases. After an error in [sweep], only the
 /// first case is read.
 std::vector<PlannedCase> expand(const NodePtr& base, const Sweep& sweep, const NodePtr& reference,
-                                const FileLoaders& files, Diagnostics& findings);
+                                const FileLoaders& files, DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

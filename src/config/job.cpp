@@ -15,30 +15,31 @@ namespace {
 constexpr std::size_t most_bytes = 4'000'000;
 constexpr std::size_t most_printed = 50;
 
-std::string all_lines(const std::vector<Finding>& findings) {
+std::string all_lines(const std::vector<Diagnostic>& diagnostics) {
     // Errors take precedence over warnings.
     std::size_t printed = 0, errors = 0;
-    for (const Finding& finding : findings)
-        errors += finding.severity == Severity::error;
+    for (const Diagnostic& diagnostic : diagnostics)
+        errors += diagnostic.severity == Severity::error;
     std::size_t room_for_warnings = most_printed - std::min(errors, most_printed);
     std::string lines;
-    for (const Finding& finding : findings) {
-        const bool is_error = finding.severity == Severity::error;
+    for (const Diagnostic& diagnostic : diagnostics) {
+        const bool is_error = diagnostic.severity == Severity::error;
         if (!is_error && room_for_warnings == 0) continue;
         if (printed == most_printed) break;
         room_for_warnings -= is_error ? 0 : 1;
         if (!lines.empty()) lines += '\n';
-        lines += text(finding);
+        lines += text(diagnostic);
         ++printed;
     }
-    if (printed < findings.size()) lines += fmt::format("\nand {} more", findings.size() - printed);
+    if (printed < diagnostics.size())
+        lines += fmt::format("\nand {} more", diagnostics.size() - printed);
     return lines;
 }
 
 void check_schema(Reader& root, const Place& at) {
     const NodePtr schema = root.node("schema");
     if (!schema) {
-        root.findings().error(at, "schema is missing; begin the job with the line schema = 1");
+        root.diagnostics().error(at, "schema is missing; begin the job with the line schema = 1");
         return;
     }
     const auto* number = std::get_if<std::int64_t>(&schema->value);
@@ -57,38 +58,38 @@ void check_name(const Reader& reader, const std::string& name) {
 }
 
 void read_identity(Reader reader, Plan& plan) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     plan.name = reader.word("name");
     plan.title = reader.find_word("title").value_or("");
-    const bool given = reader.has("name") && reader.findings().errors() == before;
+    const bool given = reader.has("name") && reader.diagnostics().errors() == before;
     reader.finish();
     if (given) check_name(reader, plan.name);
 }
 
-Plan read_plan(const NodePtr& tree, const FileLoaders& files, Diagnostics& findings) {
+Plan read_plan(const NodePtr& tree, const FileLoaders& files, DiagnosticList& diagnostics) {
     Plan plan;
-    Reader root(tree, "", findings);
+    Reader root(tree, "", diagnostics);
     check_schema(root, tree->at);
     read_identity(root.table("job"), plan);
     root.allow(case_tables());
-    const Sweep sweep = read_sweep(root.node("sweep"), findings);
+    const Sweep sweep = read_sweep(root.node("sweep"), diagnostics);
     const TableSection table = read_table(root.optional_table("table"), sweep);
     root.finish();
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
-    plan.cases = expand(tree, sweep, table.reference, files, findings);
+    plan.cases = expand(tree, sweep, table.reference, files, diagnostics);
     return plan;
 }
 
 NodePtr parse(std::string_view text, const std::string& file_name,
-              std::span<const Override> overrides, Diagnostics& findings) {
+              std::span<const Override> overrides, DiagnosticList& diagnostics) {
     if (text.size() > most_bytes) {
-        findings.error({std::make_shared<const std::string>(file_name)},
-                       fmt::format("the file has {} bytes, but a job file may have at most {}",
-                                   text.size(), most_bytes));
+        diagnostics.error({std::make_shared<const std::string>(file_name)},
+                          fmt::format("the file has {} bytes, but a job file may have at most {}",
+                                      text.size(), most_bytes));
         return nullptr;
     }
-    NodePtr tree = parse_toml(text, file_name, findings);
+    NodePtr tree = parse_toml(text, file_name, diagnostics);
     if (!tree) return nullptr;
     if (const NodePtr sweep = find(tree, {{"sweep"}})) {
         std::string problem;
@@ -96,24 +97,24 @@ NodePtr parse(std::string_view text, const std::string& file_name,
             with(tree, {{"sweep"}}, flattened_sweep(sweep), place_of(tree, {{"sweep"}}), problem);
     }
     for (const Override& override : overrides)
-        tree = with_override(tree, override, findings);
+        tree = with_override(tree, override, diagnostics);
     return tree;
 }
 
 } // namespace
 
-BadJob::BadJob(std::vector<Finding> findings)
-    : UsageError(all_lines(findings), ExitCode::bad_job), findings_(std::move(findings)) {}
+BadJob::BadJob(std::vector<Diagnostic> diagnostics)
+    : UsageError(all_lines(diagnostics), ExitCode::bad_job), diagnostics_(std::move(diagnostics)) {}
 
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides, const MapLoader& load_map,
              const TextLoader& load_text, const StudyLoader& load_study) {
-    Diagnostics findings;
-    Job job{.text = std::string(text), .plan = {}, .findings = {}};
-    if (const NodePtr tree = parse(text, file_name, overrides, findings))
-        job.plan = read_plan(tree, {load_map, load_text, load_study}, findings);
-    job.findings = findings.sorted();
-    if (findings.errors() > 0) throw BadJob(std::move(job.findings));
+    DiagnosticList diagnostics;
+    Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
+    if (const NodePtr tree = parse(text, file_name, overrides, diagnostics))
+        job.plan = read_plan(tree, {load_map, load_text, load_study}, diagnostics);
+    job.diagnostics = diagnostics.sorted();
+    if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "case/plan.hpp"
-#include "config/document/finding.hpp"
+#include "config/document/diagnostic.hpp"
 #include "config/files/text_loader.hpp"
 #include "config/override.hpp"
 
@@ -18,17 +18,17 @@ namespace shearwake::config {
 struct Job {
     std::string text; // verbatim
     Plan plan;
-    std::vector<Finding> findings; // warnings
+    std::vector<Diagnostic> diagnostics; // warnings
 };
 
 /// Thrown for a job with errors. `what` contains all diagnostics, one per line.
 class BadJob : public UsageError {
 public:
-    explicit BadJob(std::vector<Finding> findings);
-    const std::vector<Finding>& findings() const { return findings_; }
+    explicit BadJob(std::vector<Diagnostic> diagnostics);
+    const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
 private:
-    std::vector<Finding> findings_;
+    std::vector<Diagnostic> diagnostics_;
 };
 
 /// Reads, expands and checks a job. Throws BadJob with all errors and warnings. Does not access

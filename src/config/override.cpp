@@ -18,16 +18,16 @@ bool is_bare_word(std::string_view text) {
            std::all_of(text.begin(), text.end(), is_letter);
 }
 
-NodePtr parse_value(const std::string& value, const Place& at, Diagnostics& findings) {
-    Diagnostics trial;
+NodePtr parse_value(const std::string& value, const Place& at, DiagnosticList& diagnostics) {
+    DiagnosticList trial;
     const NodePtr document = parse_toml("value = " + value, *at.file, trial);
     const auto* table = document ? std::get_if<TableNode>(&document->value) : nullptr;
     if (table && table->entries.size() == 1 && trial.errors() == 0)
         return moved_to(table->entries.front().value, at);
     if (is_bare_word(value)) return make_node(value, at);
-    findings.error(at,
-                   fmt::format("\"{}\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\"",
-                               excerpt(value)));
+    diagnostics.error(
+        at, fmt::format("\"{}\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\"",
+                        excerpt(value)));
     return nullptr;
 }
 
@@ -38,7 +38,7 @@ Path joined_below_sweep(const Path& path, std::string_view text) {
 }
 
 void warn_if_swept(const NodePtr& root, const Override& override, const Place& at,
-                   Diagnostics& findings) {
+                   DiagnosticList& diagnostics) {
     const NodePtr sweep = find(root, {{"sweep"}});
     const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
     if (!table) return;
@@ -52,26 +52,28 @@ void warn_if_swept(const NodePtr& root, const Override& override, const Place& a
         swept = swept || (keys && holds(*keys));
     }
     if (swept)
-        findings.warning(at, fmt::format("{} is swept, so this override has no effect; to change "
-                                         "the sweep, use -S sweep.\"{}\"=[...]",
-                                         override.key, override.key));
+        diagnostics.warning(at,
+                            fmt::format("{} is swept, so this override has no effect; to change "
+                                        "the sweep, use -S sweep.\"{}\"=[...]",
+                                        override.key, override.key));
 }
 
 } // namespace
 
-NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics& findings) {
+NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics) {
     const Place at{std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
     const auto path = split_path(override.key);
     if (!path) {
-        findings.error(at, "this is not a valid key; give it in full, as in -S load.peak_Pa=200");
+        diagnostics.error(at,
+                          "this is not a valid key; give it in full, as in -S load.peak_Pa=200");
         return root;
     }
-    const NodePtr value = parse_value(override.value, at, findings);
+    const NodePtr value = parse_value(override.value, at, diagnostics);
     if (!value) return root;
-    warn_if_swept(root, override, at, findings);
+    warn_if_swept(root, override, at, diagnostics);
     std::string problem;
     const NodePtr changed = with(root, joined_below_sweep(*path, override.key), value, at, problem);
-    if (!changed) findings.error(at, problem);
+    if (!changed) diagnostics.error(at, problem);
     return changed ? changed : root;
 }
 

@@ -15,6 +15,6 @@ struct Override {
 
 /// Applies the override to `root`, whose [sweep] must be flattened. After an error, returns `root`
 /// unchanged and reports a diagnostic.
-NodePtr with_override(const NodePtr& root, const Override& override, Diagnostics& findings);
+NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

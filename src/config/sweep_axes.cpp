@@ -44,7 +44,7 @@ Flat flat_axes(const TableNode& table) {
 /// Reads [sweep] and records the keys that it contains.
 class SweepReader {
 public:
-    explicit SweepReader(Diagnostics& findings) : findings_(findings) {}
+    explicit SweepReader(DiagnosticList& diagnostics) : diagnostics_(diagnostics) {}
 
     void read_axis(const Entry& entry) {
         if (auto key = read_key(entry)) sweep_.axes.push_back({{std::move(*key)}});
@@ -53,7 +53,7 @@ public:
     void read_zip(const NodePtr& zip) {
         const auto* list = std::get_if<ListNode>(&zip->value);
         if (!list) {
-            findings_.error(
+            diagnostics_.error(
                 zip->at, "sweep.zip must be a list of tables, each with keys that change together");
             return;
         }
@@ -64,8 +64,8 @@ public:
     void read_exclusions(const NodePtr& exclude) {
         const auto* list = std::get_if<ListNode>(&exclude->value);
         if (!list) {
-            findings_.error(exclude->at, "sweep.exclude must be a list of tables, each with a "
-                                         "combination of values to exclude");
+            diagnostics_.error(exclude->at, "sweep.exclude must be a list of tables, each with a "
+                                            "combination of values to exclude");
             return;
         }
         for (const NodePtr& item : *list)
@@ -83,17 +83,17 @@ private:
             std::find(tables.begin(), tables.end(), path->front().key) != tables.end();
         if (!of_case) {
             const std::vector<std::string> names(tables.begin(), tables.end());
-            findings_.error(entry.key_at,
-                            fmt::format("sweep: \"{}\" is not a key of a case; a swept key is "
-                                        "given in full and starts with {}",
-                                        excerpt(entry.key), quoted_list(names)));
+            diagnostics_.error(entry.key_at,
+                               fmt::format("sweep: \"{}\" is not a key of a case; a swept key is "
+                                           "given in full and starts with {}",
+                                           excerpt(entry.key), quoted_list(names)));
             return std::nullopt;
         }
         if (!keys_.insert(entry.key).second) {
-            findings_.error(entry.key_at, fmt::format("sweep: {} is swept twice", entry.key));
+            diagnostics_.error(entry.key_at, fmt::format("sweep: {} is swept twice", entry.key));
             return std::nullopt;
         }
-        auto values = axis_values(entry.key, entry.value, findings_);
+        auto values = axis_values(entry.key, entry.value, diagnostics_);
         if (values.empty()) return std::nullopt; // already reported
         return SweptKey{entry.key, *path, entry.key_at, std::move(values)};
     }
@@ -101,7 +101,7 @@ private:
     void read_zipped(const NodePtr& item) {
         const auto* table = std::get_if<TableNode>(&item->value);
         if (!table || table->entries.empty()) {
-            findings_.error(item->at, "sweep.zip: each entry must be a table of swept keys");
+            diagnostics_.error(item->at, "sweep.zip: each entry must be a table of swept keys");
             return;
         }
         Axis axis;
@@ -111,11 +111,11 @@ private:
         if (axis.keys.size() != flat.size()) return;
         for (const SweptKey& key : axis.keys) {
             if (key.values.size() == axis.size()) continue;
-            findings_.error(key.at,
-                            fmt::format("sweep.zip: {} has {} values and {} has {}; keys that "
-                                        "change together must have the same number of values",
-                                        axis.keys.front().key, axis.size(), key.key,
-                                        key.values.size()));
+            diagnostics_.error(key.at,
+                               fmt::format("sweep.zip: {} has {} values and {} has {}; keys that "
+                                           "change together must have the same number of values",
+                                           axis.keys.front().key, axis.size(), key.key,
+                                           key.values.size()));
             return;
         }
         sweep_.axes.push_back(std::move(axis));
@@ -124,8 +124,8 @@ private:
     void read_exclusion(const NodePtr& item) {
         const auto* table = std::get_if<TableNode>(&item->value);
         if (!table || table->entries.empty()) {
-            findings_.error(item->at, "sweep.exclude: each entry must be a table of values of "
-                                      "swept keys");
+            diagnostics_.error(item->at, "sweep.exclude: each entry must be a table of values of "
+                                         "swept keys");
             return;
         }
         Flat flat;
@@ -139,7 +139,7 @@ private:
                     entry.key.size() < 100
                         ? nearest(entry.key, std::vector<std::string>(keys_.begin(), keys_.end()))
                         : std::nullopt;
-                findings_.error(
+                diagnostics_.error(
                     entry.key_at,
                     fmt::format("sweep.exclude: {} is not swept{}", excerpt(entry.key),
                                 meant ? fmt::format("; did you mean {}?", *meant) : ""));
@@ -149,13 +149,13 @@ private:
         sweep_.exclusions.push_back(std::move(exclusion));
     }
 
-    Diagnostics& findings_;
+    DiagnosticList& diagnostics_;
     Sweep sweep_;
     std::set<std::string> keys_;
 };
 
 /// If an axis contained a combination of values twice, all cases would be duplicated.
-void check_repeats(const Axis& axis, Diagnostics& findings) {
+void check_repeats(const Axis& axis, DiagnosticList& diagnostics) {
     std::unordered_set<std::string> seen;
     for (std::size_t i = 0; i < axis.size(); ++i) {
         std::string together;
@@ -164,9 +164,9 @@ void check_repeats(const Axis& axis, Diagnostics& findings) {
         if (seen.insert(together).second) continue;
         together.pop_back();
         std::replace(together.begin(), together.end(), '\n', ',');
-        findings.error(axis.keys.front().values[i]->at,
-                       fmt::format("sweep: {} contains the value {} twice", axis.keys.front().key,
-                                   excerpt(together)));
+        diagnostics.error(axis.keys.front().values[i]->at,
+                          fmt::format("sweep: {} contains the value {} twice",
+                                      axis.keys.front().key, excerpt(together)));
     }
 }
 
@@ -174,7 +174,7 @@ void check_repeats(const Axis& axis, Diagnostics& findings) {
 constexpr std::size_t most_keys = 50;
 constexpr std::size_t most_exclusions = 1000;
 
-void check_size(Sweep& sweep, Diagnostics& findings) {
+void check_size(Sweep& sweep, DiagnosticList& diagnostics) {
     double cases = 1.0;
     std::size_t keys = 0;
     for (const Axis& axis : sweep.axes) {
@@ -182,16 +182,16 @@ void check_size(Sweep& sweep, Diagnostics& findings) {
         keys += axis.keys.size();
     }
     if (cases > static_cast<double>(most_cases))
-        findings.error(sweep.at,
-                       fmt::format("sweep results in {:.0f} cases; at most {} are supported", cases,
-                                   most_cases));
+        diagnostics.error(sweep.at,
+                          fmt::format("sweep results in {:.0f} cases; at most {} are supported",
+                                      cases, most_cases));
     if (sweep.exclusions.size() > most_exclusions)
-        findings.error(sweep.at,
-                       fmt::format("sweep.exclude has {} entries; at most {} are supported",
-                                   sweep.exclusions.size(), most_exclusions));
+        diagnostics.error(sweep.at,
+                          fmt::format("sweep.exclude has {} entries; at most {} are supported",
+                                      sweep.exclusions.size(), most_exclusions));
     if (keys > most_keys) {
-        findings.error(sweep.at,
-                       fmt::format("sweep has {} keys; at most {} are supported", keys, most_keys));
+        diagnostics.error(
+            sweep.at, fmt::format("sweep has {} keys; at most {} are supported", keys, most_keys));
         sweep.axes.clear();
     }
 }
@@ -223,15 +223,15 @@ NodePtr flattened_sweep(const NodePtr& sweep) {
     return make_node(TableNode{std::move(flat)}, sweep->at);
 }
 
-Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings) {
+Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics) {
     if (!sweep) return {};
-    const std::size_t before = findings.errors();
+    const std::size_t before = diagnostics.errors();
     const auto* table = std::get_if<TableNode>(&sweep->value);
     if (!table) {
-        findings.error(sweep->at, "sweep must be a table");
+        diagnostics.error(sweep->at, "sweep must be a table");
         return {.at = sweep->at, .sound = false};
     }
-    SweepReader reader(findings);
+    SweepReader reader(diagnostics);
     for (const Entry& entry : table->entries) {
         if (entry.key == "zip") reader.read_zip(entry.value);
         if (entry.key != "zip" && entry.key != "exclude") reader.read_axis(entry);
@@ -240,9 +240,9 @@ Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings) {
     Sweep read = reader.take();
     read.at = sweep->at;
     for (const Axis& axis : read.axes)
-        check_repeats(axis, findings);
-    check_size(read, findings);
-    read.sound = findings.errors() == before;
+        check_repeats(axis, diagnostics);
+    check_size(read, diagnostics);
+    read.sound = diagnostics.errors() == before;
     return read;
 }
 

@@ -44,6 +44,6 @@ struct Sweep {
 NodePtr flattened_sweep(const NodePtr& sweep);
 
 /// Reads a flattened [sweep].
-Sweep read_sweep(const NodePtr& sweep, Diagnostics& findings);
+Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

@@ -23,53 +23,53 @@ void put(Tolerances& tolerances, const std::string& column, const Tolerance& tol
 }
 
 /// A number of at least 0, or nothing and a diagnostic.
-std::optional<double> amount(const config::Entry& entry, config::Diagnostics& findings) {
+std::optional<double> amount(const config::Entry& entry, config::DiagnosticList& diagnostics) {
     double value = -1.0;
     if (const auto* whole = std::get_if<std::int64_t>(&entry.value->value))
         value = static_cast<double>(*whole);
     else if (const auto* number = std::get_if<double>(&entry.value->value))
         value = *number;
     if (std::isfinite(value) && value >= 0.0) return value;
-    findings.error(entry.value->at, fmt::format("{} must be a number of at least 0, but is {}",
-                                                config::excerpt(entry.key),
-                                                config::excerpt(config::render(*entry.value))));
+    diagnostics.error(entry.value->at, fmt::format("{} must be a number of at least 0, but is {}",
+                                                   config::excerpt(entry.key),
+                                                   config::excerpt(config::render(*entry.value))));
     return std::nullopt;
 }
 
 void read_table(const config::Entry& column, const config::TableNode& table, Tolerances& tolerances,
-                config::Diagnostics& findings) {
+                config::DiagnosticList& diagnostics) {
     Tolerance tolerance = tolerances.of(column.key);
     for (const config::Entry& entry : table.entries) {
         if (entry.key == "relative")
-            tolerance.relative = amount(entry, findings).value_or(0.0);
+            tolerance.relative = amount(entry, diagnostics).value_or(0.0);
         else if (entry.key == "absolute")
-            tolerance.absolute = amount(entry, findings);
+            tolerance.absolute = amount(entry, diagnostics);
         else
-            findings.error(entry.key_at,
-                           fmt::format("{}.{} is unknown; the keys are relative and absolute",
-                                       config::excerpt(column.key), config::excerpt(entry.key)));
+            diagnostics.error(entry.key_at,
+                              fmt::format("{}.{} is unknown; the keys are relative and absolute",
+                                          config::excerpt(column.key), config::excerpt(entry.key)));
     }
     put(tolerances, column.key, tolerance);
 }
 
 void read_columns(const config::Entry& section, Tolerances& tolerances,
-                  config::Diagnostics& findings) {
+                  config::DiagnosticList& diagnostics) {
     const auto* table = std::get_if<config::TableNode>(&section.value->value);
     if (!table) {
-        findings.error(
+        diagnostics.error(
             section.value->at,
             "tolerance must be a table: [tolerance], followed by lines COLUMN = RELATIVE");
         return;
     }
     for (const config::Entry& entry : table->entries)
         if (const auto* parts = std::get_if<config::TableNode>(&entry.value->value))
-            read_table(entry, *parts, tolerances, findings);
-        else if (const auto relative = amount(entry, findings))
+            read_table(entry, *parts, tolerances, diagnostics);
+        else if (const auto relative = amount(entry, diagnostics))
             put(tolerances, entry.key, {.relative = *relative});
 }
 
 void read_ignored(const config::Entry& entry, Tolerances& tolerances,
-                  config::Diagnostics& findings) {
+                  config::DiagnosticList& diagnostics) {
     const auto* list = std::get_if<config::ListNode>(&entry.value->value);
     bool words = list != nullptr;
     for (std::size_t i = 0; words && i < list->size(); ++i) {
@@ -78,7 +78,8 @@ void read_ignored(const config::Entry& entry, Tolerances& tolerances,
         if (words) tolerances.ignored.push_back(*word);
     }
     if (!words)
-        findings.error(entry.value->at, "ignore must be a list of columns: ignore = [\"peak_um\"]");
+        diagnostics.error(entry.value->at,
+                          "ignore must be a list of columns: ignore = [\"peak_um\"]");
 }
 
 } // namespace
@@ -104,26 +105,26 @@ bool Tolerances::ignores(std::string_view column) const {
 }
 
 Tolerances read_tolerances(std::string_view text, const std::string& file_name) {
-    config::Diagnostics findings;
+    config::DiagnosticList diagnostics;
     Tolerances tolerances;
-    const config::NodePtr root = config::parse_toml(text, file_name, findings);
+    const config::NodePtr root = config::parse_toml(text, file_name, diagnostics);
     if (root) {
         for (const config::Entry& entry : std::get<config::TableNode>(root->value).entries) {
             if (entry.key == "tolerance")
-                read_columns(entry, tolerances, findings);
+                read_columns(entry, tolerances, diagnostics);
             else if (entry.key == "ignore")
-                read_ignored(entry, tolerances, findings);
+                read_ignored(entry, tolerances, diagnostics);
             else
-                findings.error(entry.key_at,
-                               fmt::format("{} is unknown; a file of tolerances contains "
-                                           "[tolerance] and, above it, ignore = [...]",
-                                           config::excerpt(entry.key)));
+                diagnostics.error(entry.key_at,
+                                  fmt::format("{} is unknown; a file of tolerances contains "
+                                              "[tolerance] and, above it, ignore = [...]",
+                                              config::excerpt(entry.key)));
         }
     }
-    if (findings.errors() == 0) return tolerances;
+    if (diagnostics.errors() == 0) return tolerances;
     std::string message;
-    for (const config::Finding& finding : findings.sorted())
-        message += (message.empty() ? "" : "\n") + shearwake::config::text(finding);
+    for (const config::Diagnostic& diagnostic : diagnostics.sorted())
+        message += (message.empty() ? "" : "\n") + shearwake::config::text(diagnostic);
     throw UsageError(message);
 }
 

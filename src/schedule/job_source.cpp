@@ -77,18 +77,19 @@ void check_pins(config::Job& job, const std::string& file) {
             const std::string message = "afferents." + remark.key + ": " + remark.message;
             if (!known.insert(message).second) continue;
             is_bad = is_bad || remark.severity == Severity::error;
-            job.findings.push_back({.severity = remark.severity, .file = file, .message = message});
+            job.diagnostics.push_back(
+                {.severity = remark.severity, .file = file, .message = message});
         }
     }
-    if (is_bad) throw config::BadJob(std::move(job.findings));
+    if (is_bad) throw config::BadJob(std::move(job.diagnostics));
 }
 
 /// Rejects texts that do not fit into case files, and grids that exceed the memory of any machine,
 /// before memory of such a size is allocated.
 void check_sizes(const config::Job& job, const std::string& file) {
-    std::vector<config::Finding> findings;
+    std::vector<config::Diagnostic> diagnostics;
     const auto refuse = [&](const std::string& message) {
-        findings.push_back({.severity = Severity::error, .file = file, .message = message});
+        diagnostics.push_back({.severity = Severity::error, .file = file, .message = message});
     };
     if (job.text.size() > h5::largest_text)
         refuse(fmt::format("the job has {} kB, but case files can store at most {} kB of its text; "
@@ -117,7 +118,7 @@ void check_sizes(const config::Job& job, const std::string& file) {
                             length / 1000, h5::largest_text / 1000);
         if (!message.empty() && known.insert(message).second && known.size() < 10) refuse(message);
     }
-    if (!findings.empty()) throw config::BadJob(std::move(findings));
+    if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
 }
 
 } // namespace

@@ -29,8 +29,8 @@ namespace {
 
 std::string warnings_of(const config::Job& job) {
     std::string all;
-    for (const config::Finding& finding : job.findings)
-        all += config::text(finding) + "\n";
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        all += config::text(diagnostic) + "\n";
     return all;
 }
 
@@ -217,7 +217,7 @@ ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
                                                           : Progress::Style::automatic,
                       world.is_root() ? arguments.log_json : "");
-    if (world.is_root() && !arguments.quiet && !job.findings.empty())
+    if (world.is_root() && !arguments.quiet && !job.diagnostics.empty())
         fmt::print(stderr, "{}", warnings_of(job));
 
     watch_for_stop_signals();

@@ -132,7 +132,7 @@ std::vector<std::string> layer_preset_names() {
 NodePtr medium_preset(std::string_view name, const Place& place) {
     for (const Preset& preset : presets) {
         if (preset.name != name) continue;
-        Diagnostics none;
+        DiagnosticList none;
         return moved_to(parse_toml(preset.toml, "preset", none), place);
     }
     return nullptr;
@@ -166,7 +166,7 @@ NodePtr with_body_preset(const NodePtr& body) {
     if (!name) return body;
     for (const Preset& preset : body_presets) {
         if (preset.name != *name) continue;
-        Diagnostics none;
+        DiagnosticList none;
         const NodePtr given =
             moved_to(parse_toml(preset.toml, "preset", none), find(body, {{"preset"}})->at);
         TableNode filled = std::get<TableNode>(body->value);

@@ -32,8 +32,8 @@ std::optional<double> as_number(const Node& node) {
 
 } // namespace
 
-Reader::Reader(NodePtr table, std::string path, Diagnostics& findings)
-    : table_(std::move(table)), path_(std::move(path)), findings_(&findings) {
+Reader::Reader(NodePtr table, std::string path, DiagnosticList& diagnostics)
+    : table_(std::move(table)), path_(std::move(path)), diagnostics_(&diagnostics) {
     if (table_ && !std::holds_alternative<TableNode>(table_->value)) table_ = nullptr;
 }
 
@@ -58,8 +58,8 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         return std::nullopt;
     }
     if (!std::isfinite(*value) || !range.holds(*value)) {
-        findings_->error(node.at, fmt::format("{} must be {}, but is {}", full(key), range.words(),
-                                              exact(*value)));
+        diagnostics_->error(node.at, fmt::format("{} must be {}, but is {}", full(key),
+                                                 range.words(), exact(*value)));
         return std::nullopt;
     }
     const double in_SI = to_SI(key, *value);
@@ -67,7 +67,7 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         const double size = std::abs(in_SI);
         if (size > bounds->most || (size != 0.0 && size < bounds->least)) {
             const double per_unit = *value / in_SI;
-            findings_->error(
+            diagnostics_->error(
                 node.at,
                 fmt::format("{} must be 0 or have a magnitude from {:.3g} to {:.3g}, but is {}: {}",
                             full(key), bounds->least * per_unit, bounds->most * per_unit,
@@ -109,8 +109,8 @@ std::optional<std::vector<double>> Reader::find_numbers(std::string_view key, co
 /// Titles and names appear on terminals, in tables and on HTML pages.
 bool Reader::is_clean(std::string_view key, const std::string& word, const Node& node) const {
     if (!has_control_characters(word)) return true;
-    findings_->error(node.at, fmt::format("{} contains a control character: \"{}\"", full(key),
-                                          excerpt(printable(word))));
+    diagnostics_->error(node.at, fmt::format("{} contains a control character: \"{}\"", full(key),
+                                             excerpt(printable(word))));
     return false;
 }
 
@@ -180,8 +180,8 @@ std::optional<Vec2> Reader::checked_point(std::string_view key, const Node& node
     const auto* items = std::get_if<ListNode>(&node.value);
     if (!items || items->size() != 2) {
         if (items)
-            findings_->error(node.at, fmt::format("{} must be a pair [x, y], but has {} values",
-                                                  full(key), items->size()));
+            diagnostics_->error(node.at, fmt::format("{} must be a pair [x, y], but has {} values",
+                                                     full(key), items->size()));
         else
             wrong_kind(key, "a pair [x, y]", node);
         return std::nullopt;
@@ -220,7 +220,7 @@ Reader Reader::optional_table(std::string_view key) {
     const NodePtr found = node(key);
     const bool is_table = found && std::holds_alternative<TableNode>(found->value);
     if (found && !is_table) wrong_kind(key, "a table", *found);
-    return Reader(is_table ? found : nullptr, full(key), *findings_);
+    return Reader(is_table ? found : nullptr, full(key), *diagnostics_);
 }
 
 Reader Reader::table(std::string_view key) {
@@ -235,7 +235,7 @@ std::vector<Reader> Reader::tables(std::string_view key) {
     for (std::size_t i = 0; i < items->size(); ++i) {
         const NodePtr& item = (*items)[i];
         if (!std::holds_alternative<TableNode>(item->value)) wrong_kind(key, "a table", *item);
-        readers.emplace_back(item, fmt::format("{}[{}]", full(key), i + 1), *findings_);
+        readers.emplace_back(item, fmt::format("{}[{}]", full(key), i + 1), *diagnostics_);
     }
     return readers;
 }

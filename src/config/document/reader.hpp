@@ -21,7 +21,7 @@ namespace shearwake::config {
 class Reader {
 public:
     /// A null `table` represents an absent table: it has no keys, and none are reported as missing.
-    Reader(NodePtr table, std::string path, Diagnostics& findings);
+    Reader(NodePtr table, std::string path, DiagnosticList& diagnostics);
 
     bool has(std::string_view key);
     bool empty() const { return !table_; }
@@ -68,7 +68,7 @@ public:
     std::string full(std::string_view key) const; // "load.peak_Pa"
     Place place(std::string_view key) const;
     const std::string& path() const { return path_; }
-    Diagnostics& findings() const { return *findings_; }
+    DiagnosticList& diagnostics() const { return *diagnostics_; }
 
 private:
     std::string unknown_message(std::string_view key, std::optional<std::string>& meant) const;
@@ -81,7 +81,7 @@ private:
 
     NodePtr table_;
     std::string path_;
-    Diagnostics* findings_;
+    DiagnosticList* diagnostics_;
     std::vector<std::string> known_;
     std::vector<std::string> missing_;
 };

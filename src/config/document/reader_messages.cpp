@@ -21,14 +21,14 @@ Place Reader::place(std::string_view key) const {
 }
 
 void Reader::error(std::string_view key, std::string_view message) const {
-    findings_->error(place(key), fmt::format("{} {}", full(key), message));
+    diagnostics_->error(place(key), fmt::format("{} {}", full(key), message));
 }
 
 void Reader::wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const {
     const auto* word = std::get_if<std::string>(&found.value);
-    findings_->error(found.at,
-                     fmt::format("{} must be {}, but is {}{}", full(key), wanted, kind_name(found),
-                                 word ? fmt::format(" (\"{}\")", excerpt(*word)) : ""));
+    diagnostics_->error(
+        found.at, fmt::format("{} must be {}, but is {}{}", full(key), wanted, kind_name(found),
+                              word ? fmt::format(" (\"{}\")", excerpt(*word)) : ""));
 }
 
 void Reader::missing(std::string_view key) {
@@ -56,13 +56,13 @@ void Reader::finish() {
         if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
         std::optional<std::string> meant;
         std::string message;
-        if (!findings_->full()) message = unknown_message(entry.key, meant);
-        findings_->error(entry.key_at, std::move(message));
+        if (!diagnostics_->full()) message = unknown_message(entry.key, meant);
+        diagnostics_->error(entry.key_at, std::move(message));
         // The same error is not reported twice.
         if (meant) std::erase(missing_, *meant);
     }
     for (const std::string& key : missing_)
-        findings_->error(table_->at, fmt::format("{} is missing", full(key)));
+        diagnostics_->error(table_->at, fmt::format("{} is missing", full(key)));
     missing_.clear();
 }
 

@@ -43,16 +43,16 @@ void Remarks::add(const Case& c, const NodePtr& root) {
     }
 }
 
-void Remarks::report(Diagnostics& findings) const {
+void Remarks::report(DiagnosticList& diagnostics) const {
     for (const Group* group : order_) {
         std::string message = fmt::format("{}: {}", group->first.key, group->first.message);
         if (group->others > 0)
             message +=
                 fmt::format(" (and {} more case{})", group->others, group->others > 1 ? "s" : "");
         if (group->first.severity == Severity::error)
-            findings.error(group->at, std::move(message));
+            diagnostics.error(group->at, std::move(message));
         else
-            findings.warning(group->at, std::move(message));
+            diagnostics.warning(group->at, std::move(message));
     }
 }
 

@@ -17,7 +17,7 @@ class Remarks {
 public:
     /// Checks a case that was read from `root`, which provides the location of the key of a remark.
     void add(const Case& c, const NodePtr& root);
-    void report(Diagnostics& findings) const;
+    void report(DiagnosticList& diagnostics) const;
 
 private:
     struct Group {

@@ -33,13 +33,13 @@ Place place(const toml::source_region& region, const std::shared_ptr<const std::
 /// Converts toml++ nodes to those of this program.
 class Converter {
 public:
-    Converter(std::shared_ptr<const std::string> file, Diagnostics& findings)
-        : file_(std::move(file)), findings_(findings) {}
+    Converter(std::shared_ptr<const std::string> file, DiagnosticList& diagnostics)
+        : file_(std::move(file)), diagnostics_(diagnostics) {}
 
     NodePtr convert(const toml::node& node, int level) {
         const Place at = place(node.source(), file_);
         if (level > most_levels) {
-            findings_.error(at, fmt::format("nested deeper than {} levels", most_levels));
+            diagnostics_.error(at, fmt::format("nested deeper than {} levels", most_levels));
             return make_node(TableNode{}, at);
         }
         if (const auto* table = node.as_table()) return make_node(entries(*table, level), at);
@@ -71,7 +71,7 @@ private:
     }
 
     std::shared_ptr<const std::string> file_;
-    Diagnostics& findings_;
+    DiagnosticList& diagnostics_;
 };
 
 bool is_key_character(char c) {
@@ -142,28 +142,30 @@ int line_of_foreign_letter(std::string_view text) {
 
 } // namespace
 
-NodePtr parse_toml(std::string_view text, const std::string& file_name, Diagnostics& findings) {
+NodePtr parse_toml(std::string_view text, const std::string& file_name,
+                   DiagnosticList& diagnostics) {
     const auto file = std::make_shared<const std::string>(file_name);
     if (const int line = line_of_endless_key(text)) {
-        findings.error(
+        diagnostics.error(
             {file, line, 1},
             fmt::format("this key has more than {} parts separated by dots", most_levels));
         return nullptr;
     }
     if (const int line = line_of_foreign_letter(text)) {
-        findings.error({file, line, 1},
-                       "non-ASCII character or invalid byte outside of quotes and comments; write "
-                       "keys and values as in docs/reference/job-file.md");
+        diagnostics.error(
+            {file, line, 1},
+            "non-ASCII character or invalid byte outside of quotes and comments; write "
+            "keys and values as in docs/reference/job-file.md");
         return nullptr;
     }
     try {
         const toml::table table = toml::parse(text, file_name);
-        Converter converter(file, findings);
+        Converter converter(file, diagnostics);
         return make_node(std::get<TableNode>(converter.convert(table, 0)->value), {file, 0, 0});
     } catch (const toml::parse_error& problem) {
         // toml++ reports a corrupted name for a duplicate key.
         const bool again = problem.description().find("cannot redefine") != std::string_view::npos;
-        findings.error(
+        diagnostics.error(
             place(problem.source(), file),
             again ? "duplicate key: a table may contain a key only once (in [sweep], keys that "
                     "change together belong in zip)"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/document/finding.hpp"
+#include "config/document/diagnostic.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -42,7 +42,8 @@ struct Node {
 NodePtr make_node(decltype(Node::value) value, const Place& at);
 
 /// Parses a document; null and a diagnostic after an error. Deep nesting is rejected.
-NodePtr parse_toml(std::string_view text, const std::string& file_name, Diagnostics& findings);
+NodePtr parse_toml(std::string_view text, const std::string& file_name,
+                   DiagnosticList& diagnostics);
 
 /// A path such as "medium.layer[2].c_s_m_s" consists of keys and of list indices counted from 1.
 struct Step {

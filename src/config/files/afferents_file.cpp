@@ -2,7 +2,7 @@
 #include "config/files/afferents_file.hpp"
 
 #include "base/csv.hpp"
-#include "config/document/finding.hpp"
+#include "config/document/diagnostic.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "base/csv.hpp"
 #include "base/units.hpp"
-#include "config/document/finding.hpp"
+#include "config/document/diagnostic.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -108,7 +108,7 @@ void check_bulk_modulus(const Reader& reader, const Body& body, const Medium& me
 } // namespace
 
 Body read_body(Reader reader, std::size_t number, const Medium& medium) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     if (reader.has("preset")) reader.find_choice("preset", body_preset_names());
     Body body;
     body.name = fmt::format("body {}", number);
@@ -128,7 +128,7 @@ Body read_body(Reader reader, std::size_t number, const Medium& medium) {
         reader.allow(std::array<std::string_view, 6>{"semi_axes_mm", "size_mm", "radius_mm",
                                                      "length_mm", "axis", "azimuth_deg"});
     reader.finish();
-    if (reader.findings().errors() != before || medium.layers.empty()) return body;
+    if (reader.diagnostics().errors() != before || medium.layers.empty()) return body;
     check_edge(reader, body);
     check_depth(reader, reader.has("depth_mm") ? "depth_mm" : "center_mm", body, medium);
     check_bulk_modulus(reader, body, medium);

@@ -41,11 +41,12 @@ std::string off_frame_message(const TimeAxis& time, double t_s) {
 /// Whether no error has occurred since construction: only then are values compared with each other.
 class Sound {
 public:
-    explicit Sound(const Diagnostics& findings) : findings_(findings), before_(findings.errors()) {}
-    explicit operator bool() const { return findings_.errors() == before_; }
+    explicit Sound(const DiagnosticList& diagnostics)
+        : diagnostics_(diagnostics), before_(diagnostics.errors()) {}
+    explicit operator bool() const { return diagnostics_.errors() == before_; }
 
 private:
-    const Diagnostics& findings_;
+    const DiagnosticList& diagnostics_;
     std::size_t before_;
 };
 
@@ -104,7 +105,7 @@ double read_focal_radius_m(Reader& reader, const Load& load) {
 
 Domain read_domain(Reader& reader) {
     if (reader.empty()) return {};
-    const Sound sound(reader.findings());
+    const Sound sound(reader.diagnostics());
     Domain domain;
     const Vec2 extent_m = reader.point("extent_mm", Range::above(0.0));
     read_fields(reader, domain);
@@ -123,7 +124,7 @@ Domain read_domain(Reader& reader) {
 
 TimeAxis read_time(Reader& reader) {
     if (reader.empty()) return {};
-    const Sound sound(reader.findings());
+    const Sound sound(reader.diagnostics());
     TimeAxis time;
     const double duration_s = reader.number("duration_ms", Range::above(0.0));
     read_fields(reader, time);
@@ -252,11 +253,11 @@ std::span<const std::string_view> case_tables() {
 }
 
 std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const FileLoaders& files,
-                              Diagnostics& findings) {
-    const Sound sound(findings);
-    Reader root(with_medium_preset(job), "", findings);
+                              DiagnosticList& diagnostics) {
+    const Sound sound(diagnostics);
+    Reader root(with_medium_preset(job), "", diagnostics);
     for (const std::string_view needed : {"medium", "load", "domain", "time"})
-        if (!root.has(needed)) findings.error(job->at, fmt::format("[{}] is missing", needed));
+        if (!root.has(needed)) diagnostics.error(job->at, fmt::format("[{}] is missing", needed));
     Case c;
     Reader medium = root.optional_table("medium"), load = root.optional_table("load"),
            domain = root.optional_table("domain"), time = root.optional_table("time"),

@@ -30,7 +30,7 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
 
 /// The case that the complete job `root` describes; nothing after an error, which is reported.
 std::optional<Case> read_case(const NodePtr& root, OtherKinds other_kinds, const FileLoaders& files,
-                              Diagnostics& findings);
+                              DiagnosticList& diagnostics);
 
 /// The tables of a job that define a case.
 std::span<const std::string_view> case_tables();

@@ -40,9 +40,9 @@ void settle(Reader& reader, const FieldReader::Table&, bool read, WindowGain& wi
 }
 
 Gain read_shape(Reader& reader, const std::string& shape, const FieldReader::Table& table = {}) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     Gain gain = read_alternative<Gain>(reader, shape, table).value_or(SineGain{});
-    const bool read = reader.findings().errors() == before;
+    const bool read = reader.diagnostics().errors() == before;
     std::visit([&](auto& alternative) { settle(reader, table, read, alternative); }, gain);
     return gain;
 }

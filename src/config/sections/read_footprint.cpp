@@ -86,7 +86,7 @@ void read_missing(Reader& reader, ArrayFootprint& array) {
 }
 
 FootprintAndPeak read_array(Reader& reader) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     ArrayFootprint array;
     const auto name = reader.find_choice("preset", preset_names());
     for (const ArrayPreset& preset : presets())
@@ -101,7 +101,7 @@ FootprintAndPeak read_array(Reader& reader) {
     const auto reach_m = reader.find_number("reach_mm", Range::between(5.0, 500.0));
     FootprintAndPeak read{.footprint = array, .gives_peak = reader.has("pressure_Pa_m")};
     reader.finish();
-    if (reader.findings().errors() != before) return read;
+    if (reader.diagnostics().errors() != before) return read;
     array.reach_m = reach_m ? *reach_m : reach_in_widths * fwhm_m(array);
     read.footprint = array;
     if (strength_Pa_m) read.peak_Pa = peak_Pa(array, *strength_Pa_m, density_kg_m3);

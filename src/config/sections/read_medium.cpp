@@ -50,7 +50,7 @@ void read_thickness(Reader& reader, bool endless, Layer& layer) {
 }
 
 Layer read_layer(Reader reader, std::size_t number, bool endless) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     if (reader.has("preset")) reader.find_choice("preset", layer_preset_names());
     Layer layer;
     layer.name = fmt::format("layer {}", number);
@@ -58,7 +58,7 @@ Layer read_layer(Reader reader, std::size_t number, bool endless) {
     read_fields(reader, layer);
     layer.loss = read_loss(reader);
     reader.finish();
-    if (reader.findings().errors() == before &&
+    if (reader.diagnostics().errors() == before &&
         !has_positive_bulk_modulus({layer.c_p_m_s, layer.c_s_m_s}))
         reader.error("c_p_m_s",
                      fmt::format("must be above {:.6g}, 1.1547 times c_s_m_s = {:.6g}, for a "
@@ -84,7 +84,7 @@ void read_layers(Reader& reader, Medium& medium) {
         const bool endless = medium.base == Base::half_space && i + 1 == layers.size();
         const NodePtr table = prepared(std::get<ListNode>(list->value)[i], endless);
         medium.layers.push_back(
-            read_layer(Reader(table, layers[i].path(), reader.findings()), i + 1, endless));
+            read_layer(Reader(table, layers[i].path(), reader.diagnostics()), i + 1, endless));
     }
 }
 
@@ -125,7 +125,7 @@ std::vector<Body> read_bodies(Reader& reader, const Medium& around) {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const NodePtr table = with_body_preset(std::get<ListNode>(list->value)[i]);
         read.push_back(
-            read_body(Reader(table, bodies[i].path(), reader.findings()), i + 1, around));
+            read_body(Reader(table, bodies[i].path(), reader.diagnostics()), i + 1, around));
     }
     return read;
 }
@@ -142,12 +142,12 @@ Medium read_medium(Reader& reader, const MapLoader& load_map) {
         reader.error("preset", "defines all layers, but medium.layer is also given; use the preset "
                                "in a layer, or remove the layers");
     if (preset_is_known && !reader.has("layer")) reader.missing("layer");
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     read_layers(reader, medium);
     medium.map = read_map(reader, load_map);
-    if (reader.findings().errors() == before && medium.map)
+    if (reader.diagnostics().errors() == before && medium.map)
         check_bulk_modulus_of_map(reader, medium);
-    const bool is_sound = reader.findings().errors() == before;
+    const bool is_sound = reader.diagnostics().errors() == before;
     medium.bodies = read_bodies(reader, is_sound ? medium : Medium{});
     reader.finish();
     return medium;

@@ -26,10 +26,10 @@ struct Context {
 };
 
 Curve read_line(Context& c) {
-    const std::size_t before = c.reader.findings().errors();
+    const std::size_t before = c.reader.diagnostics().errors();
     Line line;
     read_fields(c.reader, line);
-    if (!c.reader.empty() && c.reader.findings().errors() == before && c.reader.has("from_mm") &&
+    if (!c.reader.empty() && c.reader.diagnostics().errors() == before && c.reader.has("from_mm") &&
         c.reader.has("to_mm") && line.from_m == line.to_m && c.least == LeastLength::some)
         c.reader.error("to_mm", "equals the start of the path, so the path has no length");
     return line;

@@ -87,18 +87,18 @@ OscillatingSpeed read_oscillation(Reader& reader, double mean_m_s, bool sound) {
 } // namespace
 
 Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed) {
-    const std::size_t before = reader.findings().errors();
+    const std::size_t before = reader.diagnostics().errors();
     const PathAndEnd read = read_path(reader.table("path"), context);
-    const bool has_path = reader.has("path") && reader.findings().errors() == before;
+    const bool has_path = reader.has("path") && reader.diagnostics().errors() == before;
     Travel travel{.path = read.path, .at_end = read.at_end};
     const bool oscillates = speed == SpeedKind::oscillating ||
                             (speed == SpeedKind::either &&
                              (reader.has("speed_deviation_m_s") || reader.has("sm_frequency_Hz")));
     const bool takes_corners = speed != SpeedKind::oscillating;
     if (takes_corners) travel.corners = read_corners(reader);
-    const std::size_t before_speed = reader.findings().errors();
+    const std::size_t before_speed = reader.diagnostics().errors();
     const double speed_m_s = read_speed_m_s(reader, context, travel);
-    const bool speed_is_sound = reader.findings().errors() == before_speed;
+    const bool speed_is_sound = reader.diagnostics().errors() == before_speed;
     travel.motion = ConstantSpeed{speed_m_s};
     if (oscillates) travel.motion = read_oscillation(reader, speed_m_s, speed_is_sound);
     if (speed == SpeedKind::either) reader.has("sm_phase_deg");

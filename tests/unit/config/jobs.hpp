@@ -58,17 +58,17 @@ inline std::string plain_and(std::string_view more) {
 }
 
 /// Everything found in a job, good or bad, one text each.
-inline std::vector<std::string> findings_of(std::string_view job_text,
-                                            std::vector<config::Override> overrides = {}) {
-    std::vector<config::Finding> findings;
+inline std::vector<std::string> diagnostics_of(std::string_view job_text,
+                                               std::vector<config::Override> overrides = {}) {
+    std::vector<config::Diagnostic> diagnostics;
     try {
-        findings = config::read_job(job_text, "job.toml", overrides).findings;
+        diagnostics = config::read_job(job_text, "job.toml", overrides).diagnostics;
     } catch (const config::BadJob& bad) {
-        findings = bad.findings();
+        diagnostics = bad.diagnostics();
     }
     std::vector<std::string> texts;
-    for (const config::Finding& finding : findings)
-        texts.push_back(config::text(finding));
+    for (const config::Diagnostic& diagnostic : diagnostics)
+        texts.push_back(config::text(diagnostic));
     return texts;
 }
 

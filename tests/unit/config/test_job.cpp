@@ -97,8 +97,8 @@ TEST_CASE("the example of the interface gives one case per combination that is n
     CHECK(job.plan.table.series == Texts{"load.footprint.fwhm_mm"});
     // 6 x 3 x 3 less 6 excluded, and a reference for each of the 8 that remain without frequency.
     CHECK(job.plan.cases.size() == 48 + 8);
-    for (const config::Finding& finding : job.findings)
-        CHECK(finding.severity == Severity::warning);
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        CHECK(diagnostic.severity == Severity::warning);
 }
 
 TEST_CASE("a plain job has one case and no diagnostics", "[job]") {
@@ -107,7 +107,7 @@ TEST_CASE("a plain job has one case and no diagnostics", "[job]") {
     CHECK(job.plan.cases[0].settings.empty());
     CHECK(job.plan.cases[0].id == case_id(job.plan.cases[0].physics));
     CHECK(job.plan.cases[0].reference_id.empty());
-    CHECK(job.findings.empty());
+    CHECK(job.diagnostics.empty());
     CHECK(job.plan.table == TableOptions{});
 }
 
@@ -147,7 +147,7 @@ base = "rigid"
 }
 
 TEST_CASE("an error in [job] or schema is reported with its location", "[job]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"schema = 1\n", "",
          "job.toml: error: schema is missing; begin the job with the line schema = 1"},
         {"schema = 1", "schema = 2",
@@ -159,18 +159,18 @@ TEST_CASE("an error in [job] or schema is reported with its location", "[job]") 
         {"\"plain\"", "3", "job.toml:3:8: error: job.name must be a string, but is a number"},
         {"[load]", "[laod]\n[load]", "job.toml:13:2: error: laod is unknown; did you mean load?"},
     }));
-    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
 }
 
 TEST_CASE("invalid TOML is reported once with its location", "[job]") {
-    const Texts found = findings_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
+    const Texts found = diagnostics_of(plain_with("peak_Pa = 100.0", "peak_Pa = = 3"));
     REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:14:11: error: this is not valid TOML: "));
 }
 
 TEST_CASE("a duplicate key is reported with its line", "[job]") {
-    const Texts found = findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n"
-                                              "\"load.peak_Pa\" = [3]\n"));
+    const Texts found = diagnostics_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n"
+                                                 "\"load.peak_Pa\" = [3]\n"));
     REQUIRE(found.size() == 1);
     CHECK(found[0].find(": error: duplicate key: a table may contain a key only once") !=
           std::string::npos);
@@ -182,21 +182,21 @@ TEST_CASE("a duplicate key is reported with its line", "[job]") {
 TEST_CASE("a name that leads outside the output directory is rejected", "[job]") {
     const std::string name = GENERATE(as<std::string>{}, "", ".", "..", "../x", "a/b", "a b",
                                       ".hidden", "-rf", "a\\\\b", "\\u00e4", std::string(101, 'x'));
-    const Texts found = findings_of(plain_with("\"plain\"", "\"" + name + "\""));
+    const Texts found = diagnostics_of(plain_with("\"plain\"", "\"" + name + "\""));
     REQUIRE(found.size() == 1);
     CAPTURE(found[0]);
     CHECK(found[0].starts_with("job.toml:3:8: error: job.name must be a valid folder name"));
 }
 
 TEST_CASE("a control character in a name is rejected", "[job]") {
-    const Texts found = findings_of(plain_with("\"plain\"", "\"a\\u0000\""));
+    const Texts found = diagnostics_of(plain_with("\"plain\"", "\"a\\u0000\""));
     REQUIRE(found.size() >= 1);
     CHECK(
         found[0].starts_with("job.toml:3:8: error: job.name contains a control character: \"a?\""));
 }
 
 TEST_CASE("every missing table is reported at once", "[job]") {
-    CHECK(findings_of("schema = 1\n[job]\nname = \"x\"\n") ==
+    CHECK(diagnostics_of("schema = 1\n[job]\nname = \"x\"\n") ==
           Texts{"job.toml: error: [medium] is missing", "job.toml: error: [load] is missing",
                 "job.toml: error: [domain] is missing", "job.toml: error: [time] is missing"});
 }
@@ -206,7 +206,7 @@ TEST_CASE("all errors in a job are reported at once, in the order of the file", 
     text = replaced(text, "peak_Pa = 100.0", "peak_Pa = \"much\"");
     text = replaced(text, "am_frequency_Hz", "am_frequncy_Hz");
     text = replaced(text, "spacing_mm = 0.75\n", "");
-    CHECK(findings_of(text) ==
+    CHECK(diagnostics_of(text) ==
           Texts{"job.toml:8:16: error: medium.layer[1].thickness_mm must be above 0, but is -20",
                 "job.toml:14:11: error: load.peak_Pa must be a number, but is a string (\"much\")",
                 "job.toml:20:1: error: load.modulation.am_frequncy_Hz is unknown; did you mean "
@@ -224,7 +224,7 @@ TEST_CASE("an invalid job is a usage error with one diagnostic per line", "[job]
     } catch (const config::BadJob& bad) {
         const std::string what = bad.what();
         CHECK(bad.code() == ExitCode::bad_job);
-        CHECK(bad.findings().size() == 80);
+        CHECK(bad.diagnostics().size() == 80);
         CHECK(std::count(what.begin(), what.end(), '\n') == 50);
         CHECK(what.ends_with("\nand 30 more"));
     }
@@ -249,7 +249,7 @@ TEST_CASE("random bytes are rejected with one short message", "[job]") {
     const int kind = GENERATE(0, 1, 2);
     for (char& c : noise)
         c = static_cast<char>(kind == 0 ? random() % 256 : kind == 1 ? 32 + random() % 95 : 0);
-    const Texts found = findings_of(noise);
+    const Texts found = diagnostics_of(noise);
     REQUIRE(found.size() == 1);
     CHECK(found[0].size() < 300);
     CHECK(found[0].starts_with("job.toml:1:"));
@@ -257,13 +257,13 @@ TEST_CASE("random bytes are rejected with one short message", "[job]") {
 
 TEST_CASE("an invalid table header is rejected, also in builds with assertions", "[job]") {
     const std::string header = GENERATE("[ =", "[[[", "[#]", "[a.=]", "[", "[a", "[[a]");
-    const Texts found = findings_of(header);
+    const Texts found = diagnostics_of(header);
     REQUIRE(found.size() == 1);
     CHECK(found[0].starts_with("job.toml:1:"));
 }
 
 TEST_CASE("a text that is too long for a job is rejected without parsing", "[job]") {
-    CHECK(findings_of(std::string(10'000'000, '#')) ==
+    CHECK(diagnostics_of(std::string(10'000'000, '#')) ==
           Texts{"job.toml: error: the file has 10000000 bytes, but a job file may have at most "
                 "4000000"});
 }
@@ -292,7 +292,7 @@ TEST_CASE("excessive nesting is rejected", "[job]") {
     SECTION("well-formed lists") {
         text += std::string(200, '[') + std::string(200, ']');
     }
-    CHECK(any_contains(findings_of(text), "error: "));
+    CHECK(any_contains(diagnostics_of(text), "error: "));
 }
 
 TEST_CASE("a long number, sentence or list is not treated as a long dotted key", "[job]") {
@@ -304,5 +304,5 @@ TEST_CASE("a long number, sentence or list is not treated as a long dotted key",
     for (int i = 1; i < 100; ++i)
         text += ",0." + std::to_string(100 + i);
     text += "]\n";
-    CHECK(findings_of(text).empty());
+    CHECK(diagnostics_of(text).empty());
 }

@@ -40,13 +40,13 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
 TEST_CASE("an override of a swept key has no effect and is reported", "[config][override]") {
     const std::string sweep = GENERATE("load.peak_Pa = [1, 2]", "\"load.peak_Pa\" = [1, 2]",
                                        "zip = [ { load.peak_Pa = [1, 2] } ]");
-    CHECK(findings_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "7"}}) ==
+    CHECK(diagnostics_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "7"}}) ==
           Texts{"-S load.peak_Pa: warning: load.peak_Pa is swept, so this override has no effect; "
                 "to change the sweep, use -S sweep.\"load.peak_Pa\"=[...]"});
 }
 
 TEST_CASE("an error in an override quotes the override", "[config][override]") {
-    const auto [key, value, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [key, value, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"load.peek_Pa", "3",
          "-S load.peek_Pa: error: load.peek_Pa is unknown; did you mean peak_Pa?"},
         {"laod.peak_Pa", "3", "-S laod.peak_Pa: error: laod is unknown; did you mean load?"},
@@ -69,5 +69,5 @@ TEST_CASE("an error in an override quotes the override", "[config][override]") {
         {"medium.layer[2].c_s_m_s", "3",
          "-S medium.layer[2].c_s_m_s: error: the list has 1 entries, counted from 1"},
     }));
-    CHECK(findings_of(plain_job, {{key, value}}) == Texts{finding});
+    CHECK(diagnostics_of(plain_job, {{key, value}}) == Texts{diagnostic});
 }

@@ -142,11 +142,11 @@ TEST_CASE("with a swept kind, each kind ignores the keys of other kinds", "[conf
 
 TEST_CASE("a required key may be given only in the sweep", "[config][sweep]") {
     const std::string job = plain_with("peak_Pa = 100.0\n", "");
-    CHECK(findings_of(job + "[sweep]\n\"load.peak_Pa\" = [1, 2]\n").empty());
+    CHECK(diagnostics_of(job + "[sweep]\n\"load.peak_Pa\" = [1, 2]\n").empty());
 }
 
 TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]") {
-    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+    const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"\"load.peak_Pa\" = []",
          "job.toml:28:18: error: load.peak_Pa has no values; an axis must have at least one"},
         {"\"load.peek_Pa\" = [1, 2]",
@@ -206,22 +206,22 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
         {"\"load.modulation.sm_phase_deg\" = [0, 90]",
          "job.toml:28:35: error: load.modulation.sm_phase_deg does not apply to kind AM-STM"},
     }));
-    const Texts found = findings_of(plain_and("[sweep]\n" + more + "\n"));
+    const Texts found = diagnostics_of(plain_and("[sweep]\n" + more + "\n"));
     CAPTURE(found);
-    CHECK(std::find(found.begin(), found.end(), finding) != found.end());
+    CHECK(std::find(found.begin(), found.end(), diagnostic) != found.end());
     CHECK(found.size() <= 2);
 }
 
 TEST_CASE("every invalid value of an axis is reported once", "[config][sweep]") {
-    CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, \"a\", -1]\n"
-                                "\"domain.spacing_mm\" = [0.5, 0.75]\n")) ==
+    CHECK(diagnostics_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, \"a\", -1]\n"
+                                   "\"domain.spacing_mm\" = [0.5, 0.75]\n")) ==
           Texts{"job.toml:28:22: error: load.peak_Pa must be a number, but is a string (\"a\")",
                 "job.toml:28:27: error: load.peak_Pa must be above 0, but is -1"});
 }
 
 TEST_CASE("two combinations that give the same case are reported", "[config][sweep]") {
-    const Texts found = findings_of(plain_and("[sweep]\nload.modulation.kind = [\"STM\"]\n"
-                                              "load.modulation.am_frequency_Hz = [500, 600]\n"));
+    const Texts found = diagnostics_of(plain_and("[sweep]\nload.modulation.kind = [\"STM\"]\n"
+                                                 "load.modulation.am_frequency_Hz = [500, 600]\n"));
     CHECK(found ==
           Texts{"job.toml:27:1: error: sweep: two combinations of values describe the same case: { "
                 "load.modulation.kind = STM, load.modulation.am_frequency_Hz = 500 } and "
@@ -230,13 +230,13 @@ TEST_CASE("two combinations that give the same case are reported", "[config][swe
 }
 
 TEST_CASE("a remark on several cases is reported once with a count", "[config][sweep]") {
-    CHECK(findings_of(plain_and("[sweep]\n\"domain.spacing_mm\" = [0.75, 1.2, 1.25, 1.3]\n")) ==
+    CHECK(diagnostics_of(plain_and("[sweep]\n\"domain.spacing_mm\" = [0.75, 1.2, 1.25, 1.3]\n")) ==
           Texts{"job.toml:28:1: warning: domain.spacing_mm: the focus is 3 mm wide (FWHM) and the "
                 "spacing is 1.2 mm, which gives 2.5 points per width: the spectrum of the focus "
                 "still has 0.0038 of its peak at the shortest shear wave that the grid represents; "
                 "use 1 mm (and 2 more cases)"});
-    CHECK(findings_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
-                                "0.5\n")) ==
+    CHECK(diagnostics_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
+                                   "0.5\n")) ==
           Texts{"job.toml:30:1: warning: measure.focal_radius_mm: the focal region's radius of 0.5 "
                 "mm is below the spacing of 0.75 mm: it contains only one or two samples"});
 }
@@ -245,6 +245,6 @@ TEST_CASE("a sweep with too many keys is rejected without expansion", "[config][
     std::string more = "[sweep]\n";
     for (int i = 0; i < 20000; ++i)
         more += "load.k" + std::to_string(i) + " = [1]\n";
-    CHECK(findings_of(plain_and(more)) ==
+    CHECK(diagnostics_of(plain_and(more)) ==
           Texts{"job.toml:27:1: error: sweep has 20000 keys; at most 50 are supported"});
 }

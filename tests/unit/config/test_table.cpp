@@ -76,7 +76,7 @@ TEST_CASE("a reference may change keys of the kind it keeps", "[config][table]")
 }
 
 TEST_CASE("an error in [table] is reported with its location", "[config][table]") {
-    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+    const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"x = \"load.pek_Pa\"", "job.toml:30:5: error: table.x contains \"load.pek_Pa\", which is "
                                 "not swept; did you mean \"load.peak_Pa\"?"},
         {"x = 3", "job.toml:30:5: error: table.x must be a string, but is a number"},
@@ -96,8 +96,8 @@ TEST_CASE("an error in [table] is reported with its location", "[config][table]"
         {"reference = {}", "job.toml:30:13: error: table.reference must change at least one key, "
                            "for example { kind = \"STM\" }"},
     }));
-    CHECK(findings_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more + "\n")) ==
-          Texts{finding});
+    CHECK(diagnostics_of(plain_and("[sweep]\n\"load.peak_Pa\" = [1, 2]\n[table]\n" + more +
+                                   "\n")) == Texts{diagnostic});
 }
 
 TEST_CASE("a key that the reference replaces is not swept in it", "[config][table]") {

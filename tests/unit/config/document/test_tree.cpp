@@ -8,9 +8,9 @@ using namespace shearwake;
 namespace {
 
 config::NodePtr parse(std::string_view text) {
-    config::Diagnostics findings;
-    const config::NodePtr tree = config::parse_toml(text, "t.toml", findings);
-    REQUIRE(findings.errors() == 0);
+    config::DiagnosticList diagnostics;
+    const config::NodePtr tree = config::parse_toml(text, "t.toml", diagnostics);
+    REQUIRE(diagnostics.errors() == 0);
     return tree;
 }
 
@@ -83,9 +83,9 @@ TEST_CASE("an excerpt is short and printable", "[config][tree]") {
 
 TEST_CASE("non-ASCII characters are allowed only in strings and comments", "[tree]") {
     const auto mistakes = [](const std::string& text) {
-        config::Diagnostics findings;
-        config::parse_toml(text, "job.toml", findings);
-        return findings.errors();
+        config::DiagnosticList diagnostics;
+        config::parse_toml(text, "job.toml", diagnostics);
+        return diagnostics.errors();
     };
     CHECK(mistakes("a = \"\xc3\xa9 \\\" \xc3\xa9\" # \xc3\xa9\nb = '\xc3\xa9'\n") == 0);
     CHECK(mistakes("\xef\xbb\xbf"

@@ -72,7 +72,7 @@ TEST_CASE("pins can be given as a line or a grid", "[config][afferents]") {
 }
 
 TEST_CASE("a line with one pin is reported once and not as a position", "[config][afferents]") {
-    const auto said = findings_of(
+    const auto said = diagnostics_of(
         plain_and("[afferents]\npin_line = { from_mm = [-2, 0], to_mm = [2, 0], count = 1 }\n"));
     REQUIRE(said.size() == 1);
     CHECK_THAT(said[0], Catch::Contains("pin_line.count must be between 2 and 1000"));
@@ -80,7 +80,7 @@ TEST_CASE("a line with one pin is reported once and not as a position", "[config
 
 TEST_CASE("pins outside the domain are rejected", "[config][afferents]") {
     CHECK_THAT(
-        findings_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
+        diagnostics_of(plain_and("[afferents]\npins_mm = [[0, 0], [60, 0]]\n")).at(0),
         Catch::Contains("afferents.pins_mm must lie inside the domain, within 48 and 33.75 mm") &&
             Catch::Contains("[60, 0] does not"));
 }

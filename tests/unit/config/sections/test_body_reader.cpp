@@ -96,7 +96,7 @@ TEST_CASE("a body's preset fills in what is not given", "[config][body]") {
 }
 
 TEST_CASE("an error in a body is reported with its location", "[config][body]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"\"ellipsoid\"", "\"elipsoid\"",
          "job.toml:29:9: error: medium.body[1].shape must be one of \"ellipsoid\", \"cylinder\" or "
          "\"box\", but is \"elipsoid\"; did you mean \"ellipsoid\"?"},
@@ -146,25 +146,25 @@ TEST_CASE("an error in a body is reported with its location", "[config][body]") 
     CAPTURE(old, by);
     const std::string job = job_with(ball);
     if (by == "size_mm") { // two mistakes in one
-        CHECK(findings_of(replaced(job, old, by)).size() == 2);
-        CHECK(any_contains(findings_of(replaced(job, old, by)), finding));
+        CHECK(diagnostics_of(replaced(job, old, by)).size() == 2);
+        CHECK(any_contains(diagnostics_of(replaced(job, old, by)), diagnostic));
     } else {
-        CHECK(findings_of(replaced(job, old, by)) == Texts{finding});
+        CHECK(diagnostics_of(replaced(job, old, by)) == Texts{diagnostic});
     }
 }
 
 TEST_CASE("the direction of a cylinder may be given only once", "[config][body]") {
     const std::string job = body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
                                     "c_s_m_s = 9\n");
-    CHECK(findings_of(job) == Texts{"job.toml:28:1: error: medium.body[1].axis is missing"});
-    CHECK(findings_of(job + "axis = \"x\"\nazimuth_deg = 0\n") ==
+    CHECK(diagnostics_of(job) == Texts{"job.toml:28:1: error: medium.body[1].axis is missing"});
+    CHECK(diagnostics_of(job + "axis = \"x\"\nazimuth_deg = 0\n") ==
           Texts{"job.toml:34:15: error: medium.body[1].azimuth_deg and axis are both given; "
                 "specify only one of them"});
 }
 
 TEST_CASE("all errors in all bodies are reported at once", "[config][body]") {
-    CHECK(findings_of(job_with("[[medium.body]]\nshape = \"box\"\nsize_mm = 3\n[[medium.body]]\n"
-                               "shape = \"cylinder\"\nradius_mm = -1\nhight_mm = 2\n"))
+    CHECK(diagnostics_of(job_with("[[medium.body]]\nshape = \"box\"\nsize_mm = 3\n[[medium.body]]\n"
+                                  "shape = \"cylinder\"\nradius_mm = -1\nhight_mm = 2\n"))
               .size() == 8);
 }
 
@@ -182,12 +182,12 @@ TEST_CASE("the numbers of a body can be swept", "[config][body]") {
     CHECK(bodies("\"medium.body[1].depth_mm\" = [8, 9]\n").at(1).centre_m.z == 0.009);
     CHECK(bodies("\"medium.body[1].c_s_m_s\" = [8, 900]\n").at(1).c_s_m_s == 900.0);
     CHECK(bodies("\"medium.body[1].center_mm\" = [[0, 0], [1, 0]]\n").at(1).centre_m.x == 0.001);
-    CHECK(any_contains(findings_of(job + "\"medium.body[2].depth_mm\" = [8, 9]\n"),
+    CHECK(any_contains(diagnostics_of(job + "\"medium.body[2].depth_mm\" = [8, 9]\n"),
                        "the list has 1 entries, counted from 1"));
 }
 
 TEST_CASE("the layered engine rejects a body with its location", "[config][body]") {
-    const Texts texts = findings_of(plain_and(ball));
+    const Texts texts = diagnostics_of(plain_and(ball));
     REQUIRE(texts.size() == 1);
     CHECK(texts[0].starts_with("job.toml:"));
     CHECK(any_contains(texts, "error: medium.body: the engine \"layered\""));
@@ -205,8 +205,8 @@ TEST_CASE("a map is provided by the loader and is part of the case", "[config][b
     CHECK(asked == std::vector<std::string>{"a.h5"});
     CHECK(read.plan.cases.at(0).physics.medium.map->c_s_m_s == std::vector{7.0});
     CHECK(read.plan.cases.at(0).id != case_id(only_case(job_with(""))));
-    CHECK(findings_of(job) == Texts{"job.toml:7:7: error: medium.map names a file, but no files "
-                                    "can be read in this context"});
+    CHECK(diagnostics_of(job) == Texts{"job.toml:7:7: error: medium.map names a file, but no files "
+                                       "can be read in this context"});
 }
 
 TEST_CASE("an error in a map is reported together with other errors", "[config][body]") {

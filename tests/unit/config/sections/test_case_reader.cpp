@@ -57,7 +57,7 @@ TEST_CASE("a grid has at least the requested extent and a size with fast FFTs", 
 }
 
 TEST_CASE("an error in domain or time is reported with its location", "[config][case]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"[96.0, 64.0]", "[96.0, -64.0]",
          "job.toml:22:20: error: domain.extent_mm must be above 0, but is -64"},
         {"extent_mm", "extent_cm",
@@ -83,11 +83,11 @@ TEST_CASE("an error in domain or time is reported with its location", "[config][
          "1000000 are supported"},
         {"duration_ms = 4.0\n", "", "job.toml:24:1: error: time.duration_ms is missing"},
     }));
-    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
 }
 
 TEST_CASE("an error in solver, measure or record is reported with its location", "[config][case]") {
-    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+    const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"[solver]\nengine = \"fem\"\n",
          "job.toml:28:10: error: solver.engine must be one of \"layered\", \"spectral\" or "
          "\"pstd\", but is \"fem\""},
@@ -153,18 +153,18 @@ TEST_CASE("an error in solver, measure or record is reported with its location",
         {"[record]\nframes = 1",
          "job.toml:28:10: error: record.frames must be true or false, but is a number"},
     }));
-    CHECK(findings_of(plain_and(more)) == Texts{finding});
+    CHECK(diagnostics_of(plain_and(more)) == Texts{diagnostic});
 }
 
 TEST_CASE("a section that is not a table is rejected", "[config][case]") {
-    CHECK(findings_of("record = 3\n" + std::string(plain_job)) ==
+    CHECK(diagnostics_of("record = 3\n" + std::string(plain_job)) ==
           Texts{"job.toml:1:10: error: record must be a table, but is a number"});
 }
 
 TEST_CASE("depths are not limited in a half-space", "[config][case]") {
     std::string job = plain_with("\"rigid\"", "\"half-space\"");
     job = replaced(job, "thickness_mm = 20.0\n", "");
-    CHECK(findings_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
+    CHECK(diagnostics_of(job + "[measure]\ndepths_mm = [0, 500]\n").empty());
 }
 
 TEST_CASE("the options of the spectral engine are read, and unsupported cases are rejected",
@@ -177,7 +177,7 @@ TEST_CASE("the options of the spectral engine are read, and unsupported cases ar
     std::string lossy =
         replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
                  "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }");
-    const Texts found = findings_of(lossy);
+    const Texts found = diagnostics_of(lossy);
     REQUIRE(found.size() == 1);
     CHECK(found[0].find(
               "error: solver.engine: \"spectral\" supports only lossless or Kelvin-Voigt layers") !=
@@ -199,7 +199,7 @@ TEST_CASE("the spectral engine accepts a time step or an accuracy", "[config][ca
 TEST_CASE(
     "an accuracy of the spectral engine is rejected if out of range or combined with a time step",
     "[config][case]") {
-    const auto [given, finding] = GENERATE(table<std::string, std::string>({
+    const auto [given, diagnostic] = GENERATE(table<std::string, std::string>({
         {"accuracy = 0", "accuracy must be between 0.0001 and 0.1, but is 0"},
         {"accuracy = 2", "accuracy must be between 0.0001 and 0.1, but is 2"},
         {"accuracy = \"x\"", "accuracy must be a number, but is a string"},
@@ -208,9 +208,9 @@ TEST_CASE(
          "accuracy determines the time step, but solver.spectral.time_step_us = 25 is also given; "
          "remove one of them, or set the latter to \"auto\""},
     }));
-    const Texts found = findings_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
+    const Texts found = diagnostics_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
     REQUIRE(found.size() == 1);
-    CHECK_THAT(found[0], Catch::Contains("error: solver.spectral." + finding));
+    CHECK_THAT(found[0], Catch::Contains("error: solver.spectral." + diagnostic));
 }
 
 TEST_CASE("volumes are stored in order and without duplicates, independent of the order in the job",
@@ -254,7 +254,7 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
                          Precision::single_precision};
     CHECK(all == expected);
 
-    const auto [more, finding] = GENERATE(table<std::string, std::string>({
+    const auto [more, diagnostic] = GENERATE(table<std::string, std::string>({
         {"top = \"air\"", "solver.pstd.top must be one of \"void\", \"continued\" or \"fluid\""},
         {"fluid_c_p_m_s = 40", "solver.pstd.fluid_c_p_m_s applies only with top = \"fluid\""},
         {"load = \"displacement\"", "solver.pstd.displacement_um is missing"},
@@ -264,18 +264,18 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
         {"c_p_over_c_s = 1", "solver.pstd.c_p_over_c_s must be between 2 and 1000"},
         {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "stores; solver.engine ="},
     }));
-    const Texts found = findings_of(plain_and(chosen + more));
+    const Texts found = diagnostics_of(plain_and(chosen + more));
     REQUIRE(found.size() == 1);
-    CHECK(found[0].find(finding) != std::string::npos);
+    CHECK(found[0].find(diagnostic) != std::string::npos);
 
-    const Texts lossy =
-        findings_of(replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
-                             "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }"));
+    const Texts lossy = diagnostics_of(
+        replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
+                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }"));
     REQUIRE(lossy.size() == 1);
     CHECK(lossy[0].find(
               "error: solver.engine: \"pstd\" supports only lossless or Kelvin-Voigt layers") !=
           std::string::npos);
-    const Texts array = findings_of(replaced(
+    const Texts array = diagnostics_of(replaced(
         plain_and(chosen), "footprint = { shape = \"gaussian\", fwhm_mm = 3.0 }",
         "footprint = { shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0 }"));
     CHECK(any_contains(array, "the engine \"pstd\" supports only Gaussian foci"));

@@ -96,7 +96,7 @@ TEST_CASE("an error in an array is reported with its location", "[config][footpr
          "load.footprint.preset must be one of \"array-16x16\" or \"array-249\", but is "
          "\"array-16\""},
     }));
-    const Texts found = findings_of(with_footprint(footprint, peak));
+    const Texts found = diagnostics_of(with_footprint(footprint, peak));
     REQUIRE(found.size() == 1);
     CHECK(found[0].ends_with("error: " + said));
 }
@@ -108,9 +108,9 @@ TEST_CASE("several foci are positions relative to the moving point", "[config][f
     };
     CHECK(only_case(job("[[-5, 0], [5, 0]]")).load.modulation.foci_m ==
           std::vector<Vec2>{{-0.005, 0.0}, {0.005, 0.0}});
-    CHECK(findings_of(job("[]")) ==
+    CHECK(diagnostics_of(job("[]")) ==
           Texts{"job.toml:18:11: error: load.modulation.foci_mm must contain at least one focus"});
-    CHECK(findings_of(job("[[1, 0], [1, 0]]")) ==
+    CHECK(diagnostics_of(job("[[1, 0], [1, 0]]")) ==
           Texts{"job.toml:18:11: error: load.modulation.foci_mm has foci 1 and 2 at the same "
                 "position"});
 }

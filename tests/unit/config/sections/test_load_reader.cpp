@@ -74,7 +74,7 @@ TEST_CASE("a carrier can be resolved", "[config][load]") {
 }
 
 TEST_CASE("an error in the load is reported with its location", "[config][load]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"peak_Pa = 100.0", "peak_Pa = 0",
          "job.toml:14:11: error: load.peak_Pa must be above 0, but is 0"},
         {"peak_Pa = 100.0", "peak_kPa = 0.1",
@@ -92,12 +92,12 @@ TEST_CASE("an error in the load is reported with its location", "[config][load]"
         {"[load.modulation]", "[load.modulation]\n[load.sound]",
          "job.toml:17:7: error: load.sound is unknown"},
     }));
-    const Texts found = findings_of(plain_with(old, by));
-    CHECK(std::find(found.begin(), found.end(), finding) != found.end());
+    const Texts found = diagnostics_of(plain_with(old, by));
+    CHECK(std::find(found.begin(), found.end(), diagnostic) != found.end());
 }
 
 TEST_CASE("an error in the modulation is reported with its location", "[config][load]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"\"AM-STM\"", "\"AMSTM\"",
          "job.toml:17:8: error: load.modulation.kind must be one of \"STM\", \"AM\", "
          "\"AM-STM\", \"SM-STM\", \"LM\", \"DTP\", \"STP\" or \"custom\", but is \"AMSTM\"; did "
@@ -143,8 +143,8 @@ TEST_CASE("an error in the modulation is reported with its location", "[config][
         {"kind = \"AM-STM\"\n", "kind = \"AM\"\n",
          "job.toml:19:13: error: load.modulation.speed_m_s does not apply to kind AM"},
     }));
-    const Texts found = findings_of(plain_with(old, by));
-    CHECK(std::find(found.begin(), found.end(), finding) != found.end());
+    const Texts found = diagnostics_of(plain_with(old, by));
+    CHECK(std::find(found.begin(), found.end(), diagnostic) != found.end());
     CHECK(found.size() <= 2);
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("a focus that would move backwards is rejected", "[config][load]") {
     const std::string sm = "kind = \"SM-STM\"\nspeed_m_s = 7\nspeed_deviation_m_s = 7\n"
                            "sm_frequency_Hz = 500\n" +
                            path;
-    CHECK(findings_of(with_modulation(sm)) ==
+    CHECK(diagnostics_of(with_modulation(sm)) ==
           Texts{"job.toml:19:23: error: load.modulation.speed_deviation_m_s must be below the mean "
                 "speed of 7 m/s, but is 7: the focus would move backwards along its path"});
 }

@@ -34,7 +34,7 @@ TEST_CASE("each loss law is read in SI", "[config][medium]") {
 }
 
 TEST_CASE("an error in a layer is reported with its location", "[config][medium]") {
-    const auto [old, by, finding] = GENERATE(table<std::string, std::string, std::string>({
+    const auto [old, by, diagnostic] = GENERATE(table<std::string, std::string, std::string>({
         {"thickness_mm", "thickness_cm",
          "job.toml:8:1: error: medium.layer[1].thickness_cm is unknown; the unit of thickness is "
          "mm: use thickness_mm"},
@@ -99,7 +99,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
          "job.toml:6:10: error: medium.preset defines all layers, but medium.layer is also given; "
          "use the preset in a layer, or remove the layers"},
     }));
-    CHECK(findings_of(plain_with(old, by)) == Texts{finding});
+    CHECK(diagnostics_of(plain_with(old, by)) == Texts{diagnostic});
 }
 
 TEST_CASE("every preset gives a case without diagnostics", "[config][medium]") {
@@ -154,14 +154,14 @@ TEST_CASE("the thickness of a preset is ignored in a half-space", "[config][medi
 
 TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[config][medium]") {
     CHECK(
-        findings_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
+        diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
         Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
               "\"forearm\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"});
 }
 
 TEST_CASE("a medium without layers is rejected", "[config][medium]") {
-    CHECK(findings_of(with_medium("[medium]\nbase = \"rigid\"\n")) ==
+    CHECK(diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\n")) ==
           Texts{"job.toml:4:1: error: medium.layer is missing"});
-    CHECK(findings_of(with_medium("[medium]\nbase = \"rigid\"\nlayer = []\n")) ==
+    CHECK(diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\nlayer = []\n")) ==
           Texts{"job.toml:6:9: error: medium.layer must contain at least one layer"});
 }

@@ -243,7 +243,7 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
          "draw_frequency_Hz leaves 10 ms per pass along the path, but the 4 corners take 3 ms "
          "each"},
     }));
-    const Texts found = findings_of(stm(path, more));
+    const Texts found = diagnostics_of(stm(path, more));
     REQUIRE(found.size() == 1);
     CHECK(found[0].ends_with(where + said));
 }
@@ -268,7 +268,7 @@ TEST_CASE("an error in a custom modulation is reported with its location", "[con
         {"trajectory = [{ move = \"hold\", position_mm = [0, 0] }]\nspeed_m_s = 3",
          "error: load.modulation.speed_m_s does not apply to kind custom"},
     }));
-    const Texts found = findings_of(job_with("kind = \"custom\"\n" + more));
+    const Texts found = diagnostics_of(job_with("kind = \"custom\"\n" + more));
     REQUIRE(found.size() == 1);
     CHECK(found[0].ends_with(said));
 }

@@ -13,17 +13,17 @@
 namespace shearwake::config {
 
 /// An error or a warning about a job, and its location. Line 0: no particular location.
-struct Finding {
+struct Diagnostic {
     Severity severity = Severity::error;
     std::string file;
     int line = 0;
     int column = 0;
     std::string message;
-    bool operator==(const Finding&) const = default;
+    bool operator==(const Diagnostic&) const = default;
 };
 
 /// "job.toml:31:5: error: ..."
-std::string text(const Finding& finding);
+std::string text(const Diagnostic& diagnostic);
 
 /// A location in a job file or in an override.
 struct Place {
@@ -37,7 +37,7 @@ struct Place {
 std::string excerpt(std::string_view text, std::size_t limit = 60);
 
 /// Collects diagnostics. A diagnostic that recurs in other cases of a sweep is stored once.
-class Diagnostics {
+class DiagnosticList {
 public:
     void error(const Place& at, std::string message);
     void warning(const Place& at, std::string message);
@@ -46,15 +46,15 @@ public:
     std::size_t errors() const { return errors_; }
     /// Whether the limit is reached: further diagnostics are only counted, so expensive messages
     /// can be skipped.
-    bool full() const { return findings_.size() >= most; }
+    bool full() const { return diagnostics_.size() >= most; }
     /// In the order of the file.
-    std::vector<Finding> sorted() const;
+    std::vector<Diagnostic> sorted() const;
 
 private:
     static constexpr std::size_t most = 1000;
     void add(Severity severity, const Place& at, std::string message);
 
-    std::vector<Finding> findings_;
+    std::vector<Diagnostic> diagnostics_;
     std::unordered_set<std::string> seen_;
     std::size_t errors_ = 0;
 };
