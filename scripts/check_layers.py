@@ -5,9 +5,10 @@
 Usage: check_layers.py [ROOT] (default: the folder above this script). Prints each error with file and line,
 and exits 1 if there is one.
 
-${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt: a folder that the
-registry does not include is an error, as is a file outside of an engine's folder that includes one of its
-headers; the registry and benchmarks may.
+${SHEARWAKE_ENGINES} stands for the folders of engines, and ${SHEARWAKE_ENGINE_OPTIONS} for their
+subfolders `options`, as in src/CMakeLists.txt. A folder that the registry does not include is an error, as is
+a file outside of an engine's folder that includes one of its headers; the registry and benchmarks may, and
+the component `case` may include options.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
 cmake/components.cmake. It may include its own headers and those of the folders that it lists:
@@ -58,7 +59,7 @@ class Component:
             if word in KEYWORDS:
                 mode = word
             elif mode:
-                self.lists[mode] += engines if word == "${SHEARWAKE_ENGINES}" else [word]
+                self.lists[mode] += engines.get(word, [word])
         self.found = call is not None
 
     def sources(self):
@@ -101,9 +102,10 @@ class Tree:
     def __init__(self, root):
         self.root, self.source = root, root / "src"
         self.components = {}
-        self.engines = sorted(path.parent.relative_to(self.source).as_posix()
-                              for path in self.source.glob("engines/*/CMakeLists.txt")
-                              if path.parent.name != "registry")
+        self.engines = {name: sorted(path.parent.relative_to(self.source).as_posix()
+                                     for path in self.source.glob(pattern) if path.parent.name != "registry")
+                        for name, pattern in (("${SHEARWAKE_ENGINES}", "engines/*/CMakeLists.txt"),
+                                              ("${SHEARWAKE_ENGINE_OPTIONS}", "engines/*/options/CMakeLists.txt"))}
         for path in sorted(self.source.rglob("CMakeLists.txt")):
             folder = path.parent.relative_to(self.source).as_posix()
             if folder != ".":
@@ -195,7 +197,8 @@ class Tree:
         if ".." in Path(header).parts or where not in self.components or not (self.source / header).is_file():
             return f'"{header}" is not a header of a component; write its path relative to src'
         if component and self.engine_of(where) not in (None, self.engine_of(component.folder)) and \
-                component.folder not in ("engines/registry", "bench"):
+                component.folder not in ("engines/registry", "bench") and \
+                not (component.folder == "case" and where.endswith("/options")):
             return f'"{header}": only the registry and benchmarks may include headers of an engine'
         if component and where != component.folder and not component.may_use(where, path.suffix):
             list_name = "PUBLIC" if path.suffix == ".hpp" else "PUBLIC or PRIVATE"
@@ -204,7 +207,7 @@ class Tree:
 
     def engine_of(self, folder):
         """The engine that a component belongs to, or None."""
-        return next((e for e in self.engines if folder == e or folder.startswith(e + "/")), None)
+        return next((e for e in self.engines["${SHEARWAKE_ENGINES}"] if folder == e or folder.startswith(e + "/")), None)
 
     def library_header(self, header, path, component):
         found = library(header)

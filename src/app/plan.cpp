@@ -38,9 +38,9 @@ std::string settings_of(const PlannedCase& planned) {
 /// Grid points per width of the focus, and per shortest shear wavelength that the focus can excite:
 /// the wavenumber at which the spectrum of the footprint has fallen to 1 %.
 std::string resolution_of(const Case& c) {
-    const double focus = fwhm_m(c.load.footprint) / c.domain.spacing_m;
-    const double wave =
-        2.0 * std::numbers::pi / bandwidth_rad_m(c.load.footprint, 0.01) / c.domain.spacing_m;
+    const double focus = fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
+    const double wave = 2.0 * std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) /
+                        c.domain.spacing_m;
     return fmt::format("{:.1f} / {:.1f}", focus, wave);
 }
 

@@ -27,7 +27,8 @@ namespace shearwake {
 // them (config/key_table.hpp), and a test changes each one. A walk takes
 //
 //     walk(field, {...})                a number, word, flag, enumerator, point or list of them
-//     walk.choice(variant, {...})       the name of the alternative, then its fields
+//     walk.choice(variant, {...}, then) the name of the alternative, then its fields; a text walk
+//                                       calls then(walk) between them if it is given
 //     walk.each("table", list, {...})   one table [[table]] per element
 //     walk.maybe("table", optional)     a table that may be absent
 //     walk.section("table")             what follows stands in [table]
@@ -50,6 +51,7 @@ struct Field {
     bool applies = true;        // to the values of the fields before it
     const char* only_with = ""; // when it applies, in the words of a job; empty: config says it
     bool in_text = true;
+    bool flag_in_text = false; // an enumeration of two values is written as false or true
     bool zero_in_text = false; // whatever the value: it means the same as 0
     std::size_t most_in_text = static_cast<std::size_t>(-1); // a longer list is hashed
     bool own_tables = false; // of a choice: its alternatives stand in tables of their names

@@ -79,12 +79,12 @@ Case layered_bench_case() {
                      .c_s_m_s = c_s_m_s,
                      .loss = KelvinVoigt{1.0}};
     };
-    c.medium = {
+    c.scene().medium = {
         {layer("epidermis", 0.1e-3, 36.5), layer("dermis", 2e-3, 3.65), layer("fat", 18e-3, 2.24)},
         Base::rigid};
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{3e-3};
-    c.load.modulation = {
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{3e-3};
+    c.scene().load.modulation = {
         .kind = "AM-STM",
         .trajectory = {{Travel{{{-49e-3, 0.0}, {49e-3, 0.0}}, ConstantSpeed{7.0}}}},
         .envelope = {{SineGain{.frequency_Hz = 200.0}}}};

@@ -52,19 +52,20 @@ AfferentOptions afferents_of(AfferentInput input) {
 Case pstd_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frames,
                const PstdOptions& options) {
     Case c = on_grid(nx, ny, 1e-3, frames);
-    c.medium.layers.erase(c.medium.layers.begin());
-    for (Layer& layer : c.medium.layers)
+    c.scene().medium.layers.erase(c.scene().medium.layers.begin());
+    for (Layer& layer : c.scene().medium.layers)
         layer.c_p_m_s = 30.0;
     c.time.interval_s = 100e-6;
     c.measure.at_s = c.time.duration_s();
-    c.load.modulation.trajectory.parts = {Travel{{{-1e-2, 0.0}, {2e-1, 0.0}}, ConstantSpeed{7.0}}};
+    c.scene().load.modulation.trajectory.parts = {
+        Travel{{{-1e-2, 0.0}, {2e-1, 0.0}}, ConstantSpeed{7.0}}};
     c.solver = options;
     return c;
 }
 
 /// A grid study: a plane source within a uniform solid.
 Case study_case() {
-    GridStudy study{.points = {64, 60, 48},
+    StudyData study{.points = {64, 60, 48},
                     .spacing_m = {1e-3, 1e-3, 1e-3},
                     .time_step_s = 10e-6,
                     .steps = 200,
@@ -87,7 +88,8 @@ Case study_case() {
     study.sources = {std::move(source)};
     study.content_hash = hash_of(study);
     Case c = pstd_case(32, 32, 20, {});
-    c.solver = PstdOptions{.study = {std::make_shared<const GridStudy>(std::move(study))}};
+    c.problem = GridStudy{std::make_shared<const StudyData>(std::move(study)), c.scene()};
+    c.solver = PstdOptions{};
     return c;
 }
 
@@ -108,23 +110,24 @@ std::vector<BenchJob> layered_jobs() {
 
 std::vector<BenchJob> spectral_jobs() {
     Case small = on_grid(96, 72, 1.5e-3, 160);
-    small.medium.layers.erase(small.medium.layers.begin()); // a film requires many steps
+    small.scene().medium.layers.erase(
+        small.scene().medium.layers.begin()); // a film requires many steps
     small.solver = SpectralOptions{.accuracy = 1e-2};
     Case large = on_grid(256, 192, 0.75e-3, 100);
     large.domain.sponge_m = 20e-3;
     large.solver = SpectralOptions{.time_step_s = large.time.interval_s};
     Case body = on_grid(192, 144, 1e-3, 50);
-    body.medium.bodies.push_back(body_of(5.0));
+    body.scene().medium.bodies.push_back(body_of(5.0));
     body.solver = SpectralOptions{.time_step_s = body.time.interval_s};
     body.record.volumes_s = {1e-3, 2e-3};
     body.record.volume_fields = {VolumeField::u};
     Case stiff = on_grid(96, 72, 1.5e-3, 60);
-    stiff.medium.bodies.push_back(body_of(30.0));
+    stiff.scene().medium.bodies.push_back(body_of(30.0));
     stiff.solver = SpectralOptions{.time_step_s = stiff.time.interval_s};
     stiff.record.volumes_s = {3e-3};
     stiff.record.volume_fields = {VolumeField::strain, VolumeField::stress};
     Case map = on_grid(96, 72, 1.5e-3, 120);
-    map.medium.map = map_of_fat();
+    map.scene().medium.map = map_of_fat();
     map.solver = SpectralOptions{.time_step_s = map.time.interval_s};
     map.afferents = afferents_of(StressInput{});
     return {{"spectral, small, step probed", small},
@@ -136,7 +139,7 @@ std::vector<BenchJob> spectral_jobs() {
 
 std::vector<BenchJob> pstd_jobs() {
     Case lossy = pstd_case(96, 72, 20, {.precision = Precision::single_precision});
-    lossy.medium.bodies.push_back(body_of(5.0));
+    lossy.scene().medium.bodies.push_back(body_of(5.0));
     lossy.record.volumes_s = {2e-3};
     lossy.record.volume_fields = {VolumeField::u};
     return {{"pstd, single, body, volume", lossy}, {"pstd, grid study", study_case()}};

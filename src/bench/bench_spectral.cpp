@@ -43,21 +43,21 @@ Case bench_case(const BenchArguments& arguments) {
     const Grid grid = read_grid(arguments.grid.empty() ? "256x192x25" : arguments.grid);
     const double depth_m = element_m * static_cast<double>(grid.levels / degree);
     Case c;
-    c.medium = {{{.name = "tissue",
-                  .thickness_m = depth_m,
-                  .density_kg_m3 = 1000.0,
-                  .c_p_m_s = 1500.0,
-                  .c_s_m_s = 5.0,
-                  .loss = KelvinVoigt{1.0}}},
-                Base::rigid};
+    c.scene().medium = {{{.name = "tissue",
+                          .thickness_m = depth_m,
+                          .density_kg_m3 = 1000.0,
+                          .c_p_m_s = 1500.0,
+                          .c_s_m_s = 5.0,
+                          .loss = KelvinVoigt{1.0}}},
+                        Base::rigid};
     if (arguments.contrast > 1.0)
-        c.medium.bodies = {{.name = "body",
-                            .shape = Ellipsoid{{12e-3, 8e-3, 0.25 * depth_m}},
-                            .centre_m = {0.0, 2e-3, 0.375 * depth_m},
-                            .c_s_m_s = 5.0 * std::sqrt(arguments.contrast)}};
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{3e-3};
-    c.load.modulation = {
+        c.scene().medium.bodies = {{.name = "body",
+                                    .shape = Ellipsoid{{12e-3, 8e-3, 0.25 * depth_m}},
+                                    .centre_m = {0.0, 2e-3, 0.375 * depth_m},
+                                    .c_s_m_s = 5.0 * std::sqrt(arguments.contrast)}};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{3e-3};
+    c.scene().load.modulation = {
         .kind = "STM",
         .trajectory = {{Travel{{{-5e-3, 0.0}, {300e-3, 0.0}}, ConstantSpeed{7.0}}}},
         .envelope = {}};
@@ -204,7 +204,7 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
     // Without the body the mesh has exactly the requested levels. Elements need not end at the
     // body's faces, since only the speed matters here.
     Case layers = c;
-    layers.medium.bodies.clear();
+    layers.scene().medium.bodies.clear();
     const spectral::DepthMesh mesh =
         spectral::choose_mesh(layers, std::get<SpectralOptions>(c.solver));
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world, fft::Planning::measured);

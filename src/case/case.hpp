@@ -2,10 +2,9 @@
 #pragma once
 
 #include "case/afferents.hpp"
+#include "case/problem.hpp"
 #include "case/solver_options.hpp"
 #include "case/volume.hpp"
-#include "load/load.hpp"
-#include "medium/medium.hpp"
 
 #include <cmath>
 #include <cstddef>
@@ -184,8 +183,7 @@ void walk_fields(Walk& walk, Options& o) {
 
 /// All parameters of one simulation in SI units, as a comparable value.
 struct Case {
-    Medium medium;
-    Load load;
+    Problem problem;
     Domain domain;
     TimeAxis time;
     MeasureOptions measure;
@@ -193,12 +191,21 @@ struct Case {
     SolverOptions solver;
     std::optional<AfferentOptions> afferents; // none: no afferents are simulated
     bool operator==(const Case&) const = default;
+
+    /// The medium and the load. In a grid study, the measures alone refer to them.
+    const Scene& scene() const { return scene_of(problem); }
+    Scene& scene() { return scene_of(problem); }
+    /// Null if the problem is a scene.
+    const StudyData* study() const {
+        const auto* study = std::get_if<GridStudy>(&problem);
+        return study ? study->data.get() : nullptr;
+    }
 };
 
 template <class Walk, Is<Case> C>
 void walk_fields(Walk& walk, C& c) {
-    walk_fields(walk, c.medium);
-    walk_fields(walk, c.load);
+    walk_fields(walk, c.scene().medium);
+    walk_fields(walk, c.scene().load);
     walk_fields(walk, c.domain);
     walk_fields(walk, c.time);
     walk_fields(walk, c.measure);
@@ -214,7 +221,11 @@ void walk_fields(Walk& walk, C& c) {
              "bodies and maps, Kelvin-Voigt or lossless; `\"pstd\"`: the scheme of k-Wave for the "
              "same media, with Gaussian foci and c_p limited to a multiple of c_s. The options are "
              "in `[solver.layered]`, `[solver.spectral]` and `[solver.pstd]`; those of the other "
-             "engines are checked and otherwise ignored, so that a sweep can compare engines"});
+             "engines are checked and otherwise ignored, so that a sweep can compare engines"},
+        [&c](auto& after_name) {
+            if (auto* study = std::get_if<GridStudy>(&c.problem))
+                after_name(study->data, {.text = "study"});
+        });
     walk.maybe("afferents", c.afferents);
 }
 

@@ -21,11 +21,12 @@ public:
     }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field) {
+    void choice(const std::variant<T...>& value, const Field& field, const auto&... then) {
         std::visit(
             [&](const auto& alternative) {
                 const std::string name = alternative_name<std::decay_t<decltype(alternative)>>();
                 if (*field.text && !name.empty()) text_.put(field.text, name);
+                (then(*this), ...);
                 walk_fields(*this, alternative);
             },
             value);
@@ -78,8 +79,11 @@ private:
         text_.put(key, word);
     }
     template <Named E>
-    void put(const std::string& key, E value, const Field&) {
-        text_.put(key, name_in_text(value));
+    void put(const std::string& key, E value, const Field& field) {
+        if (field.flag_in_text)
+            text_.put_flag(key, value != E{});
+        else
+            text_.put(key, name_in_text(value));
     }
     void put(const std::string& key, Switch value, const Field&) {
         text_.put_flag(key, value == Switch::on);

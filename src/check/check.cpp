@@ -50,7 +50,7 @@ double milli(double value) {
 
 /// The duration for which the load acts within the run.
 double loaded_s(const Case& c) {
-    return std::min(c.time.duration_s(), off_time_s(c.load.modulation.trajectory));
+    return std::min(c.time.duration_s(), off_time_s(c.scene().load.modulation.trajectory));
 }
 
 /// Calls f(t, focus) for every focus along the path while the load is on, both ends included.
@@ -59,7 +59,7 @@ void along_path(const Case& c, F f) {
     const double end_s = loaded_s(c);
     const double step_s = std::max(c.time.interval_s, end_s / most_samples);
     const auto at = [&](double t_s) {
-        for (const Vec2& focus : foci(c.load.modulation, t_s))
+        for (const Vec2& focus : foci(c.scene().load.modulation, t_s))
             f(t_s, focus);
     };
     for (double n = 0.0; n * step_s < end_s; ++n)
@@ -68,10 +68,10 @@ void along_path(const Case& c, F f) {
 }
 
 void check_focus_resolution(const Case& c, Notes& notes) {
-    const double width_m = fwhm_m(c.load.footprint), spacing_m = c.domain.spacing_m;
+    const double width_m = fwhm_m(c.scene().load.footprint), spacing_m = c.domain.spacing_m;
     const double points = width_m / spacing_m;
-    const double share = spectrum(c.load.footprint, std::numbers::pi / spacing_m, 0.0) /
-                         spectrum(c.load.footprint, 0.0, 0.0);
+    const double share = spectrum(c.scene().load.footprint, std::numbers::pi / spacing_m, 0.0) /
+                         spectrum(c.scene().load.footprint, 0.0, 0.0);
     const double wanted_mm = milli(width_m) / good_points_per_fwhm;
     if (points < least_points_per_fwhm)
         notes.add(Severity::error, "domain.spacing_mm",
@@ -89,9 +89,9 @@ void check_focus_resolution(const Case& c, Notes& notes) {
 
 /// Frames must not be further apart than half of the shortest period of the load.
 void check_sampling(const Case& c, Notes& notes) {
-    const Modulation& modulation = c.load.modulation;
+    const Modulation& modulation = c.scene().load.modulation;
     const double interval_s = c.time.interval_s;
-    const double passing_Hz = bandwidth_rad_m(c.load.footprint, spectrum_end) *
+    const double passing_Hz = bandwidth_rad_m(c.scene().load.footprint, spectrum_end) *
                               greatest_speed_m_s(modulation.trajectory) / two_pi;
     const double fastest_Hz = passing_Hz + greatest_envelope_frequency_Hz(modulation.envelope);
     if (fastest_Hz * interval_s > 0.5)
@@ -118,7 +118,7 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
         when_s = t_s;
         nearest = focus;
     });
-    const double margin_m = c.domain.sponge_m + 2.0 * fwhm_m(c.load.footprint);
+    const double margin_m = c.domain.sponge_m + 2.0 * fwhm_m(c.scene().load.footprint);
     if (room_m < 0.0)
         notes.add(Severity::error, "domain.extent_mm",
                   "the focus leaves the domain: at {:.4g} ms it is at [{:.4g}, {:.4g}] mm, but the "
@@ -131,7 +131,7 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
             "at {:.4g} ms the focus is at [{:.4g}, {:.4g}] mm, {:.4g} mm from the edge, which is "
             "less than the sponge plus two focus widths, {:.4g} mm: the wake is truncated",
             milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
-    const auto* array = std::get_if<ArrayFootprint>(&c.load.footprint);
+    const auto* array = std::get_if<ArrayFootprint>(&c.scene().load.footprint);
     if (array && room_m >= margin_m && room_m < array->reach_m)
         notes.add(Severity::warning, "load.footprint",
                   "side lobes of the array are computed up to {:.4g} mm from the focus, which "
@@ -156,7 +156,7 @@ double wave_speed_m_s(const Medium& medium) {
 /// sponge absorbs it. check_sponge reports the energy that passes a sponge.
 void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
     if (edges != engines::Edges::periodic) return;
-    const double speed_m_s = wave_speed_m_s(c.medium), end_s = c.time.duration_s();
+    const double speed_m_s = wave_speed_m_s(c.scene().medium), end_s = c.time.duration_s();
     if (!(speed_m_s > 0.0)) return;
     const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
     double back_s = end_s, needed_x_m = 0.0, needed_y_m = 0.0;
@@ -190,7 +190,7 @@ void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
                   engine_name(c.solver), milli(width_m));
         return;
     }
-    const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
+    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
     const double share = returned_energy(wave_m, width_m);
     if (share > tolerated_return)
         notes.add(Severity::warning, "domain.sponge_mm",
@@ -200,12 +200,12 @@ void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
 }
 
 void check_measured_times(const Case& c, Notes& notes) {
-    const double off_s = off_time_s(c.load.modulation.trajectory);
+    const double off_s = off_time_s(c.scene().load.modulation.trajectory);
     if (off_s + c.time.interval_s < c.measure.at_s)
         notes.add(Severity::warning, "measure.at_ms",
                   "the path ends at {:.4g} ms, so there is no load at {:.4g} ms", milli(off_s),
                   milli(c.measure.at_s));
-    const auto frequency_Hz = modulation_frequency_Hz(c.load.modulation);
+    const auto frequency_Hz = modulation_frequency_Hz(c.scene().load.modulation);
     const double window_s = c.measure.at_s - c.measure.settled_after_s;
     if (frequency_Hz && *frequency_Hz * window_s < 1.0 - 1e-9)
         notes.add(Severity::warning, "measure.settled_after_ms",
@@ -238,7 +238,7 @@ std::vector<Remark> check(const Case& c) {
     const auto add = [&](const std::vector<Remark>& remarks) {
         notes.remarks.insert(notes.remarks.end(), remarks.begin(), remarks.end());
     };
-    if (!engine->computes_scene(c)) {
+    if (c.study()) {
         add(engine->limits(c));
         check_focal_region(c, notes);
         return notes.remarks;

@@ -40,7 +40,7 @@ public:
     }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field) {
+    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
         if (*field.key) {
             std::string names;
             const auto add = [&](const char* name) {

@@ -150,7 +150,7 @@ public:
     void key(const Field& field) { put(field, named_type(field)); }
 
     template <class... T>
-    void choice(const std::variant<T...>& value, const Field& field) {
+    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
         const std::string key = field.key;
         const auto each_of = [&](const auto& use) {
             for_each_alternative(std::type_identity<std::variant<T...>>{}, use);

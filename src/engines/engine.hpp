@@ -125,8 +125,6 @@ public:
     virtual std::vector<Remark> limits(const Case& c) const = 0;
     /// How the engine treats waves at the edges for this case. Not collective.
     virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }
-    /// Whether the medium and load of the case are used; a grid study has its own. Not collective.
-    virtual bool computes_scene(const Case& /*c*/) const { return true; }
     /// Whether the time step is determined by trial runs of about 0.1 s. Not collective.
     virtual bool probes_step(const Case& /*c*/) const { return false; }
     /// The step [s] determined by trial runs, if probes_step(). Not collective.

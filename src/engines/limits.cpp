@@ -7,7 +7,7 @@ namespace shearwake::engines {
 
 std::vector<Remark> refused_losses(const Case& c) {
     std::vector<Remark> refused;
-    for (const Layer& layer : c.medium.layers)
+    for (const Layer& layer : c.scene().medium.layers)
         if (!std::holds_alternative<Lossless>(layer.loss) &&
             !std::holds_alternative<KelvinVoigt>(layer.loss))
             refused.push_back(

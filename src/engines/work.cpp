@@ -31,18 +31,20 @@ Case calibration_case(const std::vector<CalibrationLayer>& layers, double fwhm_m
                       const Domain& domain, const TimeAxis& time) {
     Case c;
     for (const CalibrationLayer& layer : layers)
-        c.medium.layers.push_back({.name = fmt::format("layer {}", c.medium.layers.size()),
-                                   .thickness_m = layer.thickness_m,
-                                   .density_kg_m3 = 1000.0,
-                                   .c_p_m_s = 1500.0,
-                                   .c_s_m_s = layer.c_s_m_s,
-                                   .loss = KelvinVoigt{layer.viscosity_Pa_s}});
-    c.medium.base = layers.back().thickness_m > 0.0 ? Base::rigid : Base::half_space;
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{fwhm_m};
-    c.load.modulation = {.kind = "linear",
-                         .trajectory = {{Travel{{{-1e-2, 0.0}, {1.0, 0.0}}, ConstantSpeed{5.0}}}},
-                         .envelope = {}};
+        c.scene().medium.layers.push_back(
+            {.name = fmt::format("layer {}", c.scene().medium.layers.size()),
+             .thickness_m = layer.thickness_m,
+             .density_kg_m3 = 1000.0,
+             .c_p_m_s = 1500.0,
+             .c_s_m_s = layer.c_s_m_s,
+             .loss = KelvinVoigt{layer.viscosity_Pa_s}});
+    c.scene().medium.base = layers.back().thickness_m > 0.0 ? Base::rigid : Base::half_space;
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{fwhm_m};
+    c.scene().load.modulation = {
+        .kind = "linear",
+        .trajectory = {{Travel{{{-1e-2, 0.0}, {1.0, 0.0}}, ConstantSpeed{5.0}}}},
+        .envelope = {}};
     c.domain = domain;
     c.time = time;
     c.measure = {.at_s = time.duration_s(), .settled_after_s = 0.0, .focal_radius_m = fwhm_m};

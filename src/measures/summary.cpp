@@ -47,8 +47,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
                                      time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
         r.instant_note = "nothing has moved at the start of the run";
-    } else if (const std::string none =
-                   no_focus_reason(c.measure, time, off_time_s(c.load.modulation.trajectory));
+    } else if (const std::string none = no_focus_reason(
+                   c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
                !none.empty()) {
         r.instant_note = none;
     } else {
@@ -149,7 +149,7 @@ void add_surface(Columns& columns, const Case& c, const Readings& r) {
 }
 
 void add_impulse(Columns& columns, const Case& c) {
-    columns.add("impulse_mN_ms", impulse_N_s(c.load, c.measure.at_s) * 1e6, "");
+    columns.add("impulse_mN_ms", impulse_N_s(c.scene().load, c.measure.at_s) * 1e6, "");
 }
 
 struct Band {
@@ -262,7 +262,7 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     columns.add("mach_angle_deg", mach ? mach->angle_deg : nan,
                 mach ? mach->reason : "no surface frame was fitted");
 
-    const Trajectory& trajectory = c.load.modulation.trajectory;
+    const Trajectory& trajectory = c.scene().load.modulation.trajectory;
     const double at = c.measure.at_s, speed = norm(velocity(trajectory, at));
     double theory = nan;
     std::string note;
@@ -271,15 +271,15 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
     } else if (const std::string none = no_focus_reason(c.measure, c.time, off_time_s(trajectory));
                !none.empty()) {
         note = none;
-    } else if (!has_constant_velocity(trajectory) || c.load.modulation.foci_m.size() > 1) {
+    } else if (!has_constant_velocity(trajectory) || c.scene().load.modulation.foci_m.size() > 1) {
         note = "the wake has no single angle: this requires a single focus that moves along a "
                "straight line at constant speed";
-    } else if (c.medium.layers.empty()) {
+    } else if (c.scene().medium.layers.empty()) {
         note = "no layer";
     } else {
         try {
-            const double rayleigh =
-                rayleigh_speed_m_s(surface_wave_layer(c.medium, fwhm_m(c.load.footprint)));
+            const double rayleigh = rayleigh_speed_m_s(
+                surface_wave_layer(c.scene().medium, fwhm_m(c.scene().load.footprint)));
             theory = mach_angle_theory_deg(rayleigh, speed);
             if (std::isnan(theory))
                 note = fmt::format("{:.3g} m/s is not faster than the Rayleigh wave, {:.3g} m/s",
@@ -293,7 +293,7 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
 
 void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
                    const std::vector<double>& mean_u2) {
-    const double fwhm = fwhm_m(c.load.footprint);
+    const double fwhm = fwhm_m(c.scene().load.footprint);
     double value = nan;
     std::string note = window.reason;
     if (note.empty() && mean_u2.empty()) note = "no mean energy was recorded";
@@ -301,7 +301,7 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
                       // one
         value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
                           measured_region(c.domain),
-                          drawn_shape(c.load.modulation, 0.25 * c.domain.spacing_m), fwhm);
+                          drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m), fwhm);
     columns.add("sharpness_1", value, note);
 }
 
@@ -312,13 +312,13 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
                               const std::optional<MachFit>& mach,
                               const std::vector<double>& mean_u2) {
     const PeriodWindow window =
-        period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
-                      off_time_s(c.load.modulation.trajectory));
+        period_window(c.measure, c.time, modulation_frequency_Hz(c.scene().load.modulation),
+                      off_time_s(c.scene().load.modulation.trajectory));
     Readings surface{.instant_note = "no depth recorded", .period_note = "no depth recorded"};
     if (!depths.empty()) surface = read(c, window, depths.front());
 
     Columns columns({{"radius", fmt::format("{:g}", c.measure.focal_radius_m * 1e3)},
-                     {"fwhm", fmt::format("{:g}", fwhm_m(c.load.footprint) * 1e3)}});
+                     {"fwhm", fmt::format("{:g}", fwhm_m(c.scene().load.footprint) * 1e3)}});
     add_surface(columns, c, surface);
     add_impulse(columns, c);
     add_spectrum(columns, c, traces);

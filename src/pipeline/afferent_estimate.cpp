@@ -44,15 +44,15 @@ Counts counts_of(const Case& c) {
 /// Number of frames of a field with negligible computing time.
 Case calibration_case(AfferentInput input) {
     Case c;
-    c.medium = {{{.name = "tissue",
-                  .density_kg_m3 = 1000.0,
-                  .c_p_m_s = 1500.0,
-                  .c_s_m_s = 5.0,
-                  .loss = KelvinVoigt{1.0}}},
-                Base::half_space};
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{2e-2};
-    c.load.modulation = {
+    c.scene().medium = {{{.name = "tissue",
+                          .density_kg_m3 = 1000.0,
+                          .c_p_m_s = 1500.0,
+                          .c_s_m_s = 5.0,
+                          .loss = KelvinVoigt{1.0}}},
+                        Base::half_space};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{2e-2};
+    c.scene().load.modulation = {
         .kind = "AM", .trajectory = {{Hold{}}}, .envelope = {{SineGain{.frequency_Hz = 200.0}}}};
     c.domain = {16, 12, 8e-3, 0.0};
     c.time = {100, 200e-6};

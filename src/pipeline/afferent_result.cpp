@@ -221,7 +221,8 @@ std::vector<measures::Column> columns_of(const std::vector<neural::ClassResponse
 FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
     const Case& c = planned.physics;
     FeltMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
-                      .modulation_Hz = modulation_frequency_Hz(c.load.modulation).value_or(0.0),
+                      .modulation_Hz =
+                          modulation_frequency_Hz(c.scene().load.modulation).value_or(0.0),
                       .name = planned.id};
     if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
         motion.modulation_Hz = carrier->am_frequency_Hz;
@@ -237,7 +238,7 @@ FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& record
     for (const measures::TraceSeries& receptor : recorder.stresses_Pa())
         motion.compression_Pa.push_back(from_rest(receptor));
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-        for (const Vec2 place_m : foci(c.load.modulation, c.time.frame_s(n)))
+        for (const Vec2 place_m : foci(c.scene().load.modulation, c.time.frame_s(n)))
             if (motion.path_m.empty() || !(motion.path_m.back() == place_m))
                 motion.path_m.push_back(place_m);
     return motion;

@@ -37,8 +37,8 @@ Variable series(const std::vector<measures::DepthSeries>& depths,
 }
 
 std::vector<Variable> root_series(const Case& c, const std::vector<measures::DepthSeries>& depths) {
-    const Trajectory& trajectory = c.load.modulation.trajectory;
-    Load averaged = c.load; // frames do not resolve the carrier
+    const Trajectory& trajectory = c.scene().load.modulation.trajectory;
+    Load averaged = c.scene().load; // frames do not resolve the carrier
     averaged.carrier = AveragedCarrier{};
     const auto time = over_time(c, [](double t) { return t; });
     std::vector<Variable> variables = {
@@ -104,7 +104,7 @@ VariableGroup trace_group(const Case& c, const std::vector<measures::TraceSeries
 VariableGroup mean_group(const Case& c, const std::vector<double>& mean_u2) {
     const Domain& d = c.domain;
     std::vector<double> number, line, x, y;
-    const auto lines = drawn_shape(c.load.modulation, d.spacing_m);
+    const auto lines = drawn_shape(c.scene().load.modulation, d.spacing_m);
     for (std::size_t l = 0; l < lines.size(); ++l)
         for (const Vec2 point : lines[l]) {
             number.push_back(static_cast<double>(number.size()));
@@ -157,7 +157,7 @@ void add_columns(const std::vector<measures::Column>& columns, VariableGroup& gr
                                    .note = column.note});
 }
 
-VariableGroup sensor_group(const GridStudy& study,
+VariableGroup sensor_group(const StudyData& study,
                            const std::vector<engines::SensorSeries>& sensors) {
     VariableGroup group{.name = "sensor", .variables = {}};
     if (sensors.empty()) return group;

@@ -24,7 +24,7 @@ std::vector<VariableGroup> case_content(const Case& c,
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group);
 
 /// The recorded data of the sensor of a study, group /sensor of the file.
-VariableGroup sensor_group(const GridStudy& study,
+VariableGroup sensor_group(const StudyData& study,
                            const std::vector<engines::SensorSeries>& sensors);
 
 /// When and on which resources the case was computed.

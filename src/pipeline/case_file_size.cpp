@@ -15,8 +15,9 @@ constexpr double empty_file_B = 28e3;
 constexpr double of_group_B = 6e3; // size of a further group
 
 bool has_mean(const Case& c) {
-    return measures::period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
-                                   off_time_s(c.load.modulation.trajectory))
+    return measures::period_window(c.measure, c.time,
+                                   modulation_frequency_Hz(c.scene().load.modulation),
+                                   off_time_s(c.scene().load.modulation.trajectory))
         .fits();
 }
 

@@ -137,8 +137,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
         for (VariableGroup& group : afferents.groups)
             groups.push_back(std::move(group));
         if (!recorder.solver().sensors.empty())
-            groups.push_back(
-                sensor_group(*std::get<PstdOptions>(c.solver).study, recorder.solver().sensors));
+            groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
     });
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();

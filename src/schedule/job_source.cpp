@@ -6,7 +6,7 @@
 #include "pipeline/afferent_result.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/input/grid_study_file.hpp"
+#include "storage/input/study_file.hpp"
 #include "storage/input/map_file.hpp"
 
 #include <fmt/format.h>
@@ -36,13 +36,13 @@ config::MapLoader maps_beside(const std::filesystem::path& job, const Comm& worl
 
 /// Loads grid studies in the same way. Collective.
 config::StudyLoader studies_beside(const std::filesystem::path& job, const Comm& world) {
-    using Known = std::map<std::string, std::shared_ptr<const GridStudy>>;
+    using Known = std::map<std::string, std::shared_ptr<const StudyData>>;
     return [folder = job.parent_path(), world,
             known = std::make_shared<Known>()](const std::string& file) {
         auto& study = (*known)[file];
         if (!study)
             study =
-                std::make_shared<const GridStudy>(storage::read_grid_study(folder / file, world));
+                std::make_shared<const StudyData>(storage::read_study_file(folder / file, world));
         return study;
     };
 }

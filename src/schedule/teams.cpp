@@ -79,7 +79,7 @@ std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& ca
         const cost::CaseCost& cost = costs.of(c);
         // A case that shares no data forms a separate group.
         const auto same = [&](const auto& group) {
-            return cost.shared_s > 0.0 && group.first->medium == c.medium &&
+            return cost.shared_s > 0.0 && group.first->scene().medium == c.scene().medium &&
                    group.first->domain == c.domain && group.first->time == c.time &&
                    group.first->measure.depths_m == c.measure.depths_m;
         };

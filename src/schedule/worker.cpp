@@ -123,7 +123,8 @@ long Worker::next() {
 double Worker::estimated_s(const PlannedCase& planned) const {
     const Case& c = planned.physics;
     const cost::CaseCost& cost = list_.costs.of(c);
-    const bool shares = before_ && before_->medium == c.medium && before_->domain == c.domain;
+    const bool shares =
+        before_ && before_->scene().medium == c.scene().medium && before_->domain == c.domain;
     const double shared =
         shares ? 0.0 : cost::shared_seconds_on(cost, team_.size(), list_.costs.machine());
     return shared + cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());

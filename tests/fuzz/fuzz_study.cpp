@@ -3,14 +3,14 @@
 #include "base/error.hpp"
 #include "support/scratch_file.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/input/grid_study_file.hpp"
+#include "storage/input/study_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
     const shearwake::fuzz::ScratchFile file(data, size, ".h5");
     try {
-        (void)shearwake::storage::read_grid_study(file.path());
+        (void)shearwake::storage::read_study_file(file.path());
     } catch (const shearwake::Error&) {
     }
     return 0;

@@ -11,15 +11,15 @@ namespace {
 
 Case small_case() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-    Layer film = c.medium.layers[0];
+    Layer film = c.scene().medium.layers[0];
     film.thickness_m = 0.3e-3;
     film.c_s_m_s = 20.0;
-    c.medium.layers.insert(c.medium.layers.begin(), film);
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
     c.domain = {70, 54, 0.75e-3, 3e-3}; // divisible by 2 only
     c.time = {60, 50e-6};
-    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-15e-3, -2e-3};
-    c.load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
+    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 1000.0}}};
     c.measure.at_s = 3e-3;
     c.measure.settled_after_s = 1e-3;
     c.measure.depths_m = {0.0, 1e-3};
@@ -54,17 +54,17 @@ TEST_CASE("frames of engine layered are identical on any number of ranks", "[mpi
     Case c = small_case();
     const bool oblique = GENERATE(false, true); // the general code path of the load's transform
     if (oblique)
-        std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).to_m = {
-            150e-3, 40e-3};
+        std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+            .to_m = {150e-3, 40e-3};
     CHECK(worst_frame(c, Comm::world()) < 1e-12); // required
 }
 
 TEST_CASE("frames of a moving array focus are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
-    c.load.footprint = ArrayFootprint{.reach_m = 0.02};
+    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.02};
     c.measure.depths_m = {0.0};
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 8e-3;
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 8e-3;
     c.time.frames = 20;
     if (GENERATE(false, true)) c.solver = SpectralOptions{};
     // Each wave vector is computed by one rank in the same way.
@@ -74,8 +74,8 @@ TEST_CASE("frames of a moving array focus are identical on any number of ranks",
 TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mpi]") {
     Case c = small_case(); // the sponge acts on fewer wave vectors, in separate slabs
     if (GENERATE(true, false)) {
-        c.medium.base = Base::rigid;
-        c.medium.layers.back().thickness_m = 8e-3;
+        c.scene().medium.base = Base::rigid;
+        c.scene().medium.layers.back().thickness_m = 8e-3;
     }
     c.time.frames = 20;
     c.solver = SpectralOptions{};
@@ -85,8 +85,8 @@ TEST_CASE("frames of engine spectral are identical on any number of ranks", "[mp
 
 TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 8e-3;
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 8e-3;
     auto map = std::make_shared<MaterialMap>();
     map->counts = {5, 4, 6};
     map->origin_m = {-4e-3, -2e-3, 2e-3};
@@ -94,7 +94,7 @@ TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
     for (int i = 0; i < 120; ++i)
         map->c_s_m_s.push_back(6.0 + 0.1 * i);
     map->content_hash = hash_of(*map);
-    c.medium.map = map;
+    c.scene().medium.map = map;
     c.time.frames = 20;
     c.solver = SpectralOptions{};
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
@@ -102,13 +102,13 @@ TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
 
 TEST_CASE("frames with bodies are identical on any number of ranks", "[mpi]") {
     Case c = small_case();
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 8e-3;
-    c.medium.bodies = {{.name = "body",
-                        .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
-                        .centre_m = {1e-3, 2e-3, 4e-3},
-                        .density_kg_m3 = 1300.0,
-                        .c_s_m_s = GENERATE(2.5, 20.0)}};
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 8e-3;
+    c.scene().medium.bodies = {{.name = "body",
+                                .shape = Ellipsoid{{5e-3, 4e-3, 2e-3}},
+                                .centre_m = {1e-3, 2e-3, 4e-3},
+                                .density_kg_m3 = 1300.0,
+                                .c_s_m_s = GENERATE(2.5, 20.0)}};
     c.time.frames = 20;
     c.solver = SpectralOptions{};
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
@@ -118,14 +118,14 @@ TEST_CASE("iterations have the same bits on any number of ranks after many steps
     // Modes that are too weak for conjugate gradients to detect grow from rounding until they are
     // detected: a different last bit in one sum would cause a difference of 1e-7 after 200 steps.
     Case c = small_case();
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 3e-3;
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 3e-3;
     c.domain = {24, 18, 1.5e-3, 0.0};
-    c.medium.bodies = {{.name = "body",
-                        .shape = Ellipsoid{{6e-3, 4e-3, 1e-3}},
-                        .centre_m = {1e-3, 2e-3, 1.5e-3},
-                        .c_s_m_s = 30.0,
-                        .viscosity_Pa_s = 1.5}};
+    c.scene().medium.bodies = {{.name = "body",
+                                .shape = Ellipsoid{{6e-3, 4e-3, 1e-3}},
+                                .centre_m = {1e-3, 2e-3, 1.5e-3},
+                                .c_s_m_s = 30.0,
+                                .viscosity_Pa_s = 1.5}};
     c.time = {120, 50e-6};
     c.record.traces_m.clear();
     SpectralOptions options;
@@ -136,13 +136,13 @@ TEST_CASE("iterations have the same bits on any number of ranks after many steps
 
 TEST_CASE("ranks without planes do not affect the frames on any number of ranks", "[mpi]") {
     Case c = small_case();
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 3e-3;
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 3e-3;
     c.domain = {10, 6, 2e-3, 0.0}; // 5 ranks have 2 rows each; 4 have one ky each
-    c.medium.bodies = {{.name = "body",
-                        .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
-                        .centre_m = {1e-3, 2e-3, 1.5e-3},
-                        .c_s_m_s = 20.0}};
+    c.scene().medium.bodies = {{.name = "body",
+                                .shape = Ellipsoid{{5e-3, 4e-3, 1e-3}},
+                                .centre_m = {1e-3, 2e-3, 1.5e-3},
+                                .c_s_m_s = 20.0}};
     c.time.frames = 20;
     c.record.traces_m.clear();
     c.solver = SpectralOptions{};

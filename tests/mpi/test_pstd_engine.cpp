@@ -12,21 +12,21 @@ using namespace shearwake;
 namespace {
 
 /// A moving focus over a film with an inclusion below, for 1 ms; the extents have few divisors.
-Case small_case(bool absorbing_edges) {
+Case small_case(PstdEdges edges) {
     Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
-    Layer film = c.medium.layers[0];
+    Layer film = c.scene().medium.layers[0];
     film.thickness_m = 1.7e-3;
     film.c_s_m_s = 8.0;
-    c.medium.layers.insert(c.medium.layers.begin(), film);
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
     Body lump;
     lump.shape = Ellipsoid{{3e-3, 2e-3, 2e-3}};
     lump.centre_m = {1e-3, -2e-3, 5e-3};
     lump.density_kg_m3 = 1300.0;
-    c.medium.bodies = {lump};
+    c.scene().medium.bodies = {lump};
     c.domain = {20, 14, 1.5e-3, 0.0};
-    c.load.footprint = GaussianFootprint{6e-3};
-    std::get<Line>(std::get<Travel>(c.load.modulation.trajectory.parts[0]).path.shape).from_m = {
-        -8e-3, 1e-3};
+    c.scene().load.footprint = GaussianFootprint{6e-3};
+    std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+        .from_m = {-8e-3, 1e-3};
     c.time = {4, 250e-6};
     c.measure.at_s = 1e-3;
     c.measure.depths_m = {0.0, 2e-3};
@@ -35,7 +35,7 @@ Case small_case(bool absorbing_edges) {
     PstdOptions options;
     options.depth_m = 9e-3;
     options.absorbing_points = 8;
-    options.absorbing_edges = absorbing_edges;
+    options.edges = edges;
     c.solver = options;
     return c;
 }
@@ -95,7 +95,7 @@ private:
 
 TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
-    const Case c = small_case(GENERATE(false, true));
+    const Case c = small_case(GENERATE(PstdEdges::periodic, PstdEdges::absorbing));
     test::VolumeStore shared, single;
     engines::make_engine(c.solver)->run(c, world, shared);
     engines::make_engine(c.solver)->run(c, alone, single);
@@ -108,7 +108,7 @@ TEST_CASE("fields of engine pstd are identical on any number of ranks", "[mpi][p
 TEST_CASE("engine pstd resumes a stopped case with the same bits", "[mpi][pstd]") {
     const Comm world = Comm::world(), alone = world.split(world.rank());
     const test::SharedFolder folder(world);
-    const Case c = small_case(false);
+    const Case c = small_case(PstdEdges::periodic);
     test::VolumeStore whole, first, second;
     engines::make_engine(c.solver)->run(c, alone, whole);
     OneStop stops(folder.file("state.h5"), world, 60, false);

@@ -20,13 +20,14 @@ constexpr std::size_t receptors = 3; // at depths of 0.3, 1.6 and 2 mm
 /// stress, which steps of about 10 us do not resolve.
 Case skin_case() {
     Case c = test::small_tissue();
-    Layer skin = c.medium.layers[0];
+    Layer skin = c.scene().medium.layers[0];
     skin.thickness_m = 1.2e-3;
     skin.c_s_m_s = 9.0;
     skin.loss = KelvinVoigt{1.0};
-    c.medium.layers.insert(c.medium.layers.begin(), skin);
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0}, {200e-3, 0.0}};
-    c.load.modulation.envelope = {{RampGain{.duration_s = 2e-3}}};
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), skin);
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
+                                                                            {200e-3, 0.0}};
+    c.scene().load.modulation.envelope = {{RampGain{.duration_s = 2e-3}}};
     c.domain = {36, 24, 1e-3, 0.0};
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
@@ -53,14 +54,14 @@ TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]")
     Case c = skin_case(), layers = c;
     SECTION("in layers") {}
     SECTION("in a half-space") {
-        c.medium.base = layers.medium.base = Base::half_space;
+        c.scene().medium.base = layers.scene().medium.base = Base::half_space;
     }
     SECTION("in a body that fills a layer") {
-        c.medium.layers[0].c_s_m_s = 5.0;
-        c.medium.bodies = {{.name = "slab",
-                            .shape = Box{{1.0, 1.0, 1.2e-3}},
-                            .centre_m = {0.0, 0.0, 0.6e-3},
-                            .c_s_m_s = 9.0}};
+        c.scene().medium.layers[0].c_s_m_s = 5.0;
+        c.scene().medium.bodies = {{.name = "slab",
+                                    .shape = Box{{1.0, 1.0, 1.2e-3}},
+                                    .centre_m = {0.0, 0.0, 0.6e-3},
+                                    .c_s_m_s = 9.0}};
     }
     const double found = difference(c, test::stresses_of(with_step(c, 12.5e-6)), exact(layers));
     CHECK(found < 2e-3);
@@ -84,13 +85,14 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
     Case c = test::small_tissue();
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
-    c.medium.layers.assign(4, c.medium.layers[0]); // element boundaries at the receptors
+    c.scene().medium.layers.assign(
+        4, c.scene().medium.layers[0]); // element boundaries at the receptors
     const double thickness_m[] = {0.3e-3, 1.3e-3, 0.4e-3, 5e-3};
     for (std::size_t i = 0; i < 4; ++i)
-        c.medium.layers[i].thickness_m = thickness_m[i];
+        c.scene().medium.layers[i].thickness_m = thickness_m[i];
     if (GENERATE(false, true)) {
-        c.medium.bodies = {test::small_body(4.0)};
-        c.medium.bodies[0].centre_m.z = 1.9e-3;
+        c.scene().medium.bodies = {test::small_body(4.0)};
+        c.scene().medium.bodies[0].centre_m.z = 1.9e-3;
     }
     c.time.frames = 10;
     c.record.volumes_s = {c.time.frame_s(9)};
@@ -123,9 +125,9 @@ TEST_CASE("static mean stress equals the mean load at any depth including around
     // Averaged over the plane, d sigma_zz / dz = rho d2 u_z / dt2 for any stiffness, which is zero
     // at rest.
     Case c = test::small_tissue(5.0);
-    c.medium.bodies = {test::small_body(16.0)};
-    c.medium.bodies[0].centre_m.z = 2e-3;
-    c.load.modulation = {
+    c.scene().medium.bodies = {test::small_body(16.0)};
+    c.scene().medium.bodies[0].centre_m.z = 2e-3;
+    c.scene().load.modulation = {
         .kind = "AM", .trajectory = {{Hold{}}}, .envelope = {{RampGain{.duration_s = 10e-3}}}};
     c.time = {100, 400e-6};
     c.measure = {.at_s = 40e-3, .settled_after_s = 10e-3, .focal_radius_m = 3e-3};

@@ -18,8 +18,9 @@ Case tissue_case() {
     Case c = test::moving_focus({}, ConstantSpeed{7.0});
     Layer layer = test::tissue(1500.0, 0.5);
     layer.thickness_m = 3e-3;
-    c.medium = {{layer, layer, layer}, Base::rigid};
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0}, {200e-3, 0.0}};
+    c.scene().medium = {{layer, layer, layer}, Base::rigid};
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9e-3, 0.0},
+                                                                            {200e-3, 0.0}};
     c.domain = {54, 48, 1e-3, 0.0};
     c.time = {30, 100e-6};
     c.measure = {.at_s = 3e-3, .settled_after_s = 1e-3, .focal_radius_m = 3e-3};
@@ -54,36 +55,36 @@ TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
     Case body = tissue_case(), layers = tissue_case();
     SECTION("four times stiffer, one solve per step") {
         body = with_step(one_solve(body), 12.5e-6);
-        body.medium.bodies = {slab(4.0)};
-        layers.medium.layers[1].c_s_m_s = 10.0;
+        body.scene().medium.bodies = {slab(4.0)};
+        layers.scene().medium.layers[1].c_s_m_s = 10.0;
     }
     SECTION("sixteen times stiffer") {
         body = with_step(body, 12.5e-6);
-        body.medium.bodies = {slab(16.0)};
-        layers.medium.layers[1].c_s_m_s = 20.0;
+        body.scene().medium.bodies = {slab(16.0)};
+        layers.scene().medium.layers[1].c_s_m_s = 20.0;
     }
     SECTION("softer") {
         body = with_step(body, 12.5e-6);
-        body.medium.bodies = {slab(0.25)};
-        layers.medium.layers[1].c_s_m_s = 2.5;
+        body.scene().medium.bodies = {slab(0.25)};
+        layers.scene().medium.layers[1].c_s_m_s = 2.5;
     }
     SECTION("denser") {
         body = with_step(body, 12.5e-6);
-        body.medium.bodies = {slab(1.0)};
-        body.medium.bodies[0].density_kg_m3 = 1500.0;
-        layers.medium.layers[1].density_kg_m3 = 1500.0;
+        body.scene().medium.bodies = {slab(1.0)};
+        body.scene().medium.bodies[0].density_kg_m3 = 1500.0;
+        layers.scene().medium.layers[1].density_kg_m3 = 1500.0;
     }
     SECTION("more viscous") {
         body = with_step(body, 12.5e-6);
-        body.medium.bodies = {slab(1.0)};
-        body.medium.bodies[0].viscosity_Pa_s = 1.5;
-        layers.medium.layers[1].loss = KelvinVoigt{1.5};
+        body.scene().medium.bodies = {slab(1.0)};
+        body.scene().medium.bodies[0].viscosity_Pa_s = 1.5;
+        layers.scene().medium.layers[1].loss = KelvinVoigt{1.5};
     }
     SECTION("slower in compression") {
         body = with_step(body, 12.5e-6);
-        body.medium.bodies = {slab(1.0)};
-        body.medium.bodies[0].c_p_m_s = 900.0;
-        layers.medium.layers[1].c_p_m_s = 900.0;
+        body.scene().medium.bodies = {slab(1.0)};
+        body.scene().medium.bodies[0].c_p_m_s = 900.0;
+        layers.scene().medium.layers[1].c_p_m_s = 900.0;
     }
     layers.solver = LayeredOptions{};
     const double difference = relative_l2(last_frame(body), last_frame(layers));
@@ -93,31 +94,31 @@ TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
 
 TEST_CASE("elements end at the tops and bottoms of bodies", "[verify]") {
     Case c = tissue_case();
-    c.medium.layers = {c.medium.layers[0]};
-    c.medium.layers[0].thickness_m = 9e-3;
+    c.scene().medium.layers = {c.scene().medium.layers[0]};
+    c.scene().medium.layers[0].thickness_m = 9e-3;
     c.domain.nx = 40, c.domain.ny = 36;
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path =
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
         Curve({-9e-3, 0.0}, {200e-3, 0.0});
     SECTION("a box that fills the plane between two depths is equivalent to a layer") {
         Case layers = c;
-        layers.medium.layers.assign(3, layers.medium.layers[0]);
-        layers.medium.layers[0].thickness_m = 2.3e-3;
-        layers.medium.layers[1].thickness_m = 3.1e-3;
-        layers.medium.layers[2].thickness_m = 3.6e-3;
-        layers.medium.layers[1].c_s_m_s = 20.0;
+        layers.scene().medium.layers.assign(3, layers.scene().medium.layers[0]);
+        layers.scene().medium.layers[0].thickness_m = 2.3e-3;
+        layers.scene().medium.layers[1].thickness_m = 3.1e-3;
+        layers.scene().medium.layers[2].thickness_m = 3.6e-3;
+        layers.scene().medium.layers[1].c_s_m_s = 20.0;
         layers.solver = LayeredOptions{};
-        c.medium.bodies = {{.name = "slab",
-                            .shape = Box{{1.0, 1.0, 3.1e-3}},
-                            .centre_m = {0.0, 0.0, 3.85e-3},
-                            .c_s_m_s = 20.0}};
+        c.scene().medium.bodies = {{.name = "slab",
+                                    .shape = Box{{1.0, 1.0, 3.1e-3}},
+                                    .centre_m = {0.0, 0.0, 3.85e-3},
+                                    .c_s_m_s = 20.0}};
         // Time error.
         CHECK(relative_l2(last_frame(with_step(c, 12.5e-6)), last_frame(layers)) < 2e-3);
     }
     SECTION("a round body is resolved by sufficiently many elements") {
-        c.medium.bodies = {{.name = "body",
-                            .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
-                            .centre_m = {2e-3, 0.0, 3e-3},
-                            .c_s_m_s = GENERATE(2.5, 20.0)}};
+        c.scene().medium.bodies = {{.name = "body",
+                                    .shape = Ellipsoid{{6e-3, 5e-3, 1.5e-3}},
+                                    .centre_m = {2e-3, 0.0, 3e-3},
+                                    .c_s_m_s = GENERATE(2.5, 20.0)}};
         c = with_step(c, 25e-6);
         const auto chosen = last_frame(c);
         std::get<SpectralOptions>(c.solver).longest_element_m = 0.5e-3;
@@ -134,7 +135,7 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
     bone.density_kg_m3 = 1900.0;
     bone.c_p_m_s = 3517.0;
     bone.c_s_m_s = 1619.0;
-    c.medium.bodies = {bone};
+    c.scene().medium.bodies = {bone};
     const Case capped = with_step(c, 50e-6);
     const auto frame = last_frame(capped);
     Case stiffer = capped;
@@ -146,12 +147,12 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
 
 TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {
     Case c = with_step(tissue_case(), 50e-6);
-    auto& path = std::get<Travel>(c.load.modulation.trajectory.parts[0]).path;
+    auto& path = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path;
     path = {{-9e-3, 2e-3}, {100e-3, 20e-3}};
-    c.medium.bodies = {ellipsoid(16.0)};
+    c.scene().medium.bodies = {ellipsoid(16.0)};
     const auto frame = last_frame(c);
     path = {{-9e-3, -2e-3}, {100e-3, -20e-3}};
-    c.medium.bodies[0].centre_m.y = -3e-3;
+    c.scene().medium.bodies[0].centre_m.y = -3e-3;
     const auto mirrored = last_frame(c);
     double worst = 0.0;
     for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
@@ -169,11 +170,11 @@ TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[
     // versa.
     Case c = with_step(tissue_case(), 50e-6);
     std::get<SpectralOptions>(c.solver).residual = 1e-8;
-    c.medium.bodies = {ellipsoid(16.0)};
+    c.scene().medium.bodies = {ellipsoid(16.0)};
     const Vec2 places[2] = {{-10e-3, 1e-3}, {9e-3, 6e-3}};
     std::vector<double> recorded[2]; // for all frames
     for (int i = 0; i < 2; ++i) {
-        c.load.modulation.trajectory = {{Hold{places[i]}}};
+        c.scene().load.modulation.trajectory = {{Hold{places[i]}}};
         const test::FrameStore frames = test::frames_of(c);
         const Vec2 there = places[1 - i];
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
@@ -181,9 +182,10 @@ TEST_CASE("exchanging source and receiver preserves the trace (reciprocity)", "[
             recorded[i].push_back(0.0);
             for (std::ptrdiff_t x = 0; x < c.domain.nx; ++x)
                 for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
-                    recorded[i].back() += frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
-                                          pressure(c.load.footprint, c.domain.x_m(x) - there.x,
-                                                   c.domain.y_m(y) - there.y);
+                    recorded[i].back() +=
+                        frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
+                        pressure(c.scene().load.footprint, c.domain.x_m(x) - there.x,
+                                 c.domain.y_m(y) - there.y);
         }
     }
     // The operator is symmetric. The sampled footprint of the receiver differs from the

@@ -13,7 +13,7 @@ namespace {
 /// A 3 mm focus at 5 m/s for 14 ms over 96 x 72 mm.
 Case scan() {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 0.5)), ConstantSpeed{5.0});
-    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
     std::get<Line>(travel.path.shape).from_m = {-29e-3, 0.0};
     c.domain = {96, 72, 1e-3, 0.0};
     c.time = {140, 100e-6};
@@ -40,9 +40,9 @@ TEST_CASE("an absorber reproduces a half-space", "[verify]") {
     Case c = scan();
     const bool layered = GENERATE(false, true);
     if (layered) {
-        c.medium.layers.insert(c.medium.layers.begin(), c.medium.layers[0]);
-        c.medium.layers[0].thickness_m = 4e-3;
-        c.medium.layers[0].c_s_m_s = 8.0;
+        c.scene().medium.layers.insert(c.scene().medium.layers.begin(), c.scene().medium.layers[0]);
+        c.scene().medium.layers[0].thickness_m = 4e-3;
+        c.scene().medium.layers[0].c_s_m_s = 8.0;
     }
     Case exact = c;
     exact.solver = LayeredOptions{.time_step_s = 25e-6};
@@ -58,8 +58,8 @@ TEST_CASE("an absorber reproduces a half-space", "[verify]") {
 
 TEST_CASE("an absorber and a sponge never add energy", "[verify]") {
     Case c = scan();
-    c.medium.layers[0].loss = Lossless{};
-    auto& travel = std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    c.scene().medium.layers[0].loss = Lossless{};
+    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
     travel.path = {{-3.5e-3, 0.0}, {3.5e-3, 0.0}}; // switched off after 1.4 ms
     const double step_s = GENERATE(50e-6, 200e-6);
     c.domain = {48, 36, 1e-3, 8e-3};

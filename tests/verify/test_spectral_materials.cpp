@@ -48,7 +48,7 @@ Kind bone() {
 
 Case with_body(Case c, const Kind& kind) {
     c.solver = SpectralOptions{};
-    c.medium.bodies = {kind.body};
+    c.scene().medium.bodies = {kind.body};
     return c;
 }
 
@@ -87,7 +87,7 @@ TEST_CASE("error with bodies of any material is within its limit at 25 us", "[ve
     const auto fine = test::last_frame(reference(c));
     const double difference = test::relative_l2(test::last_frame(test::with_step(c, 25e-6)), fine);
     Case without = test::with_step(c, 25e-6);
-    without.medium.bodies.clear();
+    without.scene().medium.bodies.clear();
     const double seen = test::relative_l2(test::last_frame(without), fine);
     CAPTURE(kind.name, difference, seen);
     CHECK(difference < kind.limit);
@@ -111,10 +111,10 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     // the load is switched on gradually, and a millionth of the peak, which requires a small
     // residual.
     Case c = test::small_tissue();
-    c.load.modulation.envelope = {{RampGain{1e-3}}};
+    c.scene().load.modulation.envelope = {{RampGain{1e-3}}};
     c.time.frames = 20;
     const double c_p_m_s = GENERATE(500.0, 3500.0);
-    c.medium.bodies = {with(&Body::c_p_m_s, c_p_m_s)};
+    c.scene().medium.bodies = {with(&Body::c_p_m_s, c_p_m_s)};
     SpectralOptions options;
     options.residual = 1e-6;
     c.solver = options;
@@ -132,11 +132,11 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     const double without = compression_m(7e-3, 1500.0);
     CHECK(std::abs(fine / without - 1.0) > 0.05);
     // A body that fills 3 mm of the plane corresponds to layers in series.
-    c.medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
-    c.medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
-    c.medium.layers.assign(3, c.medium.layers[0]);
-    c.medium.layers[0].thickness_m = c.medium.layers[2].thickness_m = 2e-3;
-    c.medium.layers[1].thickness_m = 3e-3;
+    c.scene().medium.bodies[0].shape = Box{{1.0, 1.0, 3e-3}};
+    c.scene().medium.bodies[0].centre_m = {0.0, 0.0, 3.5e-3};
+    c.scene().medium.layers.assign(3, c.scene().medium.layers[0]);
+    c.scene().medium.layers[0].thickness_m = c.scene().medium.layers[2].thickness_m = 2e-3;
+    c.scene().medium.layers[1].thickness_m = 3e-3;
     const double row = compression_m(4e-3, 1500.0) + compression_m(3e-3, c_p_m_s);
     // Inertia during the ramp; otherwise static.
     CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005));

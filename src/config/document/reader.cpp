@@ -48,6 +48,15 @@ bool Reader::has(std::string_view key) {
     return node(key) != nullptr;
 }
 
+std::vector<std::string> Reader::keys() const {
+    std::vector<std::string> keys;
+    if (table_)
+        if (const auto* table = std::get_if<TableNode>(&table_->value))
+            for (const Entry& entry : table->entries)
+                keys.push_back(entry.key);
+    return keys;
+}
+
 // ---- Numbers ------------------------------------------------------------------------------------
 
 std::optional<double> Reader::checked(std::string_view key, const Node& node,

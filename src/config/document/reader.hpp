@@ -24,6 +24,8 @@ public:
     Reader(NodePtr table, std::string path, DiagnosticList& diagnostics);
 
     bool has(std::string_view key);
+    /// The keys of the table, in the order of the file.
+    std::vector<std::string> keys() const;
     bool empty() const { return !table_; }
 
     double number(std::string_view key, const Range& range);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/grid_study.hpp"
+#include "case/study_data.hpp"
 
 #include <functional>
 #include <memory>
@@ -11,6 +11,6 @@ namespace shearwake::config {
 
 /// Returns the study in the file that solver.pstd.study names; throws UsageError on all ranks. The
 /// same file gives the same study.
-using StudyLoader = std::function<std::shared_ptr<const GridStudy>(const std::string& file)>;
+using StudyLoader = std::function<std::shared_ptr<const StudyData>(const std::string& file)>;
 
 } // namespace shearwake::config

@@ -80,9 +80,9 @@ void check_depths(const Reader& reader, const std::vector<double>& depths_m, con
 /// Receptors with the input "stress" must lie inside the medium.
 void check_receptor_depths(const Reader& reader, const Case& c) {
     double total_m = 0.0;
-    for (const Layer& layer : c.medium.layers)
+    for (const Layer& layer : c.scene().medium.layers)
         total_m += layer.thickness_m;
-    if (c.medium.base != Base::rigid || c.medium.layers.empty()) return;
+    if (c.scene().medium.base != Base::rigid || c.scene().medium.layers.empty()) return;
     for (const double depth_m : stress_depths_m(c))
         if (depth_m >= total_m) {
             reader.error("input", fmt::format("is \"stress\", but receptors at a depth of {} mm do "
@@ -263,12 +263,18 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
            record = root.optional_table("record"), afferents = root.optional_table("afferents");
-    c.medium = read_medium(medium, files.load_map);
-    c.load = read_load(load, c.medium, other_kinds, files.load_text);
+    Scene scene;
+    scene.medium = read_medium(medium, files.load_map);
+    scene.load = read_load(load, scene.medium, other_kinds, files.load_text);
     c.domain = read_domain(domain);
     c.time = read_time(time);
-    c.solver = read_solver(solver, c.time, files.load_study);
-    c.measure = read_measure(measure, c.time, c.load, c.medium);
+    Solver computed = read_solver(solver, c.time, files.load_study);
+    c.solver = std::move(computed.options);
+    c.measure = read_measure(measure, c.time, scene.load, scene.medium);
+    if (computed.study)
+        c.problem = GridStudy{std::move(computed.study), std::move(scene)};
+    else
+        c.problem = std::move(scene);
     c.record = read_record(record, c.domain, c.time, c.measure);
     c.afferents = read_afferents(afferents, c.domain, files.load_text);
     check_receptor_depths(afferents, c);

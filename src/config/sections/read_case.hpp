@@ -22,7 +22,12 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
                            const TextLoader& load_text);
 Domain read_domain(Reader& reader);
 TimeAxis read_time(Reader& reader);
-SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
+/// The engine's options, and the grid study that they request, if any.
+struct Solver {
+    SolverOptions options;
+    std::shared_ptr<const StudyData> study;
+};
+Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
 MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
                             const Medium& medium);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,

@@ -43,7 +43,7 @@ public:
         read(value, key, range == table_.ranges.end() ? field.range : range->second, field);
     }
     template <class T>
-    void choice(T&, const Field&) {}
+    void choice(T&, const Field&, const auto&...) {}
     template <class T>
     void each(const char*, T&, const Field&) {}
     template <class T>

@@ -5,8 +5,8 @@
 #include "config/sections/read_fields.hpp"
 
 #include <algorithm>
-#include <array>
 #include <fmt/format.h>
+#include <span>
 
 namespace shearwake::config {
 namespace {
@@ -19,66 +19,46 @@ void check_time_step(const Reader& options, const std::optional<double>& step_s,
                                   1e6 * time.interval_s, 1e6 * *step_s));
 }
 
-/// With a study, the precision is the only other key of the table that has an effect.
-SharedStudy read_study(Reader& options, const StudyLoader& load_study) {
+/// The grid study that a table requests, if it does. Of the other keys of its table, only
+/// `effective` ones may be present.
+std::shared_ptr<const StudyData> read_study(Reader& options, const StudyLoader& load_study,
+                                            std::span<const char* const> effective) {
     const auto file = options.find_word("study");
-    if (!file) return {};
-    for (const char* key : {"time_step_us", "c_p_over_c_s", "top", "load", "displacement_um",
-                            "depth_mm", "absorbing_points", "absorbing_strength", "edges"})
-        if (options.has(key)) options.error(key, "has no effect with a study; remove it");
+    if (!file) return nullptr;
+    for (const std::string& key : options.keys())
+        if (std::ranges::find(effective, std::string_view(key)) == effective.end())
+            options.error(key, "has no effect with a study; remove it");
     if (!load_study) {
         options.error("study", "names a file, but no files can be read in this context");
-        return {};
+        return nullptr;
     }
     try {
-        return {load_study(*file)};
+        return load_study(*file);
     } catch (const UsageError& problem) {
         options.error("study", fmt::format("cannot be used: {}", problem.what()));
-        return {};
+        return nullptr;
     }
-}
-
-/// What must be known before the fields are read. Most engines need nothing.
-void prepare(Reader&, const StudyLoader&, auto&) {}
-
-void prepare(Reader& options, const StudyLoader& load_study, PstdOptions& pstd) {
-    pstd.study = read_study(options, load_study);
-}
-
-/// What follows from several keys.
-void settle(Reader&, auto&) {}
-
-void settle(Reader& options, SpectralOptions& spectral) {
-    if (spectral.time_step_s && options.has("accuracy"))
-        options.error("accuracy",
-                      fmt::format("determines the time step, but {} = {:.6g} is also given; remove "
-                                  "one of them, or set the latter to \"auto\"",
-                                  options.full("time_step_us"), 1e6 * *spectral.time_step_s));
-}
-
-void settle(Reader& options, PstdOptions& pstd) {
-    static const std::array<std::string, 2> edges = {"periodic", "absorbing"};
-    pstd.absorbing_edges = options.find_choice("edges", edges) == "absorbing";
 }
 
 /// The table of one engine.
 template <class Options>
-Options read_options(Reader reader, const TimeAxis& time, const StudyLoader& load_study) {
+Solver read_options(Reader reader, const TimeAxis& time, const StudyLoader& load_study) {
     Options options;
-    prepare(reader, load_study, options);
+    std::shared_ptr<const StudyData> study;
+    if constexpr (requires { Options::keys_for_studies; })
+        study = read_study(reader, load_study, Options::keys_for_studies);
     read_fields(reader, options);
     if constexpr (requires { options.time_step_s; })
         check_time_step(reader, options.time_step_s, time);
-    settle(reader, options);
     reader.finish();
-    return options;
+    return {options, study};
 }
 
 } // namespace
 
-SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study) {
+Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study) {
     const auto engine = reader.find_choice("engine", engine_names());
-    SolverOptions chosen; // the first engine where none is given
+    Solver chosen; // the first engine where none is given
     const std::size_t wanted = [&] {
         const auto names = engine_names();
         const auto found = std::ranges::find(names, engine.value_or(names.front()));
@@ -88,9 +68,9 @@ SolverOptions read_solver(Reader& reader, const TimeAxis& time, const StudyLoade
     // All tables are read: a sweep over the engine brings them, and their errors are reported.
     for_each_alternative(std::type_identity<SolverOptions>{}, [&](const auto& example) {
         using Options = std::decay_t<decltype(example)>;
-        const auto options =
+        const Solver solver =
             read_options<Options>(reader.optional_table(Options::name), time, load_study);
-        if (number++ == wanted) chosen = options;
+        if (number++ == wanted) chosen = solver;
     });
     if (engine || !reader.has("engine"))
         reader.finish(); // otherwise the table of another engine may be present

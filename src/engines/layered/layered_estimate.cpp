@@ -52,7 +52,7 @@ Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frame
 } // namespace
 
 TransferKey key_of(const Case& c, const LayeredOptions& options) {
-    return {.medium = c.medium,
+    return {.medium = c.scene().medium,
             .depths_m = c.measure.depths_m,
             .nx = c.domain.nx,
             .ny = c.domain.ny,
@@ -118,8 +118,8 @@ engines::Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
     if (!tried_ || !(tried_->curves == curves))
         tried_ = {curves,
                   (evaluations(key) + evaluations(stress_key_of(c, options))) / frequencies};
-    e.shared = {{of_response,
-                 frequencies * tried_->evaluations * static_cast<double>(c.medium.layers.size())},
+    e.shared = {{of_response, frequencies * tried_->evaluations *
+                                  static_cast<double>(c.scene().medium.layers.size())},
                 {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
     const auto expand = [&](double table_B, double table_depths) {
         const double amount = table_depths * points * samples;
@@ -140,7 +140,8 @@ std::vector<engines::Calibration> LayeredEngine::calibrations() const {
     const Case near = calibration_case(48, 36, 100), far = calibration_case(256, 192, 220),
                response = calibration_case(64, 48, 60);
     Case expansion = calibration_case(192, 144, 16), load = near;
-    std::get<Travel>(load.load.modulation.trajectory.parts[0]).path = {{-1e-2, 0.0}, {1.0, 0.1}};
+    std::get<Travel>(load.scene().load.modulation.trajectory.parts[0]).path = {{-1e-2, 0.0},
+                                                                               {1.0, 0.1}};
     expansion.measure.depths_m = {0.0, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3};
     return {{of_frame.name, near},         {of_far_frame.name, far}, {of_sample.name, near},
             {of_far_sample.name, far},     {of_load.name, load},     {of_response.name, response},

@@ -14,8 +14,8 @@ std::vector<Remark> LayeredEngine::limits(const Case& c) const {
                "use solver.engine = \"spectral\"");
     constexpr const char* only_layers = "the engine \"layered\" supports only layers; use "
                                         "solver.engine = \"spectral\" for bodies and maps";
-    if (!c.medium.bodies.empty()) refuse("medium.body", only_layers);
-    if (c.medium.map) refuse("medium.map", only_layers);
+    if (!c.scene().medium.bodies.empty()) refuse("medium.body", only_layers);
+    if (c.scene().medium.map) refuse("medium.map", only_layers);
     return refused;
 }
 

@@ -38,7 +38,7 @@ double band_Hz(const Load& load) {
 } // namespace
 
 TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
-    double longest_step_s = 1.0 / (2.5 * std::max(band_Hz(c.load), 1.0));
+    double longest_step_s = 1.0 / (2.5 * std::max(band_Hz(c.scene().load), 1.0));
     if (options.time_step_s) longest_step_s = *options.time_step_s;
     const double ratio = c.time.interval_s / longest_step_s;
     const auto per_frame =
@@ -65,7 +65,7 @@ std::vector<double> sample_weights(const Case& c, const TimeTransform& time) {
     const double duration_s = c.time.duration_s();
     const double period_s = static_cast<double>(time.samples) * time.step_s;
     const double taper_s = 0.5 * (period_s - duration_s);
-    const double off_s = off_time_s(c.load.modulation.trajectory);
+    const double off_s = off_time_s(c.scene().load.modulation.trajectory);
     for (std::size_t i = 0; i < weights.size(); ++i) {
         const double t = static_cast<double>(i) * time.step_s;
         if (off_s < duration_s - 0.5 * time.step_s) weights[i] *= covered(t, time.step_s, off_s);
@@ -93,8 +93,9 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
     : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
-      pattern_(c.load, c.time.duration_s()), forward_(time.samples, fft::Direction::forward),
-      y_rests_(keeps_y(c, time)), weighted_(static_cast<std::size_t>(time.samples)),
+      pattern_(c.scene().load, c.time.duration_s()),
+      forward_(time.samples, fft::Direction::forward), y_rests_(keeps_y(c, time)),
+      weighted_(static_cast<std::size_t>(time.samples)),
       buffer_(static_cast<std::size_t>(time.samples)) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
         kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
@@ -102,7 +103,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
     const std::vector<double> weights = sample_weights(c, time);
     for (std::size_t i = 0; i < n; ++i) {
         const double t = static_cast<double>(i) * time.step_s;
-        weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.load, t);
+        weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.scene().load, t);
     }
     // Positions relative to the corner of the grid, where the transform has its origin.
     std::vector<Vec2> origin = origins_of_samples(c, time);
@@ -125,7 +126,7 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
 }
 
 bool LoadSpectrum::keeps_y(const Case& c, const TimeTransform& time) {
-    LoadPattern pattern(c.load, c.time.duration_s());
+    LoadPattern pattern(c.scene().load, c.time.duration_s());
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {
         pattern.set(pattern.held_s(static_cast<double>(sample) * time.step_s));
@@ -148,7 +149,7 @@ std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTran
             origins.push_back(pattern_.origin_m());
             continue;
         }
-        const Trajectory& trajectory = c.load.modulation.trajectory;
+        const Trajectory& trajectory = c.scene().load.modulation.trajectory;
         if (held_s.empty() || position(trajectory, at_s) != position(trajectory, held_s.back()))
             held_s.push_back(at_s);
         state_of_.push_back(held_s.size() - 1);
@@ -200,7 +201,7 @@ void LoadSpectrum::factors(std::ptrdiff_t ky, std::span<Complex> out) const {
 }
 
 double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count) {
-    const LoadPattern pattern(c.load, c.time.duration_s());
+    const LoadPattern pattern(c.scene().load, c.time.duration_s());
     if (!pattern.changes()) return 0.0;
     const auto modes = [&](double extent_m, double most) {
         return std::min(most, pattern.band_rad_m() / two_pi * extent_m + 1.0);

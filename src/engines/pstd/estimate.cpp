@@ -67,10 +67,10 @@ std::vector<engines::Calibration> PstdEngine::calibrations() const {
     Case begin = calibration_case(64, 48, 10e-3, Precision::double_precision, 0.0);
     begin.time.interval_s = 5e-6;
     Case inclusions = begin;
-    inclusions.medium.bodies.push_back({.name = "body",
-                                        .shape = Ellipsoid{{1e-2, 1e-2, 3e-3}},
-                                        .centre_m = {0.0, 0.0, 5e-3},
-                                        .c_s_m_s = 6.0});
+    inclusions.scene().medium.bodies.push_back({.name = "body",
+                                                .shape = Ellipsoid{{1e-2, 1e-2, 3e-3}},
+                                                .centre_m = {0.0, 0.0, 5e-3},
+                                                .c_s_m_s = 6.0});
     Case frame = calibration_case(64, 48, 10e-3, Precision::double_precision, 0.0);
     frame.time = {4, 5e-6};
     for (int depth = 0; depth < 40; ++depth)

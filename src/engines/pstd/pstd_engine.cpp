@@ -23,7 +23,7 @@ Setup setup_of(const Case& c, const PstdOptions& options, const CaseGrid& grid, 
     setup.grid = {grid.points, {d_m, d_m, d_m}, step_s};
     setup.pml = absorbing_layer(c, options);
     setup.material = [=, &c](Node node) { return material_at(c, options, grid, node); };
-    setup.absorption = is_lossy(c.medium) ? Absorption::kelvin_voigt : Absorption::none;
+    setup.absorption = is_lossy(c.scene().medium) ? Absorption::kelvin_voigt : Absorption::none;
     setup.sources = {load_source(c, options, grid, step_s)};
     return setup;
 }
@@ -43,7 +43,7 @@ FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGr
 }
 
 bool is_uneven(const Case& c) {
-    return !c.medium.bodies.empty() || c.medium.map;
+    return !c.scene().medium.bodies.empty() || c.scene().medium.map;
 }
 
 template <class Real>
@@ -76,12 +76,12 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
 
 engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (options.study) return estimate_study(c, ranks);
+    if (c.study()) return estimate_study(c, ranks);
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_layers(c, options));
     const double points = static_cast<double>(grid.points[0]) *
                           static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
-    const bool lossy = is_lossy(c.medium);
+    const bool lossy = is_lossy(c.scene().medium);
     const double steps = static_cast<double>(c.time.frames * step.per_frame);
     engines::Estimate e =
         estimate_steps({.points = points,
@@ -108,14 +108,14 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
 
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (options.study) return {};
+    if (c.study()) return {};
     return choice_notes(c, options, choose_step(c, options, extremes_of_layers(c, options)));
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
                      engines::Checkpoints* checkpoints) {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (options.study) return run_study(c, team, observer, checkpoints);
+    if (c.study()) return run_study(c, team, observer, checkpoints);
     if (options.precision == Precision::single_precision)
         run_with<float>(c, options, team, observer, checkpoints);
     else

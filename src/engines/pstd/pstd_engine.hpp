@@ -17,7 +17,6 @@ public:
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
-    bool computes_scene(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 };

@@ -8,7 +8,7 @@
 namespace shearwake::pstd {
 
 std::vector<Remark> PstdEngine::limits(const Case& c) const {
-    if (!computes_scene(c)) {
+    if (c.study()) {
         const std::string trouble = study_trouble(c);
         if (trouble.empty()) return {};
         return {{Severity::error, "solver.pstd.study", trouble}};
@@ -20,7 +20,7 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
             {Severity::error, "record.volume_fields",
              "requests more than the displacement \"u\", which is all that the engine \"pstd\" "
              "stores; solver.engine = \"spectral\" also stores strain and stress"});
-    if (!std::holds_alternative<GaussianFootprint>(c.load.footprint))
+    if (!std::holds_alternative<GaussianFootprint>(c.scene().load.footprint))
         refused.push_back({Severity::error, "load.footprint",
                            "the engine \"pstd\" supports only Gaussian foci, but this is an array; "
                            "\"layered\" and \"spectral\" support both"});
@@ -30,12 +30,9 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
 }
 
 engines::Edges PstdEngine::edges(const Case& c) const {
-    const bool absorb = std::get<PstdOptions>(c.solver).absorbing_edges || c.domain.sponge_m > 0.0;
+    const bool absorb =
+        std::get<PstdOptions>(c.solver).edges == PstdEdges::absorbing || c.domain.sponge_m > 0.0;
     return absorb ? engines::Edges::layer : engines::Edges::periodic;
-}
-
-bool PstdEngine::computes_scene(const Case& c) const {
-    return !std::get<PstdOptions>(c.solver).study;
 }
 
 } // namespace shearwake::pstd

@@ -7,9 +7,8 @@
 namespace shearwake::pstd {
 
 std::string study_trouble(const Case& c) {
-    const auto* options = std::get_if<PstdOptions>(&c.solver);
-    if (!options || !options->study) return "";
-    const GridStudy& study = *options->study;
+    if (!c.study()) return "";
+    const StudyData& study = *c.study();
     const double d_m = c.domain.spacing_m;
     for (const std::size_t axis : {0u, 1u}) {
         if (std::abs(study.spacing_m[axis] - d_m) > 1e-9 * d_m)
@@ -35,7 +34,7 @@ std::string study_trouble(const Case& c) {
         if (depth_m > deepest_m)
             return fmt::format("measure.depths_mm contains {:.9g}, but the study ends at {:.9g}",
                                1e3 * depth_m, 1e3 * deepest_m);
-    if (!c.medium.bodies.empty() || c.medium.map)
+    if (!c.scene().medium.bodies.empty() || c.scene().medium.map)
         return "bodies and medium.map have no effect with a study, whose file contains the medium";
     if (!c.record.volumes_s.empty())
         return "record.volumes_ms is not supported for studies; use a sensor that covers a cuboid";

@@ -15,11 +15,11 @@
 namespace shearwake::pstd {
 namespace {
 
-const GridStudy& study_of(const Case& c) {
-    return *std::get<PstdOptions>(c.solver).study;
+const StudyData& study_of(const Case& c) {
+    return *c.study();
 }
 
-MaterialOfNode material_of(const GridStudy& study) {
+MaterialOfNode material_of(const StudyData& study) {
     return [&study](Node node) {
         const std::ptrdiff_t at = (node[0] * study.points[1] + node[1]) * study.points[2] + node[2];
         const auto value = [&](const std::vector<double>& values) {
@@ -48,7 +48,7 @@ Source source_of(const NodeSource& given) {
     return source;
 }
 
-Setup setup_of(const GridStudy& study) {
+Setup setup_of(const StudyData& study) {
     Setup setup;
     setup.grid = {study.points, study.spacing_m, study.time_step_s};
     setup.pml = {.points = study.layer_points,
@@ -70,7 +70,7 @@ std::ptrdiff_t steps_of_a_frame(const Case& c) {
 /// The domain in the middle of the grid; linear interpolation between the two planes around a
 /// depth.
 FramePlaces frame_places(const Case& c) {
-    const GridStudy& study = study_of(c);
+    const StudyData& study = study_of(c);
     std::vector<double> places;
     for (const double depth_m : c.measure.depths_m)
         places.push_back(std::clamp(depth_m / study.spacing_m[2] - 0.5, 0.0,
@@ -95,7 +95,7 @@ FramePlaces frame_places(const Case& c) {
 template <class Real>
 void run_with(const Case& c, const Comm& team, engines::Observer& observer,
               engines::Checkpoints* checkpoints) {
-    const GridStudy& study = study_of(c);
+    const StudyData& study = study_of(c);
     Stepper<Real> stepper(setup_of(study), team);
     std::optional<typename PstdMarch<Real>::Outputs> outputs;
     together(team, [&] {
@@ -117,7 +117,7 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
 } // namespace
 
 engines::Estimate estimate_study(const Case& c, int ranks) {
-    const GridStudy& study = study_of(c);
+    const StudyData& study = study_of(c);
     const auto points = static_cast<double>(study.size());
     const bool uneven = std::max({study.density_kg_m3.size(), study.c_p_m_s.size(),
                                   study.c_s_m_s.size(), study.eta_Pa_s.size()}) > 1;

@@ -88,7 +88,7 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
 std::vector<std::string> edge_notes(const Case& c) {
     const double width_m = c.domain.sponge_m;
     if (!(width_m > 0.0)) return {}; // the checks of the case warn if this matters
-    const double wave_m = longest_wave_m(c.load, edge_speed_m_s(c.medium, width_m));
+    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
     return {fmt::format("the sponge of {:.3g} mm returns {:.2g} % of the energy of the longest "
                         "waves ({:.3g} mm)",
                         1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
@@ -96,20 +96,20 @@ std::vector<std::string> edge_notes(const Case& c) {
 
 std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options) {
     std::vector<std::string> notes;
-    for (std::size_t i = 0; i < c.medium.bodies.size(); ++i) {
-        const Body& body = c.medium.bodies[i];
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+        const Body& body = c.scene().medium.bodies[i];
         const Bounds box = bounds(body);
         add_notes(fmt::format("medium.body[{}]", i + 1),
-                  difference(c.medium, box.low_m.z, box.high_m.z,
+                  difference(c.scene().medium, box.low_m.z, box.high_m.z,
                              [&](const Layer& layer, Difference& all) { add(layer, body, all); }),
                   options.contrast_cap, notes);
     }
-    if (!c.medium.map) return notes;
-    const MaterialMap& map = *c.medium.map;
+    if (!c.scene().medium.map) return notes;
+    const MaterialMap& map = *c.scene().medium.map;
     const DepthRange range = depths(map);
     const auto points = static_cast<std::size_t>(map.counts[0] * map.counts[1] * map.counts[2]);
     add_notes("medium.map",
-              difference(c.medium, range.top_m, range.bottom_m,
+              difference(c.scene().medium, range.top_m, range.bottom_m,
                          [&](const Layer& layer, Difference& all) {
                              for (std::size_t i = 0; i < points; ++i)
                                  add(layer,

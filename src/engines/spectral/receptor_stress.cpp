@@ -31,7 +31,7 @@ std::vector<std::size_t> elements_at(const DepthMesh& mesh, double depth_m) {
 }
 
 bool varies_in(const Case& c, const DepthMesh& mesh, std::size_t element) {
-    return varies_between(c.medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
+    return varies_between(c.scene().medium, mesh.ends_m[element], mesh.ends_m[element + 1]);
 }
 
 /// Node weights of the z derivative of a quantity, given its node weights.
@@ -98,7 +98,7 @@ void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t el
     const Times strain = spread(slope, none, {0.0, 1.0, 0.0}),
                 rate = spread(slope, none, {-0.5 / step_s_, 0.0, 0.5 / step_s_});
     const auto first = static_cast<std::ptrdiff_t>(element) * mesh_.degree;
-    const Material layer = material_of(case_.medium.layers[mesh_.layers[element]]);
+    const Material layer = material_of(case_.scene().medium.layers[mesh_.layers[element]]);
     if (!varies_in(case_, mesh_, element)) {
         Part all{.depth = depth, .first = first, .weights = {}, .factors = {}};
         add_scaled(-share * layer.lambda_Pa, dilation(smooth, mesh_, element), all.weights);

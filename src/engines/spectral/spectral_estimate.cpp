@@ -66,7 +66,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     Memory memory;
     memory.stepper_B = factors_B + 2.0 * displacement_B + v.points * v.components * plane_B +
                        sponge_B + arrays * v.fullest_cells * sizeof(double);
-    memory.all_B = engines::program_B + map_bytes(c.medium) +
+    memory.all_B = engines::program_B + map_bytes(c.scene().medium) +
                    std::max(memory.stepper_B, sampled_B) + (ranks > 1 ? 3.0 : 2.0) * plane_B +
                    (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0) +
                    (felt > 0.0 ? (2.0 + 2.0 * felt) * plane_B : 0.0);

@@ -25,10 +25,10 @@ Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t steps
 
 /// A case of one frame of N steps with a body in the middle.
 Case with_body(Case c, double c_s_m_s, SpectralMethod method) {
-    c.medium.bodies.push_back({.name = "body",
-                               .shape = Box{{6e-2, 6e-2, 6e-3}},
-                               .centre_m = {0.0, 0.0, 8e-3},
-                               .c_s_m_s = c_s_m_s});
+    c.scene().medium.bodies.push_back({.name = "body",
+                                       .shape = Box{{6e-2, 6e-2, 6e-3}},
+                                       .centre_m = {0.0, 0.0, 8e-3},
+                                       .c_s_m_s = c_s_m_s});
     std::get<SpectralOptions>(c.solver).method = method;
     return c;
 }
@@ -79,13 +79,13 @@ std::vector<engines::Calibration> calibrations() {
     Case factors = calibration_case(96, 72, 1);
     Case materials = with_body(one, 6.0, SpectralMethod::one_solve);
     Case transfer = with_body(few, 6.0, SpectralMethod::one_solve);
-    transfer.medium.bodies[0].shape = Box{{2e-3, 2e-3, 12e-3}};
+    transfer.scene().medium.bodies[0].shape = Box{{2e-3, 2e-3, 12e-3}};
     Case far_transfer = with_body(calibration_case(192, 144, 4), 6.0, SpectralMethod::one_solve);
-    far_transfer.medium.bodies[0].shape = Box{{2e-2, 2e-2, 16e-3}};
+    far_transfer.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 16e-3}};
     Case cell = with_body(few, 6.0, SpectralMethod::one_solve);
-    cell.medium.bodies[0].shape = Box{{1.0, 1.0, 12e-3}};
+    cell.scene().medium.bodies[0].shape = Box{{1.0, 1.0, 12e-3}};
     Case iteration = with_body(few, 20.0, SpectralMethod::iterative);
-    iteration.medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
+    iteration.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
     iteration.time.interval_s = 4.0 * 50e-6;
     iteration.measure.at_s = iteration.time.interval_s;
     Case sponge = calibration_case(64, 48, 40);

@@ -10,8 +10,8 @@ namespace shearwake::spectral {
 
 std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     std::vector<Remark> refused = engines::refused_losses(c);
-    for (std::size_t i = 0; i < c.medium.bodies.size(); ++i)
-        if (is_fluid(c.medium.bodies[i]))
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
+        if (is_fluid(c.scene().medium.bodies[i]))
             refused.push_back({Severity::error, fmt::format("medium.body[{}].c_s_m_s", i + 1),
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
     return refused;

@@ -158,8 +158,9 @@ void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point
 
 TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) const {
     const std::size_t element = point.element;
-    Materials all{material_of(case_.medium.layers[mesh_.layers[element]]), {}};
-    if (!varies_between(case_.medium, mesh_.ends_m[element], mesh_.ends_m[element + 1])) return all;
+    Materials all{material_of(case_.scene().medium.layers[mesh_.layers[element]]), {}};
+    if (!varies_between(case_.scene().medium, mesh_.ends_m[element], mesh_.ends_m[element + 1]))
+        return all;
     const CappedMaterials capped(case_, all.layer);
     together(team_, [&] {
         all.cells = cell_materials(case_, mesh_, slabs_.share(), point);

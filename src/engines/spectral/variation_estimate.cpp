@@ -89,7 +89,7 @@ void add_cells(const Domain& d, const Inclusion& part, double rows_of_rank, Poin
 PointEstimate estimate_point(const Case& c, const std::vector<Inclusion>& medium,
                              std::size_t layer_at, double top_m, double bottom_m,
                              double rows_of_rank) {
-    const Material layer = material_of(c.medium.layers[layer_at]);
+    const Material layer = material_of(c.scene().medium.layers[layer_at]);
     const CappedMaterials capped(c, layer);
     PointEstimate point{.least = layer, .greatest = layer};
     const auto widen = [](double value, double& least, double& greatest) {
@@ -181,8 +181,8 @@ void add_contrast(const Setting& s, const PointEstimate& p, double kappa_rad_m, 
 
 void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Contrast& all) {
     const DepthMesh& mesh = s.mesh;
-    if (!varies_between(s.c.medium, mesh.ends_m[element], mesh.ends_m[element + 1])) return;
-    const Material layer = material_of(s.c.medium.layers[mesh.layers[element]]);
+    if (!varies_between(s.c.scene().medium, mesh.ends_m[element], mesh.ends_m[element + 1])) return;
+    const Material layer = material_of(s.c.scene().medium.layers[mesh.layers[element]]);
     const double kappa_rad_m =
         std::hypot(s.k_max_rad_m, std::sqrt(s.finest) * 2.0 / mesh.length_m(element));
     const std::vector<PointEstimate> points = points_of_element(s, element);
@@ -201,7 +201,7 @@ void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Co
 VariationEstimate estimate_variation(const Case& c, const DepthMesh& mesh, double step_s,
                                      int ranks) {
     VariationEstimate v;
-    if (c.medium.bodies.empty() && !c.medium.map) return v;
+    if (c.scene().medium.bodies.empty() && !c.scene().medium.map) return v;
     const auto& options = std::get<SpectralOptions>(c.solver);
     const Setting setting{.c = c,
                           .mesh = mesh,
@@ -209,9 +209,9 @@ VariationEstimate estimate_variation(const Case& c, const DepthMesh& mesh, doubl
                           .rows = std::ceil(static_cast<double>(c.domain.nx) / ranks),
                           .k_max_rad_m =
                               std::numbers::sqrt2 * std::numbers::pi / c.domain.spacing_m,
-                          .k_load_rad_m = bandwidth_rad_m(c.load.footprint, 0.5),
+                          .k_load_rad_m = bandwidth_rad_m(c.scene().load.footprint, 0.5),
                           .finest = finest_mode(mesh.rule),
-                          .medium = inclusions_of(c.medium)};
+                          .medium = inclusions_of(c.scene().medium)};
     Contrast contrast;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         add_element(setting, e, v, contrast);

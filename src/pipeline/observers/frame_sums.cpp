@@ -33,7 +33,8 @@ FrameSums::FrameSums(const Case& c, const Comm& team)
 }
 
 void FrameSums::frame(const engines::Frame& frame) {
-    const std::vector<Vec2> places = foci(case_.load.modulation, case_.time.frame_s(frame.number));
+    const std::vector<Vec2> places =
+        foci(case_.scene().load.modulation, case_.time.frame_s(frame.number));
     depths_[frame.depth].frames[static_cast<std::size_t>(frame.number)] = measures::surface_sums(
         frame.u_z_m, slab_.x_start, case_.domain, region_, places, case_.measure.focal_radius_m);
 }

@@ -43,23 +43,23 @@ void InstantSurface::finish() {
 }
 
 measures::MachFit InstantSurface::fit(const std::vector<double>& surface) const {
-    const Trajectory& trajectory = case_.load.modulation.trajectory;
+    const Trajectory& trajectory = case_.scene().load.modulation.trajectory;
     const double t_s = case_.time.frame_s(instant_);
     const std::string none =
         measures::no_focus_reason(case_.measure, case_.time, off_time_s(trajectory));
     if (!none.empty() || !has_constant_velocity(trajectory) ||
-        case_.load.modulation.foci_m.size() > 1) {
+        case_.scene().load.modulation.foci_m.size() > 1) {
         measures::MachFit fit;
         fit.reason = none.empty() ? "the wake has no single angle: this requires a single focus "
                                     "that moves along a straight line at constant speed"
                                   : none;
         return fit;
     }
-    const double fwhm = fwhm_m(case_.load.footprint);
+    const double fwhm = fwhm_m(case_.scene().load.footprint);
     return measures::mach_angle(
         View2<const double>(surface.data(), case_.domain.nx, case_.domain.ny), case_.domain,
         position(trajectory, t_s), velocity(trajectory, t_s),
-        rayleigh_speed_m_s(surface_wave_layer(case_.medium, fwhm)), fwhm, t_s);
+        rayleigh_speed_m_s(surface_wave_layer(case_.scene().medium, fwhm)), fwhm, t_s);
 }
 
 } // namespace shearwake::pipeline

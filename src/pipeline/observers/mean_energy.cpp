@@ -10,9 +10,9 @@ namespace {
 
 /// The weight of each frame in a mean over the period window, with sum 1; none if no window fits.
 std::vector<double> mean_weights(const Case& c) {
-    const measures::PeriodWindow window =
-        measures::period_window(c.measure, c.time, modulation_frequency_Hz(c.load.modulation),
-                                off_time_s(c.load.modulation.trajectory));
+    const measures::PeriodWindow window = measures::period_window(
+        c.measure, c.time, modulation_frequency_Hz(c.scene().load.modulation),
+        off_time_s(c.scene().load.modulation.trajectory));
     if (!window.fits()) return {};
     std::vector<double> weights = measures::window_weights(c.time, window.from_s, window.to_s);
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);

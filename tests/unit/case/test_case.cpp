@@ -9,15 +9,15 @@ namespace {
 
 Case some_case() {
     Case c;
-    c.medium.layers = {Layer{.name = "tissue",
-                             .thickness_m = 0.02,
-                             .density_kg_m3 = 1000.0,
-                             .c_p_m_s = 1500.0,
-                             .c_s_m_s = 5.0,
-                             .loss = KelvinVoigt{1.0}}};
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{0.003};
-    c.load.modulation = {"AM", {{Hold{}}}, {{SineGain{200.0}}}};
+    c.scene().medium.layers = {Layer{.name = "tissue",
+                                     .thickness_m = 0.02,
+                                     .density_kg_m3 = 1000.0,
+                                     .c_p_m_s = 1500.0,
+                                     .c_s_m_s = 5.0,
+                                     .loss = KelvinVoigt{1.0}}};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{0.003};
+    c.scene().load.modulation = {"AM", {{Hold{}}}, {{SineGain{200.0}}}};
     c.domain = {.nx = 256, .ny = 180, .spacing_m = 0.00075};
     c.time = {.frames = 280, .interval_s = 5e-5};
     c.measure = {.at_s = 0.014, .settled_after_s = 0.004, .focal_radius_m = 0.003};
@@ -62,7 +62,7 @@ TEST_CASE("equal cases have equal texts and ids", "[case]") {
     CHECK(case_id(some_case()) == case_id(some_case()));
     CHECK(case_id(some_case()).size() == 16);
     Case signed_zero = some_case();
-    signed_zero.load.modulation.trajectory.parts = {Hold{{-0.0, 0.0}}};
+    signed_zero.scene().load.modulation.trajectory.parts = {Hold{{-0.0, 0.0}}};
     CHECK(case_id(signed_zero) == case_id(some_case()));
 }
 
@@ -70,25 +70,25 @@ TEST_CASE("every change in a case changes its text", "[case]") {
     const std::string text = canonical_text(some_case());
     Case c = some_case();
     SECTION("viscosity") {
-        c.medium.layers[0].loss = KelvinVoigt{1.0000000000000002};
+        c.scene().medium.layers[0].loss = KelvinVoigt{1.0000000000000002};
     }
     SECTION("loss law") {
-        c.medium.layers[0].loss = StandardLinearSolid{1.0, 1.0};
+        c.scene().medium.layers[0].loss = StandardLinearSolid{1.0, 1.0};
     }
     SECTION("base") {
-        c.medium.base = Base::half_space;
+        c.scene().medium.base = Base::half_space;
     }
     SECTION("peak") {
-        c.load.peak_Pa = 101.0;
+        c.scene().load.peak_Pa = 101.0;
     }
     SECTION("carrier") {
-        c.load.carrier = ResolvedCarrier{};
+        c.scene().load.carrier = ResolvedCarrier{};
     }
     SECTION("gain on pressure") {
-        c.load.modulation.envelope.gains = {SineGain{200.0, 1.0, 0.0, GainOn::pressure}};
+        c.scene().load.modulation.envelope.gains = {SineGain{200.0, 1.0, 0.0, GainOn::pressure}};
     }
     SECTION("motion") {
-        c.load.modulation.trajectory.parts = {Travel{{{}, {1.0, 0.0}}, ConstantSpeed{7.0}}};
+        c.scene().load.modulation.trajectory.parts = {Travel{{{}, {1.0, 0.0}}, ConstantSpeed{7.0}}};
     }
     SECTION("frames") {
         c.time.frames = 281;
@@ -126,6 +126,6 @@ TEST_CASE("every change in a case changes its text", "[case]") {
 
 TEST_CASE("a name with quotes and control characters is written as one TOML string", "[case]") {
     Case c = some_case();
-    c.medium.layers[0].name = "a\"b\\c\n";
+    c.scene().medium.layers[0].name = "a\"b\\c\n";
     CHECK(canonical_text(c).find(R"(name = "a\"b\\c\u000a")") != std::string::npos);
 }

@@ -11,17 +11,17 @@ namespace {
 /// A case without a remark: a path of 28 mm at 7 m/s through 96 x 67.5 mm in 4 ms.
 Case good_case() {
     Case c;
-    c.medium.layers = {Layer{.name = "tissue",
-                             .thickness_m = 0.02,
-                             .density_kg_m3 = 1000.0,
-                             .c_p_m_s = 1500.0,
-                             .c_s_m_s = 5.0,
-                             .loss = KelvinVoigt{1.0}}};
-    c.load.peak_Pa = 100.0;
-    c.load.footprint = GaussianFootprint{0.003};
-    c.load.modulation = {"AM-STM",
-                         {{Travel{{{-0.014, 0.0}, {0.014, 0.0}}, ConstantSpeed{7.0}}}},
-                         {{SineGain{500.0}}}};
+    c.scene().medium.layers = {Layer{.name = "tissue",
+                                     .thickness_m = 0.02,
+                                     .density_kg_m3 = 1000.0,
+                                     .c_p_m_s = 1500.0,
+                                     .c_s_m_s = 5.0,
+                                     .loss = KelvinVoigt{1.0}}};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{0.003};
+    c.scene().load.modulation = {"AM-STM",
+                                 {{Travel{{{-0.014, 0.0}, {0.014, 0.0}}, ConstantSpeed{7.0}}}},
+                                 {{SineGain{500.0}}}};
     c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
     c.time = {.frames = 80, .interval_s = 5e-5};
     c.measure = {.at_s = 0.004, .settled_after_s = 0.0012, .focal_radius_m = 0.003};
@@ -30,7 +30,7 @@ Case good_case() {
 }
 
 Travel& travel(Case& c) {
-    return std::get<Travel>(c.load.modulation.trajectory.parts[0]);
+    return std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
 }
 
 /// The one remark of a case.
@@ -75,7 +75,7 @@ TEST_CASE("frames that do not resolve the load give a warning", "[check]") {
 TEST_CASE("a modulation with fewer than four frames per period gives a warning", "[check]") {
     Case c = good_case();
     travel(c).motion = ConstantSpeed{0.5}; // so slow that only the envelope matters
-    c.load.modulation.envelope.gains = {SineGain{6000.0}};
+    c.scene().load.modulation.envelope.gains = {SineGain{6000.0}};
     const Remark remark = only_remark(c);
     CHECK(remark.key == "time.output_interval_us");
     CHECK(has(remark.message, "the modulation of 6000 Hz"));
@@ -102,7 +102,7 @@ TEST_CASE("a focus that would leave the domain after the end of the run or path 
 
 TEST_CASE("a focus near the edge gives a warning", "[check]") {
     Case c = good_case();
-    c.medium.layers[0].c_s_m_s = 0.1; // nothing comes round
+    c.scene().medium.layers[0].c_s_m_s = 0.1; // nothing comes round
     travel(c).path = {{-0.014, 0.0285}, {0.014, 0.0285}};
     const Remark remark = only_remark(c);
     CHECK(remark.severity == Severity::warning);
@@ -125,13 +125,13 @@ TEST_CASE("waves that re-enter within the run give a warning with the required e
 
 TEST_CASE("a thin top layer does not determine the speed of re-entering waves", "[check]") {
     Case c = good_case();
-    c.medium.layers.insert(c.medium.layers.begin(), Layer{.name = "film",
-                                                          .thickness_m = 1e-4,
-                                                          .density_kg_m3 = 1000.0,
-                                                          .c_p_m_s = 1500.0,
-                                                          .c_s_m_s = 36.0});
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), Layer{.name = "film",
+                                                                          .thickness_m = 1e-4,
+                                                                          .density_kg_m3 = 1000.0,
+                                                                          .c_p_m_s = 1500.0,
+                                                                          .c_s_m_s = 36.0});
     CHECK(check(c).empty());
-    c.medium.layers[0].thickness_m = 0.002;
+    c.scene().medium.layers[0].thickness_m = 0.002;
     CHECK(has(only_remark(c).message, "waves of 36 m/s"));
 }
 
@@ -146,7 +146,7 @@ TEST_CASE("a sponge that is too narrow for the waves gives a warning with the re
           "[check]") {
     Case c = good_case();
     c.solver = SpectralOptions{};
-    c.load.modulation.envelope = {};
+    c.scene().load.modulation.envelope = {};
     c.domain.sponge_m = 0.0125; // waves of 20.4 mm
     CHECK(check(c).empty());
     c.time.frames = 400; // a sponge lets nothing come round
@@ -171,7 +171,7 @@ TEST_CASE("a path that ends before the measurement gives a warning", "[check]") 
 
 TEST_CASE("a period that does not fit into the settled window gives a warning", "[check]") {
     Case c = good_case();
-    c.load.modulation.envelope.gains = {SineGain{200.0}};
+    c.scene().load.modulation.envelope.gains = {SineGain{200.0}};
     CHECK(only_remark(c).key == "measure.settled_after_ms");
     CHECK(has(only_remark(c).message, "lasts 5 ms and does not fit between 1.2 and 4 ms"));
 }
@@ -202,9 +202,9 @@ TEST_CASE("volumes are rejected for engines that do not store them", "[check]") 
 TEST_CASE("side lobes that cross the edge give a warning", "[check]") {
     Case c = good_case();
     // The path comes within 33.75 mm of the edges along y, and within 34 mm along x.
-    c.load.footprint = ArrayFootprint{.reach_m = 0.033};
+    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.033};
     CHECK(check(c).empty());
-    c.load.footprint = ArrayFootprint{.reach_m = 0.04};
+    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.04};
     CHECK(only_remark(c).severity == Severity::warning);
     CHECK(only_remark(c).key == "load.footprint");
     CHECK(has(only_remark(c).message, "within 33.75 mm of the edge"));
@@ -213,7 +213,7 @@ TEST_CASE("side lobes that cross the edge give a warning", "[check]") {
 
 TEST_CASE("all of several foci must lie inside the domain", "[check]") {
     Case c = good_case();
-    c.load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
+    c.scene().load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
     const auto remarks = check(c);
     CHECK(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
         return remark.severity == Severity::error && has(remark.message, "leaves the domain");

@@ -138,32 +138,33 @@ TEST_CASE("only the depths of bodies and maps vary", "[material_field]") {
 TEST_CASE("bodies and maps change the id of a case, a map's file name does not",
           "[material_field]") {
     Case c;
-    c.medium = two_layers();
+    c.scene().medium = two_layers();
     const std::string plain = case_id(c);
     CHECK(canonical_text(c).find("map") == std::string::npos);
     CHECK(canonical_text(c).find("body") == std::string::npos);
-    c.medium.bodies = {{.name = "bone", .shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
+    c.scene().medium.bodies = {
+        {.name = "bone", .shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
     const std::string with_body = case_id(c);
     CHECK(with_body != plain);
     Case other = c;
     SECTION("a shape") {
-        other.medium.bodies[0].shape = Cylinder{.radius_m = 1e-3, .azimuth_deg = 1.0};
+        other.scene().medium.bodies[0].shape = Cylinder{.radius_m = 1e-3, .azimuth_deg = 1.0};
     }
     SECTION("a place") {
-        other.medium.bodies[0].centre_m.z = 1e-9;
+        other.scene().medium.bodies[0].centre_m.z = 1e-9;
     }
     SECTION("an edge") {
-        other.medium.bodies[0].edge_m = 1e-3;
+        other.scene().medium.bodies[0].edge_m = 1e-3;
     }
     SECTION("a property that was not given") {
-        other.medium.bodies[0].viscosity_Pa_s = 0.0;
+        other.scene().medium.bodies[0].viscosity_Pa_s = 0.0;
     }
     SECTION("a property of the same value under another name") {
-        other.medium.bodies[0].c_s_m_s.reset();
-        other.medium.bodies[0].c_p_m_s = 9.0;
+        other.scene().medium.bodies[0].c_s_m_s.reset();
+        other.scene().medium.bodies[0].c_p_m_s = 9.0;
     }
     SECTION("a map") {
-        other.medium.map = std::make_shared<const MaterialMap>(linear_map());
+        other.scene().medium.map = std::make_shared<const MaterialMap>(linear_map());
     }
     CHECK(case_id(other) != with_body);
     CHECK_FALSE(other == c);
@@ -175,8 +176,8 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
     renamed.file = "elsewhere.h5";
     CHECK(hash_of(renamed) == map.content_hash);
     Case a, b;
-    a.medium.map = std::make_shared<const MaterialMap>(map);
-    b.medium.map = std::make_shared<const MaterialMap>(renamed);
+    a.scene().medium.map = std::make_shared<const MaterialMap>(map);
+    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK(a == b);
     CHECK(case_id(a) == case_id(b));
     SECTION("not after a change of a value") {
@@ -189,7 +190,7 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
         renamed.c_p_m_s.swap(renamed.c_s_m_s);
     }
     renamed.content_hash = hash_of(renamed);
-    b.medium.map = std::make_shared<const MaterialMap>(renamed);
+    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
     CHECK_FALSE(a == b);
     CHECK(case_id(a) != case_id(b));
 }

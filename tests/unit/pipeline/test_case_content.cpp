@@ -22,8 +22,9 @@ const Variable& find(const VariableGroup& group, const std::string& name) {
 TEST_CASE("a mean map comes with the shape that was drawn, a line for each focus", "[content]") {
     Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
     c.domain = {8, 6, 0.01, 0.0};
-    c.load.modulation.trajectory = {{Travel{{{0.0, 0.0}, {0.025, 0.0}}, ConstantSpeed{7.0}}}};
-    c.load.modulation.foci_m = {{0.0, -0.01}, {0.0, 0.01}};
+    c.scene().load.modulation.trajectory = {
+        {Travel{{{0.0, 0.0}, {0.025, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene().load.modulation.foci_m = {{0.0, -0.01}, {0.0, 0.01}};
     const std::vector<measures::DepthSeries> depths = {
         {0.0, std::vector<measures::SurfaceSums>(224)}};
     CHECK(pipeline::case_content(c, depths, {}, std::nullopt, {}).size() == 1); // no map, no group

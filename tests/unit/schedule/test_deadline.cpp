@@ -73,7 +73,7 @@ TEST_CASE("each step of engine pstd exchanges six fields there and back, nine wh
                         ""};
     planned.physics.time = {20, 1e-3};
     const auto cost_in = [&](Precision precision, double viscosity_Pa_s) {
-        planned.physics.medium.layers[0].loss = KelvinVoigt{viscosity_Pa_s};
+        planned.physics.scene().medium.layers[0].loss = KelvinVoigt{viscosity_Pa_s};
         planned.physics.solver = PstdOptions{.time_step_s = 1e-5, .precision = precision};
         return cost::CaseCosts({&planned}, {}).of(planned.physics);
     };
@@ -94,7 +94,7 @@ TEST_CASE("twelve cases of a sweep are measured, the others use the step of the 
         Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
         c.time = {20, 1e-3};
         c.solver = SpectralOptions{};
-        c.load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
+        c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 20.0 + 20.0 * i}}};
         planned.push_back({std::to_string(i), c, {}, false, ""});
     }
     std::vector<const PlannedCase*> cases;

@@ -74,8 +74,8 @@ TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]"
 TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
     Cases cases = alike(6);
     cases.planned[1].physics.domain.nx = 512; // long
-    cases.planned[2].physics.medium.layers[0].c_s_m_s = 4.0;
-    cases.planned[4].physics.medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[2].physics.scene().medium.layers[0].c_s_m_s = 4.0;
+    cases.planned[4].physics.scene().medium.layers[0].c_s_m_s = 4.0;
     cost::CaseCosts costs(cases.pointers(), {});
     const auto order = schedule::order_of_work(cases.pointers(), costs);
     CHECK(order.front() == 1);

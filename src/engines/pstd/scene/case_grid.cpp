@@ -26,14 +26,14 @@ double total_thickness_m(const Medium& medium) {
 
 /// Waves that travel downward must not be cut off while the focus acts.
 double chosen_depth_m(const Case& c) {
-    double lowest_m = total_thickness_m(c.medium);
+    double lowest_m = total_thickness_m(c.scene().medium);
     const auto reach_down = [&](double z_m) { // unbounded bodies do not limit the depth
         if (std::isfinite(z_m)) lowest_m = std::max(lowest_m, z_m);
     };
-    for (const Body& body : c.medium.bodies)
+    for (const Body& body : c.scene().medium.bodies)
         reach_down(bounds(body).high_m.z);
-    if (c.medium.map) reach_down(depths(*c.medium.map).bottom_m);
-    const double reach_m = 4.0 * fwhm_m(c.load.footprint);
+    if (c.scene().medium.map) reach_down(depths(*c.scene().medium.map).bottom_m);
+    const double reach_m = 4.0 * fwhm_m(c.scene().load.footprint);
     return std::max(reach_m, lowest_m + 0.5 * reach_m);
 }
 
@@ -62,16 +62,16 @@ Material cell_material(const Case& c, Vec3 centre_m, double d_m) {
     const double top_m = centre_m.z - 0.5 * d_m, bottom_m = centre_m.z + 0.5 * d_m;
     Material sum;
     double layer_top_m = 0.0;
-    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
-        const bool last = l + 1 == c.medium.layers.size();
-        const double layer_bottom_m = layer_top_m + c.medium.layers[l].thickness_m;
+    for (std::size_t l = 0; l < c.scene().medium.layers.size(); ++l) {
+        const bool last = l + 1 == c.scene().medium.layers.size();
+        const double layer_bottom_m = layer_top_m + c.scene().medium.layers[l].thickness_m;
         const double from_m = l == 0 ? top_m : std::max(top_m, layer_top_m);
         const double to_m = last ? bottom_m : std::min(bottom_m, layer_bottom_m);
         layer_top_m = layer_bottom_m;
         const double share = (to_m - from_m) / d_m;
         if (share < 1e-9) continue;
         const Material part =
-            material_of_cell(c.medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
+            material_of_cell(c.scene().medium, l, {centre_m.x, centre_m.y, 0.5 * (from_m + to_m)},
                              {d_m, d_m, to_m - from_m});
         sum.density_kg_m3 += share * part.density_kg_m3;
         sum.lambda_Pa += share * part.lambda_Pa;
@@ -93,17 +93,17 @@ CaseGrid case_grid(const Case& c, const PstdOptions& options) {
     CaseGrid grid;
     grid.spacing_m = d_m;
     grid.clear = static_cast<std::ptrdiff_t>(std::ceil(clear_m / d_m - 1e-9));
-    if (c.medium.base == Base::rigid) {
-        grid.levels =
-            static_cast<std::ptrdiff_t>(std::ceil(total_thickness_m(c.medium) / d_m - 1e-9));
+    if (c.scene().medium.base == Base::rigid) {
+        grid.levels = static_cast<std::ptrdiff_t>(
+            std::ceil(total_thickness_m(c.scene().medium) / d_m - 1e-9));
         grid.clear = grid.levels + base_points;
     }
     grid.above = options.top == PstdTop::nothing ? empty_points : grid.clear;
     grid.surface = layer + grid.above;
     const std::ptrdiff_t nz = good_even_length(grid.surface + grid.clear + layer);
     grid.clear = nz - grid.surface - layer;
-    if (c.medium.base == Base::half_space) grid.levels = grid.clear;
-    const std::ptrdiff_t around = options.absorbing_edges ? layer : 0;
+    if (c.scene().medium.base == Base::half_space) grid.levels = grid.clear;
+    const std::ptrdiff_t around = options.edges == PstdEdges::absorbing ? layer : 0;
     const std::ptrdiff_t nx = good_even_length(c.domain.nx + 2 * around),
                          ny = good_even_length(c.domain.ny + 2 * around);
     grid.first_x = around;
@@ -116,12 +116,12 @@ PmlOptions absorbing_layer(const Case& c, const PstdOptions& options) {
     const std::ptrdiff_t layer = options.absorbing_points;
     const auto margin =
         static_cast<std::ptrdiff_t>(std::lround(c.domain.sponge_m / c.domain.spacing_m));
-    const std::ptrdiff_t lateral = options.absorbing_edges ? layer : margin;
+    const std::ptrdiff_t lateral = options.edges == PstdEdges::absorbing ? layer : margin;
     const double strength = options.absorbing_strength;
     PmlOptions pml;
     pml.points = {lateral, lateral, layer};
     pml.strength_1 = {lateral > 0 ? strength : 0.0, lateral > 0 ? strength : 0.0, strength};
-    for (const Layer& l : c.medium.layers)
+    for (const Layer& l : c.scene().medium.layers)
         pml.reference_speed_m_s =
             std::max(pml.reference_speed_m_s, capped_material(l, options).c_p_m_s);
     return pml;
@@ -134,22 +134,22 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
         if (options.top == PstdTop::fluid)
             return {options.fluid_density_kg_m3,
                     std::min(options.fluid_c_p_m_s,
-                             options.c_p_over_c_s * c.medium.layers.front().c_s_m_s)};
-        return {.density_kg_m3 = c.medium.layers.front().density_kg_m3, .empty = true};
+                             options.c_p_over_c_s * c.scene().medium.layers.front().c_s_m_s)};
+        return {.density_kg_m3 = c.scene().medium.layers.front().density_kg_m3, .empty = true};
     }
-    if (c.medium.base == Base::rigid && z_m > total_thickness_m(c.medium)) {
-        NodeMaterial base = capped_material(c.medium.layers.back(), options);
+    if (c.scene().medium.base == Base::rigid && z_m > total_thickness_m(c.scene().medium)) {
+        NodeMaterial base = capped_material(c.scene().medium.layers.back(), options);
         base.density_kg_m3 *= rigid_density;
         const double slower = 1.0 / std::sqrt(rigid_density); // of the same stiffness
         base.c_p_m_s *= slower;
         base.c_s_m_s *= slower;
         return base;
     }
-    if (z_m < 0.0) return capped_material(c.medium.layers.front(), options);
+    if (z_m < 0.0) return capped_material(c.scene().medium.layers.front(), options);
     const std::ptrdiff_t i = std::clamp<std::ptrdiff_t>(node[0] - grid.first_x, 0, c.domain.nx - 1),
                          j = std::clamp<std::ptrdiff_t>(node[1] - grid.first_y, 0, c.domain.ny - 1);
     return capped(cell_material(c, {c.domain.x_m(i), c.domain.y_m(j), z_m}, c.domain.spacing_m),
-                  options.c_p_over_c_s, fluid_limit_m_s(c.medium, options.c_p_over_c_s));
+                  options.c_p_over_c_s, fluid_limit_m_s(c.scene().medium, options.c_p_over_c_s));
 }
 
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options) {

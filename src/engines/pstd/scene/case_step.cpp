@@ -74,9 +74,9 @@ double safe_step_s(const Extremes& e, double spacing_m) {
 Extremes extremes_of_layers(const Case& c, const PstdOptions& options) {
     Extremes e;
     const double d_m = c.domain.spacing_m;
-    for (const Layer& layer : c.medium.layers) {
+    for (const Layer& layer : c.scene().medium.layers) {
         e.add(capped_material(layer, options), d_m);
-        for (const Body& body : c.medium.bodies) {
+        for (const Body& body : c.scene().medium.bodies) {
             Layer inside = layer;
             inside.density_kg_m3 = body.density_kg_m3.value_or(layer.density_kg_m3);
             inside.c_p_m_s = body.c_p_m_s.value_or(layer.c_p_m_s);
@@ -95,7 +95,7 @@ Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseG
     const Slabs slabs = slabs_of({grid.points, {}, 0.0}, team.size(), team.rank());
     Extremes e;
     together(team, [&] {
-        const bool lateral = !c.medium.bodies.empty() || c.medium.map;
+        const bool lateral = !c.scene().medium.bodies.empty() || c.scene().medium.map;
         const std::ptrdiff_t nx = lateral ? slabs.x_count()
                                           : std::min<std::ptrdiff_t>(1, slabs.x_count()),
                              ny = lateral ? slabs.ny() : 1;
@@ -145,7 +145,7 @@ std::vector<std::string> choice_notes(const Case& c, const PstdOptions& options,
         notes.push_back(fmt::format("the time step is longer than the one that is certainly "
                                     "stable, {:.4g} us; above {:.4g} us the scheme is unstable",
                                     1e6 * step.safe_s, 1e6 * step.alone_s));
-    for (const Layer& layer : c.medium.layers)
+    for (const Layer& layer : c.scene().medium.layers)
         if (layer.c_p_m_s > options.c_p_over_c_s * layer.c_s_m_s * (1.0 + 1e-12))
             notes.push_back(fmt::format(
                 "c_p of layer \"{}\" is capped at {:.4g} m/s, {:.4g} times c_s, instead of {:.4g} "
@@ -156,19 +156,19 @@ std::vector<std::string> choice_notes(const Case& c, const PstdOptions& options,
         notes.push_back(fmt::format(
             "the free surface of pstd causes an error of about 4 / 2 / 1 % of the surface field "
             "at 3 / 4 / 6 points per focus width; this case has {:.3g}",
-            fwhm_m(c.load.footprint) / c.domain.spacing_m));
+            fwhm_m(c.scene().load.footprint) / c.domain.spacing_m));
     if (options.top == PstdTop::fluid)
         notes.emplace_back(
             "below a fluid the observed error of pstd is 4 to 7 % at 9 to 3 points per "
             "focus width");
-    for (const Layer& layer : c.medium.layers)
+    for (const Layer& layer : c.scene().medium.layers)
         if (layer.thickness_m > 0.0 && layer.thickness_m < resolved_points * c.domain.spacing_m)
             notes.push_back(fmt::format(
                 "layer \"{}\" is {:.2g} points of pstd's grid thick; for a film of two points, "
                 "nine times as stiff as the medium below, the observed error of the surface "
                 "field is 15 %",
                 layer.name, layer.thickness_m / c.domain.spacing_m));
-    if (c.domain.sponge_m > 0.0 && !options.absorbing_edges)
+    if (c.domain.sponge_m > 0.0 && options.edges == PstdEdges::periodic)
         notes.push_back(fmt::format(
             "the margin of {:.3g} mm is used as pstd's absorbing layer of {} points",
             1e3 * c.domain.sponge_m, std::lround(c.domain.sponge_m / c.domain.spacing_m)));

@@ -6,7 +6,7 @@
 
 namespace shearwake::pstd {
 
-Sensor::Sensor(const GridStudy& study, const Slabs& slabs)
+Sensor::Sensor(const StudyData& study, const Slabs& slabs)
     : study_(study), samples_(study.steps - study.sensor_start + 1), order_(study.sensors.size()) {
     std::iota(order_.begin(), order_.end(), std::size_t{0});
     const auto x_of = [&](std::size_t node) { return study.sensors[node][0]; };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/grid_study.hpp"
+#include "case/study_data.hpp"
 #include "engines/engine.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 
@@ -11,7 +11,7 @@ namespace shearwake::pstd {
 /// rank that has it. All member functions except `add` are collective.
 class Sensor {
 public:
-    Sensor(const GridStudy& study, const Slabs& slabs);
+    Sensor(const StudyData& study, const Slabs& slabs);
 
     template <class Real>
     void add(const Stepper<Real>& stepper); // after every step; not collective
@@ -27,7 +27,7 @@ private:
         return values_[field].data() + static_cast<std::ptrdiff_t>(node) * samples_;
     }
 
-    const GridStudy& study_;
+    const StudyData& study_;
     std::ptrdiff_t samples_ = 0;
     std::vector<std::size_t> order_; // the study's nodes sorted by x, contiguous for each rank
     std::size_t first_ = 0, count_ = 0;

@@ -24,9 +24,9 @@ double deepest_m(const Case& c) {
     for (const auto& depths_m : {c.measure.depths_m, stress_depths_m(c)})
         for (const double z_m : depths_m)
             reach(z_m);
-    for (const Body& body : c.medium.bodies)
+    for (const Body& body : c.scene().medium.bodies)
         reach(bounds(body).high_m.z);
-    if (c.medium.map) reach(depths(*c.medium.map).bottom_m);
+    if (c.scene().medium.map) reach(depths(*c.scene().medium.map).bottom_m);
     return deepest;
 }
 
@@ -34,11 +34,11 @@ double deepest_m(const Case& c) {
 
 AbsorbingBottom absorbing_bottom(const Case& c, const SpectralOptions& options) {
     double interface_m = 0.0;
-    for (const Layer& layer : c.medium.layers)
+    for (const Layer& layer : c.scene().medium.layers)
         interface_m += layer.thickness_m;
-    const double width_m = fwhm_m(c.load.footprint);
+    const double width_m = fwhm_m(c.scene().load.footprint);
     AbsorbingBottom bottom;
-    bottom.longest_m = longest_wave_m(c.load, c.medium.layers.back().c_s_m_s);
+    bottom.longest_m = longest_wave_m(c.scene().load, c.scene().medium.layers.back().c_s_m_s);
     bottom.clear_m = std::max(
         {0.5 * bottom.longest_m - interface_m, deepest_m(c) + width_m - interface_m, width_m});
     bottom.depth_m =

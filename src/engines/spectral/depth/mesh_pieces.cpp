@@ -49,15 +49,15 @@ std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m
                                    double omega_rad_s) {
     const double per_degree = degree / 8.0;
     std::vector<Inclusion> inclusions;
-    for (const Body& body : c.medium.bodies)
+    for (const Body& body : c.scene().medium.bodies)
         inclusions.push_back(inclusion_of(body, per_degree, omega_rad_s));
-    if (c.medium.map) inclusions.push_back(inclusion_of(*c.medium.map, per_degree));
+    if (c.scene().medium.map) inclusions.push_back(inclusion_of(*c.scene().medium.map, per_degree));
 
     std::vector<MeshPiece> pieces;
     double top_m = 0.0;
-    for (std::size_t l = 0; l < c.medium.layers.size(); ++l) {
-        const bool last = l + 1 == c.medium.layers.size();
-        const double bottom_m = last ? depth_m : top_m + c.medium.layers[l].thickness_m;
+    for (std::size_t l = 0; l < c.scene().medium.layers.size(); ++l) {
+        const bool last = l + 1 == c.scene().medium.layers.size();
+        const double bottom_m = last ? depth_m : top_m + c.scene().medium.layers[l].thickness_m;
         std::vector<double> cuts_m;
         for (const Inclusion& in : inclusions)
             if (in.ends_sharply) cuts_m.insert(cuts_m.end(), {in.top_m, in.bottom_m});

@@ -28,10 +28,10 @@ double shear_reflection(double stiffness_ratio, double density_ratio) {
 CappedMaterials::CappedMaterials(const Case& c, const Material& layer)
     : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa),
       layer_viscosity_Pa_s_(layer.viscosity_Pa_s),
-      omega_rad_s_(bandwidth_rad_m(c.load.footprint, 0.5) *
-                       greatest_speed_m_s(c.load.modulation.trajectory) +
+      omega_rad_s_(bandwidth_rad_m(c.scene().load.footprint, 0.5) *
+                       greatest_speed_m_s(c.scene().load.modulation.trajectory) +
                    2.0 * std::numbers::pi *
-                       greatest_envelope_frequency_Hz(c.load.modulation.envelope)) {}
+                       greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope)) {}
 
 Material CappedMaterials::operator()(Material m) const {
     m.mu_Pa = std::min(m.mu_Pa, most_mu_Pa_);
@@ -46,14 +46,14 @@ namespace {
 std::vector<Material> plane_of_materials(const Case& c, std::size_t layer,
                                          const fft::SlabShare& share, double z_m,
                                          const DepthCell& cell) {
-    const bool smooth = is_smooth(c.medium);
+    const bool smooth = is_smooth(c.scene().medium);
     const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
     std::vector<Material> all;
     all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
             all.push_back(material_of_cell(
-                c.medium, layer,
+                c.scene().medium, layer,
                 {c.domain.x_m(share.x_start + i), c.domain.y_m(j), smooth ? z_m : cell.centre_m},
                 size_m));
     return all;

@@ -79,7 +79,7 @@ double WaveVectors::largest_k_rad_m() const {
 
 MovingLoad::MovingLoad(const Case& c, const WaveVectors& vectors, double step_s)
     : case_(c), kernels_(simd::kernels<PencilKernels>()), vectors_(vectors), step_s_(step_s),
-      pattern_(c.load, c.time.duration_s() + 2.0 * step_s) {
+      pattern_(c.scene().load, c.time.duration_s() + 2.0 * step_s) {
     if (!pattern_.changes()) put_shape(shape_);
 }
 
@@ -148,7 +148,7 @@ double share_before(double end_steps, std::ptrdiff_t step) {
 } // namespace
 
 void MovingLoad::sample(std::ptrdiff_t n) {
-    const double off_s = off_time_s(case_.load.modulation.trajectory);
+    const double off_s = off_time_s(case_.scene().load.modulation.trajectory);
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
     const auto samples = samples_at(n);
     reuse(samples.front().step);
@@ -157,7 +157,8 @@ void MovingLoad::sample(std::ptrdiff_t n) {
         Sampled& load = loads_[s];
         if (load.step != samples[s].step) place(load, samples[s].step);
         load.amplitude_Pa = share_before(off_s / step_s_, samples[s].step) * samples[s].weight *
-                            case_.load.peak_Pa * amplitude(case_.load, t_s) / area_m2;
+                            case_.scene().load.peak_Pa * amplitude(case_.scene().load, t_s) /
+                            area_m2;
     }
 }
 

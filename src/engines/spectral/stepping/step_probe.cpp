@@ -15,7 +15,8 @@ namespace {
 constexpr std::ptrdiff_t columns = 2 * lane_count, rows = 2;
 
 Case with_few_wave_vectors(Case c) {
-    c.domain = {columns, 2 * rows, std::numbers::pi / bandwidth_rad_m(c.load.footprint, 1e-2), 0.0};
+    c.domain = {columns, 2 * rows,
+                std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 1e-2), 0.0};
     return c;
 }
 
@@ -73,7 +74,7 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
     fft::SlabShare share;
     share.ky_count = rows; // without the Nyquist mode
     const WaveVectors vectors(few.domain, share);
-    const VerticalOperator vertical(mesh, background_of(mesh, c.medium));
+    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
     const PencilKernels& kernels = simd::kernels<PencilKernels>();
     const long steps = std::lround(c.time.duration_s() / step_s);

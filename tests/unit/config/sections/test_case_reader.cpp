@@ -205,8 +205,7 @@ TEST_CASE(
         {"accuracy = \"x\"", "accuracy must be a number, but is a string"},
         {"time_step_us = \"fast\"", "time_step_us must be a number, but is a string"},
         {"time_step_us = 25, accuracy = 1e-2",
-         "accuracy determines the time step, but solver.spectral.time_step_us = 25 is also given; "
-         "remove one of them, or set the latter to \"auto\""},
+         "accuracy applies only with time_step_us = \"auto\""},
     }));
     const Texts found = diagnostics_of(plain_and("[solver]\nspectral = { " + given + " }\n"));
     REQUIRE(found.size() == 1);
@@ -250,7 +249,7 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
                          15e-3,
                          12,
                          2.0,
-                         true,
+                         PstdEdges::absorbing,
                          Precision::single_precision};
     CHECK(all == expected);
 

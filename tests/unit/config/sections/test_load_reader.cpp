@@ -16,7 +16,7 @@ std::string with_modulation(std::string_view modulation) {
 }
 
 Modulation modulation_of(std::string_view modulation) {
-    return only_case(with_modulation(modulation)).load.modulation;
+    return only_case(with_modulation(modulation)).scene().load.modulation;
 }
 
 const std::string path = "path = { shape = \"line\", from_mm = [-14, 0], to_mm = [14, 0] }\n";
@@ -65,6 +65,7 @@ TEST_CASE("SM-STM is a path at oscillating speed", "[config][load]") {
 TEST_CASE("a carrier can be resolved", "[config][load]") {
     const auto carrier = [](std::string_view more) {
         return only_case(plain_with("peak_Pa = 100.0\n", "peak_Pa = 100.0\n" + std::string(more)))
+            .scene()
             .load.carrier;
     };
     CHECK(carrier("") == Carrier(AveragedCarrier{}));

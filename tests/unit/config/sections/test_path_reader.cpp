@@ -24,11 +24,12 @@ std::string stm(std::string_view path, std::string_view more = "speed_m_s = 7\n"
 }
 
 Modulation modulation_of(std::string_view modulation) {
-    return only_case(job_with(modulation)).load.modulation;
+    return only_case(job_with(modulation)).scene().load.modulation;
 }
 
 Travel travel_of(std::string_view path, std::string_view more = "speed_m_s = 7\n") {
-    return std::get<Travel>(only_case(stm(path, more)).load.modulation.trajectory.parts.at(0));
+    return std::get<Travel>(
+        only_case(stm(path, more)).scene().load.modulation.trajectory.parts.at(0));
 }
 
 } // namespace
@@ -163,7 +164,7 @@ frequency_Hz = 500)") + R"([sweep]
 )";
     const config::Job read = config::read_job(job, "job.toml");
     REQUIRE(read.plan.cases.size() == 4);
-    const Modulation& last = read.plan.cases[1].physics.load.modulation;
+    const Modulation& last = read.plan.cases[1].physics.scene().load.modulation;
     CHECK(std::get<Swing>(last.trajectory.parts[0]).frequency_Hz == 600.0);
     CHECK(std::get<SineGain>(last.envelope.gains[0]).depth == 0.5);
 }
@@ -175,7 +176,7 @@ TEST_CASE("a path can come from a file of points", "[config][path]") {
             CHECK(file == "shape.csv");
             return "# mine\nx_mm,y_mm\n0, 0\r\n\n3,0\n3,4\n";
         });
-    const auto& parts = read.plan.cases.at(0).physics.load.modulation.trajectory.parts;
+    const auto& parts = read.plan.cases.at(0).physics.scene().load.modulation.trajectory.parts;
     CHECK(std::get<Travel>(parts[0]).path ==
           Curve(Polyline({{0, 0}, {0.003, 0}, {0.003, 0.004}}, Ends::open)));
 }

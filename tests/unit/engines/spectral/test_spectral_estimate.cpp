@@ -16,14 +16,15 @@ constexpr double step_s = 50e-6;
 /// points, two elements.
 Case body_case(double contrast) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0, 1.0)), ConstantSpeed{7.0});
-    c.medium.base = Base::rigid;
-    c.medium.layers[0].thickness_m = 8e-3;
-    std::get<Travel>(c.load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0}, {200e-3, 0.0}};
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers[0].thickness_m = 8e-3;
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-6e-3, 0.0},
+                                                                            {200e-3, 0.0}};
     if (contrast != 1.0)
-        c.medium.bodies = {{.name = "body",
-                            .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},
-                            .centre_m = {0.0, 2e-3, 3.5e-3},
-                            .c_s_m_s = 5.0 * std::sqrt(contrast)}};
+        c.scene().medium.bodies = {{.name = "body",
+                                    .shape = Ellipsoid{{9e-3, 6e-3, 2e-3}},
+                                    .centre_m = {0.0, 2e-3, 3.5e-3},
+                                    .c_s_m_s = 5.0 * std::sqrt(contrast)}};
     c.domain = {48, 36, 1e-3, 0.0};
     c.time = {20, step_s};
     c.solver = SpectralOptions{.time_step_s = step_s};
@@ -70,9 +71,9 @@ TEST_CASE("estimated memory equals that of the stepper's arrays", "[spectral]") 
         c.domain.sponge_m = 6e-3;
     }
     SECTION("with a soft, light body, for which the complete plane is stored") {
-        if (c.medium.bodies.empty()) return;
-        c.medium.bodies[0].c_s_m_s = 3.0;
-        c.medium.bodies[0].density_kg_m3 = 900.0;
+        if (c.scene().medium.bodies.empty()) return;
+        c.scene().medium.bodies[0].c_s_m_s = 3.0;
+        c.scene().medium.bodies[0].density_kg_m3 = 900.0;
     }
     // Includes the bounding boxes of bodies and the planes of the engine, but not the spare
     // capacity of vectors.
@@ -84,10 +85,10 @@ TEST_CASE("estimated iterations are accurate within a factor of three", "[spectr
     Case c = body_case(GENERATE(4.0, 16.0, 100.0));
     SECTION("stiffer") {}
     SECTION("stiffer and without loss") {
-        c.medium.bodies[0].viscosity_Pa_s = 0.0;
+        c.scene().medium.bodies[0].viscosity_Pa_s = 0.0;
     }
     SECTION("stiffer and denser") {
-        c.medium.bodies[0].density_kg_m3 = 1900.0;
+        c.scene().medium.bodies[0].density_kg_m3 = 1900.0;
     }
     const double found = counted(c, 5).iterations;
     CHECK(iterations(c) > found / 3.0);
@@ -143,7 +144,7 @@ TEST_CASE("counts cells only where the map extends", "[spectral]") {
     map->spacing_m = {8e-3, 8e-3, 1e-3};
     map->c_s_m_s = {5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 20.0};
     map->content_hash = hash_of(*map);
-    c.medium.map = map;
+    c.scene().medium.map = map;
     const spectral::VariationEstimate v = spectral::estimate_variation(c, mesh_of(c), step_s, 1);
     CHECK(v.iterations > 1.0); // the last point of the map is found
     // 17 x 17 cells at each point of the first element within the depths 0.5 to 2.5 mm.

@@ -60,7 +60,7 @@ TEST_CASE("largest step satisfies the stability bound with equality", "[pstd]") 
 TEST_CASE("caps c_p with a note and rejects an unstable time step with its value", "[pstd]") {
     Case c = small_case();
     auto& options = std::get<PstdOptions>(c.solver);
-    CHECK(pstd::capped_material(c.medium.layers[0], options).c_p_m_s ==
+    CHECK(pstd::capped_material(c.scene().medium.layers[0], options).c_p_m_s ==
           Approx(50.0).epsilon(1e-13));
     const auto notes = pstd::PstdEngine().choices(c);
     CHECK(any_has(notes, "is capped at 50 m/s, 10 times c_s, instead of 1500 m/s"));
@@ -82,10 +82,10 @@ TEST_CASE("caps c_p with a note and rejects an unstable time step with its value
 TEST_CASE("supports an empty, fluid or continued medium above and cells with two layers",
           "[pstd]") {
     Case c = small_case();
-    Layer film = c.medium.layers[0];
+    Layer film = c.scene().medium.layers[0];
     film.thickness_m = 1.5e-3;
     film.density_kg_m3 = 1200.0;
-    c.medium.layers.insert(c.medium.layers.begin(), film);
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
     PstdOptions options;
     const auto at = [&](std::ptrdiff_t below_surface) {
         const pstd::CaseGrid grid = pstd::case_grid(c, options);
@@ -109,15 +109,15 @@ TEST_CASE("supports an empty, fluid or continued medium above and cells with two
     CHECK(at(-1) == at(0));
     options.top = PstdTop::fluid;
     CHECK(at(-1) == pstd::NodeMaterial{1000.0, 50.0, 0.0});
-    c.medium.base = Base::rigid;
-    c.medium.layers.back().thickness_m = 10e-3;
+    c.scene().medium.base = Base::rigid;
+    c.scene().medium.layers.back().thickness_m = 10e-3;
     CHECK(at(12).density_kg_m3 > 1e8);
 }
 
 TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outside", "[pstd]") {
     Case c = small_case();
-    c.load.peak_Pa = 100.0;
-    c.load.modulation.trajectory = {{Hold{{2.3e-3, -1.2e-3}}}};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.modulation.trajectory = {{Hold{{2.3e-3, -1.2e-3}}}};
     const PstdOptions options;
     const pstd::CaseGrid grid = pstd::case_grid(c, options);
     pstd::Source source = pstd::load_source(c, options, grid, 1e-5);
@@ -127,7 +127,7 @@ TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outsid
     double worst = 0.0;
     for (std::size_t n = 0; n < values.size(); ++n) {
         const pstd::Node& node = source.nodes[n];
-        const double p = 100.0 * pressure(c.load.footprint, c.domain.x_m(node[0]) - 2.3e-3,
+        const double p = 100.0 * pressure(c.scene().load.footprint, c.domain.x_m(node[0]) - 2.3e-3,
                                           c.domain.y_m(node[1]) + 1.2e-3);
         if (node[2] >= grid.surface - 4) worst = std::max(worst, std::abs(values[n] + p));
         CHECK_FALSE(values[n] > 0.0);
@@ -142,8 +142,8 @@ TEST_CASE("load equals the Gaussian's pressure inside its cutoff and zero outsid
 
 TEST_CASE("prescribes the displacement of the skin under the focus only", "[pstd]") {
     Case c = small_case();
-    c.load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.load.modulation.envelope = {{SineGain{.frequency_Hz = 500.0}}};
+    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene().load.modulation.envelope = {{SineGain{.frequency_Hz = 500.0}}};
     PstdOptions options;
     options.load = PstdLoad::displacement;
     options.displacement_m = 4e-6;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/input/grid_study_file.hpp"
+#include "storage/input/study_file.hpp"
 
 #include "base/error.hpp"
 #include "storage/hdf5/h5.hpp"
@@ -59,16 +59,16 @@ void write(const Draft& draft, const std::filesystem::path& path) {
         h5::write_all(h5::create_dataset(file.raw(), name, dataset.shape), dataset.values);
 }
 
-GridStudy read(const Draft& draft) {
+StudyData read(const Draft& draft) {
     const test::TemporaryFolder folder;
     write(draft, folder / "study.h5");
-    return storage::read_grid_study(folder / "study.h5");
+    return storage::read_study_file(folder / "study.h5");
 }
 
 } // namespace
 
 TEST_CASE("a grid study has the content of its file", "[study]") {
-    const GridStudy study = read({});
+    const StudyData study = read({});
     CHECK(study.points == std::array<std::ptrdiff_t, 3>{4, 3, 2});
     CHECK(study.spacing_m[2] == 2e-3);
     CHECK(study.c_s_m_s.size() == 24);
@@ -81,7 +81,7 @@ TEST_CASE("a grid study has the content of its file", "[study]") {
 }
 
 TEST_CASE("studies with equal content are equal", "[study]") {
-    const GridStudy study = read({}), again = read({});
+    const StudyData study = read({}), again = read({});
     CHECK(study == again); // two files
     CHECK(unpacked(packed(study)) == study);
     CHECK(unpacked(packed(study)).sources == study.sources);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "case/grid_study.hpp"
+#include "case/study_data.hpp"
 
 #include "base/hash.hpp"
 
@@ -73,21 +73,21 @@ struct Unpack {
 
 } // namespace
 
-std::vector<double> packed(const GridStudy& study) {
+std::vector<double> packed(const StudyData& study) {
     Pack pack;
     walk(study, pack);
     return std::move(pack.numbers);
 }
 
-GridStudy unpacked(const std::vector<double>& numbers) {
-    GridStudy study;
+StudyData unpacked(const std::vector<double>& numbers) {
+    StudyData study;
     Unpack unpack{numbers};
     walk(study, unpack);
     study.content_hash = hash_of(study);
     return study;
 }
 
-std::string hash_of(const GridStudy& study) {
+std::string hash_of(const StudyData& study) {
     return hex(stable_hash(std::span<const double>(packed(study))));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "storage/input/grid_study_file.hpp"
+#include "storage/input/study_file.hpp"
 
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
@@ -68,7 +68,7 @@ public:
     }
     /// Reads indices of nodes, [n][3].
     std::vector<std::array<std::ptrdiff_t, 3>> nodes(const std::string& name,
-                                                     const GridStudy& study) const {
+                                                     const StudyData& study) const {
         const auto extents = shape(name);
         if (extents.size() != 2 || extents[1] != 3) fail(name, "must have the shape (nodes, 3)");
         const auto values = numbers(name);
@@ -106,7 +106,7 @@ std::size_t field_of(const Section& section, const std::string& attribute,
     return static_cast<std::size_t>(found - grid_fields.begin());
 }
 
-void read_grid(hid_t file, GridStudy& study) {
+void read_grid(hid_t file, StudyData& study) {
     const Section grid(file, "grid");
     study.points = grid.triple<std::ptrdiff_t>("points", 2, 1e6);
     const double points = static_cast<double>(study.points[0]) *
@@ -130,7 +130,7 @@ void read_grid(hid_t file, GridStudy& study) {
     study.layer_speed_m_s = layer.number("speed_m_s", 0.0, 1e6);
 }
 
-void read_medium(hid_t file, GridStudy& study) {
+void read_medium(hid_t file, StudyData& study) {
     const Section medium(file, "medium");
     const auto read = [&](const char* name, double least) {
         auto values = medium.numbers(name);
@@ -151,7 +151,7 @@ void read_medium(hid_t file, GridStudy& study) {
     study.chi_Pa_s = read("chi_Pa_s", -1e300);
 }
 
-NodeSource read_source(hid_t file, const std::string& name, const GridStudy& study) {
+NodeSource read_source(hid_t file, const std::string& name, const StudyData& study) {
     const Section section(file, name);
     NodeSource source;
     source.field = field_of(section, "field", section.text("field"));
@@ -181,7 +181,7 @@ NodeSource read_source(hid_t file, const std::string& name, const GridStudy& stu
     return source;
 }
 
-void read_sensor(hid_t file, GridStudy& study) {
+void read_sensor(hid_t file, StudyData& study) {
     const Section sensor(file, "sensor");
     study.sensors = sensor.nodes("nodes", study);
     std::istringstream fields(sensor.text("fields"));
@@ -198,11 +198,11 @@ void read_sensor(hid_t file, GridStudy& study) {
                                 values, most_of_a_list));
 }
 
-GridStudy read_from(hid_t file) {
+StudyData read_from(hid_t file) {
     if (!h5::has_attribute(file, "schema") || h5::text_attribute(file, "schema") != schema)
         throw UsageError(
             fmt::format("it is not a \"{}\"; create one with scripts/import-kwave", schema));
-    GridStudy study;
+    StudyData study;
     read_grid(file, study);
     read_medium(file, study);
     const double sources = h5::number_attribute(file, "sources");
@@ -216,18 +216,18 @@ GridStudy read_from(hid_t file) {
 
 } // namespace
 
-GridStudy read_grid_study(const std::filesystem::path& path) {
-    GridStudy study = read_user_file(path, read_from);
+StudyData read_study_file(const std::filesystem::path& path) {
+    StudyData study = read_user_file(path, read_from);
     study.file = path.string();
     study.content_hash = hash_of(study);
     return study;
 }
 
-GridStudy read_grid_study(const std::filesystem::path& path, const Comm& comm) {
+StudyData read_study_file(const std::filesystem::path& path, const Comm& comm) {
     std::vector<double> numbers;
-    on_root(comm, [&] { numbers = packed(read_grid_study(path)); });
+    on_root(comm, [&] { numbers = packed(read_study_file(path)); });
     comm.broadcast(numbers);
-    GridStudy study = unpacked(numbers);
+    StudyData study = unpacked(numbers);
     study.file = path.string();
     return study;
 }

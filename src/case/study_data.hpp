@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,10 +28,9 @@ struct NodeSource {
     bool operator==(const NodeSource&) const = default;
 };
 
-/// A simulation of the k-Wave toolbox that is defined node by node, for engine `pstd`: the complete
-/// grid including its absorbing layer, the medium, the sources and the sensor. scripts/import-kwave
-/// writes the file.
-struct GridStudy {
+/// A simulation of the k-Wave toolbox that is defined node by node: the complete grid including its
+/// absorbing layer, the medium, the sources and the sensor. scripts/import-kwave writes the file.
+struct StudyData {
     std::string file;
     std::string content_hash; // 16 hex digits of everything but the file's name
     std::array<std::ptrdiff_t, 3> points = {};
@@ -53,23 +51,13 @@ struct GridStudy {
 
     std::size_t size() const { return static_cast<std::size_t>(points[0] * points[1] * points[2]); }
     bool lossy() const { return !eta_Pa_s.empty(); }
-    bool operator==(const GridStudy& other) const { return content_hash == other.content_hash; }
-};
-
-/// Shared by the cases of a sweep, since it may be large; compared by content.
-struct SharedStudy {
-    std::shared_ptr<const GridStudy> held;
-    explicit operator bool() const { return held != nullptr; }
-    const GridStudy& operator*() const { return *held; }
-    bool operator==(const SharedStudy& other) const {
-        return held && other.held ? *held == *other.held : held == other.held;
-    }
+    bool operator==(const StudyData& other) const { return content_hash == other.content_hash; }
 };
 
 /// Converts a study to a list of numbers and back, for transfer between ranks and for its hash. Not
 /// collective.
-std::vector<double> packed(const GridStudy& study);
-GridStudy unpacked(const std::vector<double>& numbers);
-std::string hash_of(const GridStudy& study);
+std::vector<double> packed(const StudyData& study);
+StudyData unpacked(const std::vector<double>& numbers);
+std::string hash_of(const StudyData& study);
 
 } // namespace shearwake

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/field.hpp"
+
+#include <array>
+#include <optional>
+#include <type_traits>
+
+namespace shearwake {
+
+/// Material above the surface z = 0 for engine `pstd`: none, the uppermost layer extended to
+/// infinity, or a fluid.
+enum class PstdTop { nothing, continued, fluid };
+constexpr auto names_of(std::type_identity<PstdTop>) {
+    return std::array{"void", "continued", "fluid"};
+}
+/// Effect of the load in `pstd`: it exerts pressure, or prescribes the displacement of the skin
+/// (PstdOptions).
+enum class PstdLoad { traction, displacement };
+constexpr auto names_of(std::type_identity<PstdLoad>) {
+    return std::array{"traction", "displacement"};
+}
+/// Edges of the domain in x and y: periodic (or absorbing within the sponge), or with an absorbing
+/// layer outside.
+enum class PstdEdges { periodic, absorbing };
+constexpr auto names_of(std::type_identity<PstdEdges>) {
+    return std::array{"periodic", "absorbing"};
+}
+enum class Precision { single_precision, double_precision };
+constexpr auto names_of(std::type_identity<Precision>) {
+    return std::array{"single", "double"};
+}
+
+/// Engine `pstd`: k-Wave's staggered pseudospectral scheme, explicit in time.
+struct PstdOptions {
+    static constexpr const char* name = "pstd";
+    /// The engine computes grid studies, for which only these keys have an effect.
+    static constexpr std::array keys_for_studies = {"study", "precision"};
+    std::optional<double> time_step_s; // none: chosen from the stability rule
+    double c_p_over_c_s = 10.0;        // upper limit of c_p, as a multiple of c_s
+    PstdTop top = PstdTop::nothing;
+    double fluid_density_kg_m3 = 1000.0, fluid_c_p_m_s = 1500.0; // for PstdTop::fluid
+    PstdLoad load = PstdLoad::traction;
+    double displacement_m = 0.0;     // for PstdLoad::displacement: u_z at the peak of the load
+    double depth_m = 0.0;            // depth without absorbing layer; 0: chosen
+    int absorbing_points = 16;       // thickness of the absorbing layer
+    double absorbing_strength = 1.0; // Np per point at its outer edge
+    PstdEdges edges = PstdEdges::periodic;
+    Precision precision = Precision::double_precision;
+    bool operator==(const PstdOptions&) const = default;
+};
+
+/// The first part: the scheme, and what drives it.
+template <class Walk, Is<PstdOptions> Options>
+void walk_scheme(Walk& walk, Options& o) {
+    walk.key({.key = "study",
+              .type = "file",
+              .fallback = "none",
+              .meaning =
+                  "file written by `scripts/import-kwave`; its path is relative to the job file. "
+                  "It contains a k-Wave simulation, which replaces all keys of this table except "
+                  "`precision`, and the medium and load of the job, see "
+                  "[kwave.md](../how-to/kwave.md)"});
+    walk(o.time_step_s, {.key = "time_step_us",
+                         .range = Range::at_least(0.01),
+                         .given = Given::automatic,
+                         .fallback = "\"auto\": from the stability rule",
+                         .meaning = "time step; shortened so that it divides the output interval; "
+                                    "an unstable step is rejected"});
+    walk(o.c_p_over_c_s,
+         {.key = "c_p_over_c_s",
+          .range = Range::between(2.0, 1000.0),
+          .meaning =
+              "upper limit of c_p, as a multiple of c_s of its layer; the time step is inversely "
+              "proportional to c_p. At 10 the surface field is in error by 3 %, at 20 by 1.4 %"});
+    walk(o.top, {.key = "top",
+                 .meaning = "material above the skin; `\"continued\"`: the uppermost layer extends "
+                            "upward to infinity"});
+    walk(o.fluid_density_kg_m3,
+         {.key = "fluid_density_kg_m3",
+          .range = Range::above(0.0),
+          .applies = o.top == PstdTop::fluid,
+          .only_with = "top = \"fluid\"",
+          .meaning = "density of the fluid. A lighter fluid requires a shorter time step"});
+    walk(o.fluid_c_p_m_s,
+         {.key = "fluid_c_p_m_s",
+          .range = Range::above(0.0),
+          .applies = o.top == PstdTop::fluid,
+          .only_with = "top = \"fluid\"",
+          .meaning = "c_p of the fluid, at most `c_p_over_c_s` times c_s of the uppermost layer"});
+    walk(o.load,
+         {.key = "load",
+          .meaning = "`\"traction\"`: the load exerts pressure; `\"displacement\"`: it prescribes "
+                     "the displacement of the skin, with u_z = `displacement_um` at its peak, "
+                     "independently of `peak_Pa`. Use `ramp_ms` for a smooth start in this case"});
+    walk(o.displacement_m, {.key = "displacement_um",
+                            .range = Range::above(0.0),
+                            .given = Given::required,
+                            .applies = o.load == PstdLoad::displacement,
+                            .only_with = "load = \"displacement\"",
+                            .meaning = "displacement of the skin at the peak of the load"});
+}
+
+template <class Walk, Is<PstdOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk_scheme(walk, o);
+    walk(o.depth_m, {.key = "depth_mm",
+                     .range = Range::above(0.0),
+                     .in_text = o.depth_m > 0.0,
+                     .fallback = "4 FWHM, and at least 2 FWHM below the lowest body",
+                     .meaning = "depth of the domain without absorbing layer; with a rigid base, "
+                                "the base determines it"});
+    walk(o.absorbing_points, {.key = "absorbing_points",
+                              .range = Range::between(8, 100),
+                              .meaning = "thickness of the absorbing layer (PMLSize of k-Wave). It "
+                                         "lies outside the domain, above and below"});
+    walk(o.absorbing_strength,
+         {.key = "absorbing_strength",
+          .range = Range::between(0.0, 20.0),
+          .meaning = "absorption in Np per point at the outer edge of the absorbing layer for the "
+                     "fastest wave (PMLAlpha of k-Wave)"});
+    walk(o.edges,
+         {.key = "edges",
+          .text = "absorbing_edges",
+          .flag_in_text = true,
+          .meaning = "edges in x and y. `\"periodic\"`: periodic, or absorbing within "
+                     "`domain.sponge_mm` if that is given; `\"absorbing\"`: the absorbing layer "
+                     "also lies outside the domain in x and y"});
+    walk(o.precision,
+         {.key = "precision",
+          .meaning =
+              "`\"single\"` requires half the memory and about 0.6 of the time of `\"double\"`"});
+}
+
+} // namespace shearwake
