@@ -18,6 +18,11 @@ target_compile_options(shearwake_flags INTERFACE
 # process every sample.
 set(SHEARWAKE_FEW_OPTIMISATIONS $<$<CONFIG:Release>:-O1>)
 
+# g++ spends an eighth of its time on garbage collection unless it may keep 800 MB: the five slowest files took 34.9 s
+# instead of 39.7 s.
+target_compile_options(shearwake_flags INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=800000 --param=ggc-min-expand=100>)
+
 # All components that are compiled with the same options share a precompiled header.
 file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled.cpp CONTENT "// Compiled with the components' headers.\n")
 foreach(optimisations full few)
