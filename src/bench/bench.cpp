@@ -6,6 +6,7 @@
 #include "engines/registry/make_engine.hpp"
 #include "fft/line_transform.hpp"
 #include "fft/slab_transform.hpp"
+#include "parallel/agree.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "simd/instruction_set.hpp"
 
@@ -103,14 +104,25 @@ double copy_rate_B_s(const Comm& world) {
     return 2.0 * 8.0 * static_cast<double>(from.size()) / copy * world.size();
 }
 
-ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
-    if (arguments.engine == "neural") return bench_neural(world);
+namespace {
+
+ExitCode bench_engine(const BenchArguments& arguments, const Comm& world) {
     if (arguments.engine == "spectral") return bench_spectral(arguments, world);
     if (arguments.engine == "pstd") return bench_pstd(arguments, world);
+    return bench_layered(world);
+}
+
+} // namespace
+
+ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
+    if (arguments.engine == "neural") return bench_neural(world);
     if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world);
     if (arguments.engine == "machine") return bench_machine(world);
     if (arguments.engine == "estimates") return bench_estimates(world);
-    return bench_layered(world);
+    ExitCode code = ExitCode::done;
+    // As in `run`, so that the times include the agreement before each collective call.
+    fail_together(world, [&] { code = bench_engine(arguments, world); });
+    return code;
 }
 
 } // namespace shearwake::bench

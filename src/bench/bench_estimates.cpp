@@ -64,13 +64,12 @@ Case shortened(Case c) {
 void compute(const Case& c, const Comm& world, const fs::path& folder) {
     const PlannedCase planned{.id = "case", .physics = c, .settings = {}, .reference_id = ""};
     const storage::Journal journal(folder / storage::journal_name(""));
-    const pipeline::EndAlone alone = [](const std::string& reason) { throw Error(reason); };
     pipeline::CaseCheckpoints checkpoints(folder / "case.state", {planned.id, ""}, {}, world,
                                           journal,
-                                          {[] { return false; }, [](const std::string&) {}, alone});
+                                          {[] { return false; }, [](const std::string&) {}});
     const auto engine = engines::make_engine(c.solver);
     pipeline::run_case(planned, {.memory_per_rank_B = std::numeric_limits<double>::infinity()},
-                       *engine, world, folder / "case.h5", checkpoints, {[] {}, alone});
+                       *engine, world, folder / "case.h5", checkpoints, [] {});
 }
 
 /// Seconds of a rank by name of the stage.

@@ -45,8 +45,22 @@ public:
     /// Passes the newest complete checkpoint that belongs to this case and program version to
     /// `read`. Returns false, without calling `read`, if there is none.
     virtual bool restore(const std::function<void(StateReader&)>& read) = 0;
-    /// Whether the engine should return after a save because a stop was requested.
+    /// Whether the engine should return because a stop was requested: after a save, or after
+    /// stop_asked().
     virtual bool stop() const = 0;
+    /// Whether a stop was requested, for engines that save nothing. Call it equally often on all
+    /// ranks, as often as convenient: the ranks communicate about every 0.1 s. Returns the same
+    /// value on all ranks.
+    virtual bool stop_asked() { return false; }
 };
+
+/// Ends the computation of a case after stop_asked(). Thrown on all ranks of a team together and
+/// caught by the engine.
+struct StopRequested {};
+
+/// Throws StopRequested if a stop was requested. Collective, see Checkpoints::stop_asked().
+inline void end_if_asked(Checkpoints* checkpoints) {
+    if (checkpoints && checkpoints->stop_asked()) throw StopRequested{};
+}
 
 } // namespace shearwake::engines

@@ -132,8 +132,8 @@ public:
     /// The case with this step specified, so that no trial runs are needed. Not collective.
     virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
     /// Computes the case and passes the results to the observer. With `checkpoints` it resumes from
-    /// the newest checkpoint, and returns early after a save if a stop was requested; engines whose
-    /// cases take seconds ignore `checkpoints`. Throws CaseFailure on all ranks together.
+    /// the newest checkpoint, and returns early after a save if a stop was requested; an engine
+    /// that saves no checkpoints returns without one. Throws CaseFailure on all ranks together.
     /// Collective over the team, which must be the same in all calls.
     virtual void run(const Case& c, const Comm& team, Observer& observer,
                      Checkpoints* checkpoints = nullptr) = 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdlib>
 #include <limits>
 #include <new>
 #include <sys/mman.h>
@@ -21,32 +20,23 @@ struct FftwAllocator {
     FftwAllocator(const FftwAllocator<U>&) {} // NOLINT: allocators convert
     T* allocate(std::size_t n) {
         if (n > std::numeric_limits<std::size_t>::max() / sizeof(T) - 1) throw std::bad_alloc();
-        void* memory = is_large(n) ? large(n * sizeof(T)) : small(n * sizeof(T));
-        if (memory) return static_cast<T*>(memory);
-        throw std::bad_alloc();
+        const std::size_t bytes = n * sizeof(T);
+        void* memory = ::operator new(bytes, alignment_of(n));
+        // Only for complete pages: the remainder would occupy another huge page. The kernel may
+        // ignore this advice.
+        if (is_large(n)) ::madvise(memory, bytes / page * page, MADV_HUGEPAGE);
+        return static_cast<T*>(memory);
     }
-    void deallocate(T* memory, std::size_t /*n*/) { std::free(memory); }
+    void deallocate(T* memory, std::size_t n) { ::operator delete(memory, alignment_of(n)); }
     bool operator==(const FftwAllocator&) const { return true; }
 
 private:
     static constexpr std::size_t page = std::size_t{1} << 21;
     static constexpr std::size_t cache_line = 64;
     static_assert(alignof(T) <= cache_line);
-    /// posix_memalign accepts any size, std::aligned_alloc only multiples of the alignment.
-    static void* aligned(std::size_t alignment, std::size_t bytes) {
-        void* memory = nullptr;
-        return ::posix_memalign(&memory, alignment, bytes) == 0 ? memory : nullptr;
-    }
-    static void* small(std::size_t bytes) {
-        return aligned(cache_line, (bytes + cache_line - 1) / cache_line * cache_line);
-    }
     static bool is_large(std::size_t n) { return n >= page / sizeof(T); }
-    static void* large(std::size_t bytes) {
-        void* memory = aligned(page, bytes);
-        // Only for complete pages: the remainder would occupy another huge page. The kernel may
-        // ignore this advice.
-        if (memory) ::madvise(memory, bytes / page * page, MADV_HUGEPAGE);
-        return memory;
+    static std::align_val_t alignment_of(std::size_t n) {
+        return std::align_val_t{is_large(n) ? page : cache_line};
     }
 };
 

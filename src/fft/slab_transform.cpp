@@ -50,6 +50,7 @@ bool SlabTransform::Work::plan_lines(double* plane, unsigned flags) {
 
 void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
     const unsigned flags = effort | FFTW_DESTROY_INPUT;
+    team.before_collective();
     slabs_to_spectral = checked_plan(fftw_mpi_plan_many_transpose(
         nx, modes, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
         reinterpret_cast<double*>(columns()), reinterpret_cast<double*>(rows()), team.raw(),
@@ -190,7 +191,10 @@ void SlabTransform::to_spectral(double* plane) const {
                                  raw(w.line(r)));
         rows_to_columns(w.line(0), w.pitch, count, w.modes, w.columns() + i, w.stride);
     }
-    if (w.slabs_to_spectral) fftw_execute(w.slabs_to_spectral.get());
+    if (w.slabs_to_spectral) {
+        team_.before_collective();
+        fftw_execute(w.slabs_to_spectral.get());
+    }
     for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
         fftw_execute_dft(w.x_to_spectral.get(), raw(w.rows() + k * line_of_x),
                          raw(modes + k * w.nx));

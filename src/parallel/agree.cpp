@@ -3,60 +3,145 @@
 
 #include "base/error.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
-#include <fmt/format.h>
 #include <new>
+#include <string>
 
 namespace shearwake {
 namespace {
 
+/// How a rank has failed. Of fixed size, so that it is described and sent without an allocation.
 struct Outcome {
-    enum Kind : long { fine, case_failure, usage_error, file_failure };
-    long kind = fine;
-    long code = 0;    // of a usage error
-    long trouble = 0; // of a usage error or a file failure
-    std::string message;
+    enum Kind : int { fine, peer_failed, case_failure, field_diverges, usage_error, file_failure };
+    int kind = fine;
+    int code = 0;    // of a usage error
+    int trouble = 0; // of a usage error or a file failure
+    int depth = 0;   // of the failure of another rank
+    std::array<char, 4000> message{};
+
+    Outcome() = default;
+    Outcome(Kind failed, const char* what) : kind(failed) { append(what); }
+    void append(const char* text) {
+        const std::size_t used = std::strlen(message.data());
+        const std::size_t more = std::min(std::strlen(text), message.size() - 1 - used);
+        std::memcpy(message.data() + used, text, more);
+    }
 };
 
-Outcome outcome_of(const std::function<void()>& work) {
+Outcome outcome_of(const UsageError& error) {
+    Outcome outcome(Outcome::usage_error, error.what());
+    outcome.code = static_cast<int>(error.code());
+    outcome.trouble = static_cast<int>(error.trouble());
+    return outcome;
+}
+
+/// Any other failure of the standard library or of a case.
+Outcome outcome_of(const std::exception& error) {
+    if (!std::ferror(stdout)) return {Outcome::case_failure, error.what()};
+    // A failure of the output is not a failure of the case.
+    Outcome outcome(Outcome::usage_error, "standard output: ");
+    outcome.append(error.what());
+    outcome.code = static_cast<int>(ExitCode::environment);
+    return outcome;
+}
+
+Outcome outcome_of(const std::filesystem::filesystem_error& error) {
+    Outcome outcome(Outcome::usage_error, error.path1().c_str());
+    outcome.append(": ");
+    outcome.append(std::strerror(error.code().value()));
+    outcome.code = static_cast<int>(ExitCode::environment);
+    return outcome;
+}
+
+Outcome outcome_of(const std::exception_ptr& thrown) {
+    if (!thrown) return {};
     try {
-        work();
-        return {};
+        std::rethrow_exception(thrown);
+    } catch (const PeerFailed& failure) {
+        Outcome outcome(Outcome::peer_failed, "");
+        outcome.depth = failure.depth();
+        return outcome;
     } catch (const UsageError& error) {
-        return {Outcome::usage_error, static_cast<long>(error.code()),
-                static_cast<long>(error.trouble()), error.what()};
+        return outcome_of(error);
     } catch (const FileFailure& error) {
-        return {Outcome::file_failure, 0, static_cast<long>(error.trouble()), error.what()};
+        Outcome outcome(Outcome::file_failure, error.what());
+        outcome.trouble = static_cast<int>(error.trouble());
+        return outcome;
+    } catch (const FieldDiverges& error) {
+        return {Outcome::field_diverges, error.what()};
     } catch (const std::filesystem::filesystem_error& error) {
-        return {Outcome::usage_error, static_cast<long>(ExitCode::environment), 0,
-                fmt::format("{}: {}", error.path1().string(), error.code().message())};
+        return outcome_of(error);
     } catch (const std::bad_alloc&) {
-        return {Outcome::case_failure, 0, 0, "out of memory"};
+        return {Outcome::case_failure, "out of memory"};
     } catch (const std::exception& error) {
-        if (std::ferror(stdout)) // a failure of the output is not a failure of the case
-            return {Outcome::usage_error, static_cast<long>(ExitCode::environment), 0,
-                    fmt::format("standard output: {}", error.what())};
-        return {Outcome::case_failure, 0, 0, error.what()};
+        return outcome_of(error);
+    } catch (...) {
+        return {Outcome::case_failure, "an exception of unknown type"};
     }
+}
+
+[[noreturn]] void rethrow(const Outcome& outcome) {
+    const char* message = outcome.message.data();
+    const auto trouble = static_cast<Trouble>(outcome.trouble);
+    switch (outcome.kind) {
+    case Outcome::usage_error:
+        throw UsageError(message, static_cast<ExitCode>(outcome.code), trouble);
+    case Outcome::file_failure:
+        throw FileFailure(message, trouble);
+    case Outcome::field_diverges:
+        throw FieldDiverges(message);
+    default:
+        throw CaseFailure(message);
+    }
+}
+
+/// Throws the error of the lowest rank that has one of its own, on all ranks. Collective.
+[[noreturn]] void throw_first(Outcome outcome, const Comm& comm) {
+    const bool own = outcome.kind > Outcome::peer_failed;
+    int first = own ? comm.rank() : comm.size();
+    if (comm.size() > 1) {
+        MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm.raw());
+        MPI_Bcast(&outcome, static_cast<int>(sizeof outcome), MPI_BYTE, first, comm.raw());
+    }
+    rethrow(outcome);
 }
 
 } // namespace
 
+FailTogether::FailTogether(const Comm& comm) : comm_(comm), depth_(++comm.shared_->depth) {}
+
+FailTogether::~FailTogether() {
+    comm_.shared_->depth = depth_ - 1;
+}
+
+void FailTogether::settle(std::exception_ptr thrown) {
+    const Outcome mine = outcome_of(thrown);
+    thrown = nullptr; // frees what it holds before anything else is allocated
+    // A rank that learned of the failure from others has already taken part in the agreement.
+    const int depth = mine.kind == Outcome::peer_failed
+                          ? mine.depth
+                          : comm_.agree(mine.kind == Outcome::fine ? 0 : depth_);
+    if (depth == 0) return;
+    if (depth < depth_) throw PeerFailed(depth); // another rank failed outside this call
+    throw_first(mine, comm_);
+}
+
 void together(const Comm& comm, const std::function<void()>& work) {
-    Outcome mine = outcome_of(work);
-    // The lowest failed rank provides the error; comm.size() if no rank failed.
-    const int failed =
-        comm.size() - 1 - comm.max(mine.kind != 0 ? comm.size() - 1 - comm.rank() : -1);
-    if (failed == comm.size()) return;
-    const long kind = comm.broadcast(mine.kind, failed);
-    const long code = comm.broadcast(mine.code, failed);
-    const std::string message = comm.broadcast(mine.message, failed);
-    const auto trouble = static_cast<Trouble>(comm.broadcast(mine.trouble, failed));
-    if (kind == Outcome::usage_error)
-        throw UsageError(message, static_cast<ExitCode>(code), trouble);
-    if (kind == Outcome::file_failure) throw FileFailure(message, trouble);
-    throw CaseFailure(message);
+    std::exception_ptr thrown;
+    try {
+        work();
+    } catch (...) {
+        thrown = std::current_exception();
+    }
+    const Outcome mine = outcome_of(thrown);
+    thrown = nullptr;
+    if (comm.max(mine.kind) == Outcome::fine) return;
+    comm.before_collective();
+    throw_first(mine, comm);
 }
 
 void on_root(const Comm& comm, const std::function<void()>& work) {

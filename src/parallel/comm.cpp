@@ -54,14 +54,16 @@ struct Layout {
 Layout layout_of(std::size_t mine, const Comm& comm) {
     const long count = static_cast<long>(mine);
     std::vector<long> counts(static_cast<std::size_t>(comm.size()));
+    comm.before_collective();
     checked(MPI_Allgather(&count, 1, MPI_LONG, counts.data(), 1, MPI_LONG, comm.raw()));
     count_of(static_cast<std::size_t>(std::accumulate(counts.begin(), counts.end(), 0L)));
     return Layout(counts);
 }
 
 void reduce(std::span<double> values, MPI_Op operation, const Comm& comm) {
-    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), count_of(values.size()), MPI_DOUBLE,
-                          operation, comm.raw()));
+    const int count = count_of(values.size());
+    comm.before_collective();
+    checked(MPI_Allreduce(MPI_IN_PLACE, values.data(), count, MPI_DOUBLE, operation, comm.raw()));
 }
 
 double reduced(double value, MPI_Op operation, const Comm& comm) {
@@ -70,47 +72,66 @@ double reduced(double value, MPI_Op operation, const Comm& comm) {
 }
 
 int reduced(int value, MPI_Op operation, const Comm& comm) {
+    comm.before_collective();
     checked(MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_INT, operation, comm.raw()));
     return value;
 }
 
 } // namespace
 
-Comm::Comm(std::shared_ptr<const MPI_Comm> handle) : handle_(std::move(handle)) {
-    checked(MPI_Comm_rank(*handle_, &rank_));
-    checked(MPI_Comm_size(*handle_, &size_));
+Comm::Comm(std::shared_ptr<Shared> shared) : shared_(std::move(shared)) {
+    checked(MPI_Comm_rank(shared_->handle, &rank_));
+    checked(MPI_Comm_size(shared_->handle, &size_));
 }
 
 Comm Comm::world() {
-    return Comm(std::make_shared<const MPI_Comm>(MPI_COMM_WORLD));
+    return Comm(std::make_shared<Shared>(Shared{MPI_COMM_WORLD}));
+}
+
+int Comm::agree(int failed) const {
+    // The largest value must be that of the smallest depth.
+    const auto turned = [](int depth) {
+        return depth == 0 ? 0 : std::numeric_limits<int>::max() - depth;
+    };
+    int worst = turned(failed);
+    if (size_ > 1)
+        checked(MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_INT, MPI_MAX, shared_->handle));
+    return worst == 0 ? 0 : std::numeric_limits<int>::max() - worst;
+}
+
+void Comm::before_collective() const {
+    if (shared_->depth == 0) return;
+    if (const int depth = agree(0); depth != 0) throw PeerFailed(depth);
 }
 
 Comm Comm::split(int color) const {
     MPI_Comm part = MPI_COMM_NULL;
+    before_collective();
     checked(MPI_Comm_split(raw(), color, rank_, &part));
     return owned(part);
 }
 
 Comm Comm::split_by_machine() const {
     MPI_Comm part = MPI_COMM_NULL;
+    before_collective();
     checked(MPI_Comm_split_type(raw(), MPI_COMM_TYPE_SHARED, rank_, MPI_INFO_NULL, &part));
     return owned(part);
 }
 
 Comm Comm::owned(MPI_Comm part) {
-    const auto free_it = [](const MPI_Comm* handle) {
+    const auto free_it = [](Shared* shared) {
         int finalized = 0;
         MPI_Finalized(&finalized);
-        MPI_Comm copy = *handle;
         // Freeing is collective. After an exception other ranks may not reach this point, so the
         // communicator is left to the end of the program.
-        if (!finalized && std::uncaught_exceptions() == 0) MPI_Comm_free(&copy);
-        delete handle;
+        if (!finalized && std::uncaught_exceptions() == 0) MPI_Comm_free(&shared->handle);
+        delete shared;
     };
-    return Comm(std::shared_ptr<const MPI_Comm>(new MPI_Comm(part), free_it));
+    return Comm(std::shared_ptr<Shared>(new Shared{part}, free_it));
 }
 
 void Comm::barrier() const {
+    before_collective();
     checked(MPI_Barrier(raw()));
 }
 
@@ -147,7 +168,9 @@ void Comm::broadcast_in_place(std::span<T> values, int from) const {
     constexpr std::size_t piece = std::size_t{1} << 24; // MPI counts are of type int
     for (std::size_t start = 0; start < values.size(); start += piece) {
         const auto part = values.subspan(start, std::min(piece, values.size() - start));
-        checked(MPI_Bcast(part.data(), count_of(part.size()), type_of<T>(), from, raw()));
+        const int count = count_of(part.size());
+        before_collective();
+        checked(MPI_Bcast(part.data(), count, type_of<T>(), from, raw()));
     }
 }
 
@@ -161,8 +184,10 @@ template <Sendable T>
 std::vector<T> Comm::all_gather(std::span<const T> mine) const {
     const Layout layout = layout_of(mine.size(), *this);
     std::vector<T> all(layout.total);
-    checked(MPI_Allgatherv(mine.data(), count_of(mine.size()), type_of<T>(), all.data(),
-                           layout.counts.data(), layout.offsets.data(), type_of<T>(), raw()));
+    const int count = count_of(mine.size());
+    before_collective();
+    checked(MPI_Allgatherv(mine.data(), count, type_of<T>(), all.data(), layout.counts.data(),
+                           layout.offsets.data(), type_of<T>(), raw()));
     return all;
 }
 
@@ -170,8 +195,10 @@ template <Sendable T>
 std::vector<T> Comm::gather(std::span<const T> mine) const {
     const Layout layout = layout_of(mine.size(), *this);
     std::vector<T> all(is_root() ? layout.total : 0);
-    checked(MPI_Gatherv(mine.data(), count_of(mine.size()), type_of<T>(), all.data(),
-                        layout.counts.data(), layout.offsets.data(), type_of<T>(), 0, raw()));
+    const int count = count_of(mine.size());
+    before_collective();
+    checked(MPI_Gatherv(mine.data(), count, type_of<T>(), all.data(), layout.counts.data(),
+                        layout.offsets.data(), type_of<T>(), 0, raw()));
     return all;
 }
 
@@ -182,6 +209,7 @@ void Comm::all_to_all(std::span<const T> sent, std::span<const std::ptrdiff_t> s
     const Layout out(sent_counts), in(received_counts);
     if (out.total > sent.size() || in.total > received.size())
         throw Error("all-to-all: the counts exceed the size of a buffer");
+    before_collective();
     checked(MPI_Alltoallv(sent.data(), out.counts.data(), out.offsets.data(), type_of<T>(),
                           received.data(), in.counts.data(), in.offsets.data(), type_of<T>(),
                           raw()));

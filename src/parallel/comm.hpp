@@ -4,6 +4,7 @@
 #include <complex>
 #include <concepts>
 #include <cstddef>
+#include <exception>
 #include <memory>
 #include <mpi.h>
 #include <span>
@@ -18,9 +19,22 @@ concept Sendable =
     std::same_as<T, double> || std::same_as<T, float> || std::same_as<T, std::complex<double>> ||
     std::same_as<T, long> || std::same_as<T, int> || std::same_as<T, char>;
 
+/// Thrown by collective calls inside fail_together() when another rank has failed. Not an Error, so
+/// that only fail_together() catches it.
+class PeerFailed : public std::exception {
+public:
+    explicit PeerFailed(int depth) : depth_(depth) {}
+    const char* what() const noexcept override { return "another rank has failed"; }
+    int depth() const { return depth_; }
+
+private:
+    int depth_;
+};
+
 /// A group of ranks; owns an MPI communicator. Copies share the communicator. Every member function
 /// is collective unless stated otherwise. All throw Error when MPI reports an error, and, before
-/// anything is sent, when the number of values exceeds the range of MPI's counts.
+/// anything is sent, when the number of values exceeds the range of MPI's counts. Inside
+/// fail_together() (parallel/agree.hpp) all throw PeerFailed when another rank has failed.
 class Comm {
 public:
     /// All ranks of the program. Not collective.
@@ -30,10 +44,15 @@ public:
     /// Groups the ranks that share memory with this rank.
     Comm split_by_machine() const;
 
-    int rank() const { return rank_; }          // not collective
-    int size() const { return size_; }          // not collective
-    bool is_root() const { return rank_ == 0; } // not collective
-    MPI_Comm raw() const { return *handle_; }   // not collective
+    int rank() const { return rank_; }               // not collective
+    int size() const { return size_; }               // not collective
+    bool is_root() const { return rank_ == 0; }      // not collective
+    MPI_Comm raw() const { return shared_->handle; } // not collective
+
+    /// Call immediately before a collective call that another library (FFTW, HDF5) makes over
+    /// raw(): throws PeerFailed inside fail_together() if another rank has failed. Nothing between
+    /// this call and the collective one may throw.
+    void before_collective() const;
 
     void barrier() const;
     /// Reductions return the same result on every rank.
@@ -82,11 +101,19 @@ public:
                     std::span<T> received, std::span<const std::ptrdiff_t> received_counts) const;
 
 private:
-    explicit Comm(std::shared_ptr<const MPI_Comm> handle);
+    friend class FailTogether;
+    struct Shared { // by all copies
+        MPI_Comm handle;
+        int depth = 0; // number of calls of fail_together() that are active
+    };
+    explicit Comm(std::shared_ptr<Shared> shared);
     static Comm owned(MPI_Comm part); // freed with its last copy
+    /// Returns the smallest depth at which any rank has failed; 0 if none has. `failed`: the depth
+    /// at which this rank has failed, or 0.
+    int agree(int failed) const;
     template <Sendable T>
     void broadcast_in_place(std::span<T> values, int from) const;
-    std::shared_ptr<const MPI_Comm> handle_; // shared: freed by the last copy
+    std::shared_ptr<Shared> shared_;
     int rank_ = 0;
     int size_ = 1;
 };

@@ -57,7 +57,10 @@ int with_output_written(int code) {
 }
 
 [[noreturn]] void abort_all(int rank, const std::string& what) {
-    abort_all_ranks(fmt::format("internal error on rank {}: {}", rank, what), ExitCode::internal);
+    fmt::print(stderr, "shearwake: internal error on rank {}: {}\n", rank, what);
+    std::fflush(stderr);
+    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(ExitCode::internal));
+    std::abort();
 }
 
 /// Selects the best instruction set that all ranks support, or the one that SHEARWAKE_SIMD requests
@@ -101,13 +104,6 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
     code = world.max(with_output_written(code));
     MPI_Finalize();
     return code;
-}
-
-void abort_all_ranks(const std::string& reason, ExitCode code) {
-    fmt::print(stderr, "shearwake: {}\n", reason);
-    std::fflush(stderr);
-    MPI_Abort(MPI_COMM_WORLD, static_cast<int>(code));
-    std::abort();
 }
 
 std::string mpi_version() {

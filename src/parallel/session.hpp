@@ -11,13 +11,8 @@ namespace shearwake {
 
 /// Initialises MPI, runs `program` on all ranks and finalises MPI. A UsageError is printed once and
 /// determines the exit code. Any other exception is printed with its rank and context and aborts
-/// all ranks. All ranks return the same exit code. Only this function and abort_all_ranks() end the
-/// process.
+/// all ranks. All ranks return the same exit code. Only this function ends the process.
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program);
-
-/// Prints the reason and ends all ranks immediately with the exit code. Used for an error on one
-/// rank while the others wait in a collective call. Not collective.
-[[noreturn]] void abort_all_ranks(const std::string& reason, ExitCode code);
 
 /// Name and version of the linked MPI library, for example "Open MPI v4.1.4". Not collective.
 std::string mpi_version();

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
+#include "pipeline/case_scope.hpp"
 
 #include <algorithm>
 #include <array>
@@ -70,11 +71,14 @@ private:
 };
 
 /// Verifies the arrays of a checkpoint whose attributes are valid; empty if they are. Collective.
-std::string damage_of(const fs::path& path, const Comm& team, const EndAlone& end_alone) {
-    std::optional<storage::CheckpointFileReader> file;
+std::string damage_of(const fs::path& path, const Comm& team) {
     std::string damage;
     try {
-        or_end_alone(team, end_alone, [&] { damage = file.emplace(path, team).damage(); });
+        fail_together_with_files(team, [&] {
+            storage::CheckpointFileReader file(path, team);
+            damage = file.damage();
+            file.close();
+        });
         return damage;
     } catch (const CaseFailure& failure) {
         return fmt::format("is damaged ({})", failure.what());
@@ -88,7 +92,7 @@ CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
                                  const storage::Journal& journal, CheckpointHooks hooks)
     : stem_(std::move(stem)), owner_(std::move(owner)), schedule_(schedule), team_(team),
       journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_),
-      looked_(began_) {
+      looked_(began_), asked_at_(began_) {
     find_newest();
     if (newest_) earlier_seconds_ = newest_->facts.seconds;
 }
@@ -112,7 +116,7 @@ void CaseCheckpoints::find_newest() {
         facts.sequence = team_.broadcast(facts.sequence);
         facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
         if (newest_ && newest_->facts.sequence > facts.sequence) continue;
-        const std::string damage = damage_of(paths[i], team_, hooks_.end_alone);
+        const std::string damage = damage_of(paths[i], team_);
         if (damage.empty())
             newest_ = {paths[i], facts};
         else if (team_.is_root())
@@ -158,16 +162,18 @@ void CaseCheckpoints::save(const std::function<void(engines::StateWriter&)>& wri
                                    .seconds = earlier_seconds_ + seconds_since(began_),
                                    .part = {}};
     std::string trouble;
-    std::optional<storage::CheckpointFileWriter> file;
+    std::optional<State> saved; // assigned to newest_ on all ranks or on none
     try {
-        or_end_alone(team_, hooks_.end_alone, [&] {
-            FileStateWriter state(file.emplace(path, team_));
+        fail_together_with_files(team_, [&] {
+            storage::CheckpointFileWriter file(path, team_);
+            FileStateWriter state(file);
             write(state);
             if (part_) facts.part = part_();
-            file->commit(owner_, facts);
-            newest_ = {path, facts};
+            saved = {path, facts};
+            file.commit(owner_, facts);
             on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
         });
+        newest_.swap(saved);
     } catch (const CaseFailure& failure) {
         trouble = failure.what();
     } catch (const UsageError& failure) { // the file system reports an error
@@ -177,19 +183,37 @@ void CaseCheckpoints::save(const std::function<void(engines::StateWriter&)>& wri
         hooks_.say(
             fmt::format("case {} continues without a checkpoint: {}", owner_.case_id, trouble));
     // Without a checkpoint, a stop is delayed until the end of the case.
-    if (stopping_) (trouble.empty() ? saved_for_stop_ : stop_failed_) = true;
+    if (stopping_) (trouble.empty() ? stops_ : stop_failed_) = true;
     next_look_ = std::max(1L, next_look_ - steps_);
     if (schedule_.steps > 0) next_look_ = std::min(next_look_, schedule_.steps);
     steps_ = last_look_ = 0;
     saved_ = looked_ = Clock::now();
 }
 
+bool CaseCheckpoints::stop_asked() {
+    if (++asked_ < next_asked_) return false;
+    long answer = 0, wait = 0;
+    if (team_.is_root()) {
+        answer = hooks_.stop_asked() ? 1 : 0;
+        // The calls may become slower: the number of calls to the next look at most doubles.
+        const auto calls = static_cast<double>(std::max(1L, asked_ - last_asked_));
+        const double call_s = std::max(seconds_since(asked_at_), 1e-9) / calls;
+        wait = static_cast<long>(std::clamp(between_looks_s / call_s, 1.0, 2.0 * calls));
+    }
+    stops_ = team_.broadcast(answer) != 0;
+    last_asked_ = asked_;
+    next_asked_ = asked_ + team_.broadcast(wait);
+    asked_at_ = Clock::now();
+    return stops_;
+}
+
 bool CaseCheckpoints::restore(const std::function<void(engines::StateReader&)>& read) {
     if (!newest_) return false;
-    std::optional<storage::CheckpointFileReader> file;
-    or_end_alone(team_, hooks_.end_alone, [&] {
-        FileStateReader state(file.emplace(newest_->path, team_));
+    fail_together_with_files(team_, [&] {
+        storage::CheckpointFileReader file(newest_->path, team_);
+        FileStateReader state(file);
         read(state);
+        file.close();
         on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
     });
     return true;

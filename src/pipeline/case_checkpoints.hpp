@@ -3,7 +3,6 @@
 
 #include "engines/checkpoint.hpp"
 #include "parallel/comm.hpp"
-#include "pipeline/end_alone.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/journal/journal.hpp"
 
@@ -21,11 +20,10 @@ struct CheckpointSchedule {
     long steps = 0;            // additionally after this number of steps; 0: never
 };
 
-/// Callbacks to the run. The first two are called only on the root of the team.
+/// Callbacks to the run, called only on the root of the team.
 struct CheckpointHooks {
     std::function<bool()> stop_asked;
     std::function<void(const std::string&)> say;
-    EndAlone end_alone;
 };
 
 /// `<stem>.A.h5` and `<stem>.B.h5`, written alternately, so that one remains valid if the program
@@ -41,7 +39,8 @@ public:
     bool due() override;
     void save(const std::function<void(engines::StateWriter&)>& write) override;
     bool restore(const std::function<void(engines::StateReader&)>& read) override;
-    bool stop() const override { return saved_for_stop_; } // not collective
+    bool stop() const override { return stops_; } // not collective
+    bool stop_asked() override;
 
     /// Whether a checkpoint was found or saved. Not collective.
     bool has_state() const { return newest_.has_value(); }
@@ -80,7 +79,10 @@ private:
     std::chrono::steady_clock::time_point began_, saved_, looked_;
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;
-    bool stopping_ = false, saved_for_stop_ = false, stop_failed_ = false;
+    bool stopping_ = false, stops_ = false, stop_failed_ = false;
+    // Calls of stop_asked(); the ranks communicate in call next_asked_.
+    long asked_ = 0, last_asked_ = 0, next_asked_ = 1;
+    std::chrono::steady_clock::time_point asked_at_;
 };
 
 /// Whether a case has a checkpoint from which a run can resume, according to its attributes. Not

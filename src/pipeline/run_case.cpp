@@ -5,6 +5,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
+#include "pipeline/case_scope.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
@@ -70,40 +71,36 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
 /// Returns early if a stop was requested. After a temporary failure, such as a full disk, the case
 /// can be resumed from the newest checkpoint; after a field that is not finite, it cannot.
 void compute(const Case& c, engines::Engine& engine, const Comm& team, SurfaceRecorder& recorder,
-             storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints,
-             const CaseHooks& hooks) {
+             storage::CaseFileWriter& writer, CaseCheckpoints& checkpoints) {
     try {
-        or_end_alone(team, hooks.end_alone, [&] { engine.run(c, team, recorder, &checkpoints); });
+        fail_together(team, [&] { engine.run(c, team, recorder, &checkpoints); });
     } catch (const FieldDiverges&) {
         checkpoints.discard();
         throw;
     } catch (const Error&) {
-        if (checkpoints.has_state()) writer.leave_for_later();
+        if (checkpoints.has_state()) writer.keep_uncommitted();
         throw;
     }
     if (checkpoints.stop()) {
-        writer.leave_for_later();
+        if (checkpoints.has_state())
+            writer.leave_for_later();
+        else
+            writer.discard();
         return;
     }
     try {
-        or_end_alone(team, hooks.end_alone, [&] { recorder.finish(); });
+        fail_together(team, [&] { recorder.finish(); });
     } catch (const Error&) {
         checkpoints.discard();
         throw;
     }
 }
 
-/// Data that must outlive a rank that ends alone.
-struct CaseFiles {
-    std::optional<storage::CaseFileWriter> writer;
-    std::optional<SurfaceRecorder> recorder;
-};
-
 std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const JobFacts& job,
                                              engines::Engine& engine, const Comm& team,
                                              const std::filesystem::path& path,
-                                             CaseCheckpoints& checkpoints, const CaseHooks& hooks,
-                                             CaseFiles& files) {
+                                             CaseCheckpoints& checkpoints,
+                                             const std::function<void()>& tick) {
     const auto began = Clock::now();
     RunFacts facts{.job_title = job.title,
                    .job_text = job.text,
@@ -115,15 +112,13 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 
     const storage::SurfaceLayout layout = layout_of(c);
     const storage::Beginning beginning = beginning_of(path, c, layout, team, checkpoints);
-    storage::CaseFileWriter& writer =
-        files.writer.emplace(path, team, layout, beginning, checkpoints.part_record());
+    storage::CaseFileWriter writer(path, team, layout, beginning, checkpoints.part_record());
     checkpoints.keep_with([&writer] { return writer.part_record(); });
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
-    SurfaceRecorder& recorder =
-        files.recorder.emplace(c, team, keeps ? &writer : nullptr, hooks.tick);
+    SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
     keep_receptors(c, recorder);
     const double before_solve_s = seconds_since(began);
-    compute(c, engine, team, recorder, writer, checkpoints, hooks);
+    compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
     const double solve_s = seconds_since(began) - before_solve_s;
 
@@ -159,11 +154,10 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
                                     engines::Engine& engine, const Comm& team,
                                     const std::filesystem::path& path, CaseCheckpoints& checkpoints,
-                                    const CaseHooks& hooks) {
-    CaseFiles files;
+                                    const std::function<void()>& tick) {
     std::optional<CaseOutcome> outcome;
-    or_end_alone(team, hooks.end_alone, [&] {
-        outcome = compute_and_write(planned, job, engine, team, path, checkpoints, hooks, files);
+    fail_together_with_files(team, [&] {
+        outcome = compute_and_write(planned, job, engine, team, path, checkpoints, tick);
     });
     return outcome;
 }

@@ -4,7 +4,6 @@
 #include "case/plan.hpp"
 #include "engines/engine.hpp"
 #include "pipeline/case_checkpoints.hpp"
-#include "pipeline/end_alone.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -28,18 +27,13 @@ struct CaseOutcome {
     engines::SolverReport solver;
 };
 
-/// Callbacks to the run.
-struct CaseHooks {
-    std::function<void()> tick; // called occasionally
-    EndAlone end_alone;
-};
-
 /// Computes one case on a team, from its newest checkpoint if it has one, and writes its file.
 /// Returns nothing if it was saved to be resumed later. Collective over the team. Throws
-/// CaseFailure on all its ranks; partial files are removed then, unless a checkpoint requires them.
+/// CaseFailure or UsageError on all its ranks, even if only one has failed; partial files are
+/// removed then, unless a checkpoint requires them. `tick` is called occasionally.
 std::optional<CaseOutcome> run_case(const PlannedCase& planned, const JobFacts& job,
                                     engines::Engine& engine, const Comm& team,
                                     const std::filesystem::path& path, CaseCheckpoints& checkpoints,
-                                    const CaseHooks& hooks);
+                                    const std::function<void()>& tick);
 
 } // namespace shearwake::pipeline

@@ -3,7 +3,6 @@
 
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
-#include "parallel/session.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/stop_signal.hpp"
@@ -45,6 +44,31 @@ std::vector<ExpectedCase> expected(const WorkList& list) {
     return all;
 }
 
+struct CaseError {
+    std::string reason;
+    storage::Blame blame = storage::Blame::case_itself;
+    Trouble trouble = Trouble::lasting;
+};
+
+/// The error that ends `work`, if any. The errors of a case do not end the run.
+template <class Work>
+std::optional<CaseError> error_of(const Work& work) {
+    try {
+        try {
+            work();
+        } catch (const FileFailure& failure) {
+            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+        } catch (const CaseFailure& failure) {
+            return CaseError{failure.what()};
+        } catch (const UsageError& failure) { // of the file system
+            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+        }
+    } catch (const std::bad_alloc&) {
+        return CaseError{"out of memory"};
+    }
+    return {};
+}
+
 /// This host's name where the journal of rank 0's host is another's. Collective.
 std::string further_host(const Comm& world) {
     const std::string mine = storage::host_name();
@@ -61,6 +85,7 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
     });
+    computed_.reserve(list_.cases.size());
     if (world.is_root()) times_.recall(learned);
 }
 
@@ -96,28 +121,34 @@ long Worker::next() {
         if (counters_.read(stopping) != 0) return -1;
         const long index = counters_.fetch_add(next_case, 1);
         if (index >= static_cast<long>(list_.cases.size())) return -1;
-        const PlannedCase& planned = *list_.cases[static_cast<std::size_t>(index)];
-        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
         const auto place = static_cast<std::size_t>(index);
-        if (!in_time(place)) {
-            counters_.fetch_add(put_off, 1);
-            times_.end(place);
-            continue;
+        try {
+            if (claim(place)) return index;
+        } catch (const std::exception& error) { // the file system fails, or memory is lacking
+            counters_.fetch_add(begun, 1);
+            record(*list_.cases[place], error.what(), storage::Blame::files);
         }
-        if (!claims_->claim(number)) {
-            counters_.fetch_add(elsewhere, 1);
-            times_.end(place);
-            continue;
-        }
-        // Another run may have ended it since this one looked.
-        if (storage::is_whole(list_.folder.case_file(planned.id), planned.id)) {
-            claims_->release(number);
-            counters_.fetch_add(elsewhere, 1);
-            times_.end(place);
-            continue;
-        }
-        return index;
+        times_.end(place);
     }
+}
+
+/// Reserves a case for this team, if it can be begun now and no other run computes it or has
+/// computed it since this run began. On the root of the team.
+bool Worker::claim(std::size_t place) {
+    const PlannedCase& planned = *list_.cases[place];
+    const std::size_t number = list_.numbers[place];
+    if (!in_time(place)) {
+        counters_.fetch_add(put_off, 1);
+        return false;
+    }
+    if (!claims_->claim(number)) {
+        counters_.fetch_add(elsewhere, 1);
+        return false;
+    }
+    if (!storage::is_whole(list_.folder.case_file(planned.id), planned.id)) return true;
+    claims_->release(number);
+    counters_.fetch_add(elsewhere, 1);
+    return false;
 }
 
 double Worker::estimated_s(const PlannedCase& planned) const {
@@ -141,37 +172,30 @@ bool Worker::in_time(std::size_t index) {
     return list_.deadline.lets_begin(learned_s - before);
 }
 
-/// A case may meet a file system that fails for a moment: it is tried again. What is its own fault
-/// is not. The ranks of the team agree on each failure, so they do the same. Whether it is done.
+/// Computes a case and repeats it after a temporary failure of the file system. A failure of any
+/// rank ends the attempt on all ranks of the team. Returns whether the case is complete.
 bool Worker::one_case(const PlannedCase& planned) {
     if (team_.is_root()) counters_.fetch_add(begun, 1);
     case_log_.clear();
     bool is_done = false;
     for (std::size_t attempt = 0;; ++attempt) {
-        Trouble trouble = Trouble::lasting;
-        storage::Blame blame = storage::Blame::case_itself;
-        std::string reason;
-        try {
-            pipeline::or_end_alone(
-                team_, [&](const std::string& why) { end_alone(planned, why); },
-                [&] { is_done = compute(planned); });
+        const std::optional<CaseError> error =
+            error_of([&] { fail_together(team_, [&] { is_done = compute(planned); }); });
+        // A rank that lacks the memory to describe the error has to decide as the others do.
+        if (team_.max(error ? 1 : 0) == 0) {
             file_failures_in_a_row_ = 0;
             break;
-        } catch (const FileFailure& failure) {
-            trouble = failure.trouble(), blame = storage::Blame::files, reason = failure.what();
-        } catch (const CaseFailure& failure) {
-            reason = failure.what();
-        } catch (const UsageError& failure) { // the file system refuses
-            trouble = failure.trouble(), blame = storage::Blame::files, reason = failure.what();
         }
-        engine_.reset(); // what a failed case leaves there is not trusted
-        if (trouble == Trouble::lasting || attempt == waits_for_files.size()) {
-            record(planned, reason, blame);
+        is_done = false;
+        engine_.reset(); // its data may be incomplete
+        const bool passing = error && error->trouble == Trouble::passing;
+        if (team_.min(passing ? 1 : 0) == 0 || attempt == waits_for_files.size()) {
+            if (team_.is_root() && error) record(planned, error->reason, error->blame);
             break;
         }
         if (team_.is_root())
             say(fmt::format("case {} is tried again in {} s: {}", planned.id,
-                            waits_for_files[attempt].count(), reason));
+                            waits_for_files[attempt].count(), error->reason));
         std::this_thread::sleep_for(waits_for_files[attempt]);
     }
     before_ = &planned.physics;
@@ -185,14 +209,13 @@ bool Worker::compute(const PlannedCase& planned) {
     // What an engine shares between its cases is in the way of another engine's.
     if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
     if (!engine_) engine_ = engines::make_engine(planned.physics.solver);
-    const pipeline::EndAlone alone = [&](const std::string& reason) { end_alone(planned, reason); };
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
-        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }, alone});
-    const auto outcome = pipeline::run_case(planned, list_.facts, *engine_, team_,
-                                            list_.folder.case_file(planned.id), checkpoints,
-                                            {[this] { tick(); }, alone});
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }});
+    const auto outcome =
+        pipeline::run_case(planned, list_.facts, *engine_, team_,
+                           list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
     if (!outcome) {
         if (team_.is_root()) counters_.fetch_add(begun, -1);
         return false;
@@ -214,8 +237,8 @@ bool Worker::compute(const PlannedCase& planned) {
     return true;
 }
 
-/// One line of what iterated or chose what no case before it did; else nothing.
-void Worker::tell(const PlannedCase& planned, const engines::SolverReport& solver) {
+/// Prints one line with the iterations of the case and the choices that no case before it made.
+void Worker::tell(const PlannedCase& planned, const engines::SolverReport& solver) try {
     std::vector<std::string> news;
     if (solver.iterations > 0)
         news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
@@ -224,19 +247,19 @@ void Worker::tell(const PlannedCase& planned, const engines::SolverReport& solve
         if (told_.insert(note).second) news.push_back(note);
     if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
         progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
+} catch (const std::bad_alloc&) { // the case is complete
 }
 
-/// All ranks of the team are here.
+/// On the root of the team.
 void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Blame blame) {
-    if (!team_.is_root()) return;
-    say(fmt::format("case {} failed: {}", planned.id, reason));
+    counters_.fetch_add(failed, 1);
     try {
+        say(fmt::format("case {} failed: {}", planned.id, reason));
         journal_.failed(planned.id, reason, blame);
         keep_failure(planned, reason);
     } catch (const std::exception& error) {
         progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
     }
-    counters_.fetch_add(failed, 1);
     if (list_.arguments.fail_fast) give_up();
     if (blame != storage::Blame::files) return;
     counters_.fetch_add(failed_files, 1);
@@ -263,23 +286,6 @@ void Worker::look_for_folder() {
 void Worker::give_up() {
     counters_.fetch_add(given_up, 1);
     counters_.fetch_add(stopping, 1);
-}
-
-/// One rank alone has met what no other knows of, in the middle of a computation that they share:
-/// MPI has no way back from there. The case is written down as failed and all ranks end, so that
-/// the same command goes on without it.
-void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
-    const std::string words =
-        fmt::format("rank {} of its team of {} alone: {}", team_.rank(), team_.size(), reason);
-    try {
-        journal_.failed(planned.id, words, storage::Blame::case_itself);
-        keep_failure(planned, words);
-    } catch (const std::exception&) { // then it is tried again
-    }
-    abort_all_ranks(fmt::format("case {} failed on {}; the other cases are saved or resume from "
-                                "their newest checkpoint: rerun the command",
-                                planned.id, words),
-                    ExitCode::stopped_early);
 }
 
 /// All that is needed to look into the case: reason, log, inputs, and how to try it again.

@@ -83,6 +83,7 @@ private:
     };
 
     long next();
+    bool claim(std::size_t place);
     bool in_time(std::size_t index);
     /// With what the team's last case does not share with it.
     double estimated_s(const PlannedCase& planned) const;
@@ -91,7 +92,6 @@ private:
     void tell(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Blame blame);
     void give_up(); // no further cases are begun
-    [[noreturn]] void end_alone(const PlannedCase& planned, const std::string& reason);
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
     void say(const std::string& text);
     bool stop_asked();

@@ -12,7 +12,8 @@ import h5py
 import numpy
 
 from faults import FaultTest, both_engines, command, environment, journal, table_bytes
-from program import JOB, LONG, PATIENCE_s, case_files, changed, plan_ids, seal, started, table
+from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids, seal, started, table, \
+    without_reference
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
 MANY = LONG.replace("1000, 12]", "1000, 400]")
@@ -58,6 +59,36 @@ class Stops(FaultTest):
         self.assertEqual(len(times), 1)
         self.assertEqual(times[0]["engine"], "layered")
         self.assertGreater(times[0]["estimated_seconds"], 0.0)
+
+
+class LargeCase(FaultTest):
+    """A case of engine layered, which writes no checkpoints, that takes minutes."""
+
+    def setUp(self):
+        super().setUp()
+        self.write_job(without_reference(
+            ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [768.0, 768.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("output_interval_us = 100.0", "output_interval_us = 5.0")))
+
+    def assert_stops(self, ranks, after_s):
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start("run", "job.toml", "--ranks-per-case", ranks, ranks=ranks)
+        self.wait_for(lambda: (self.out / "plan.json").exists() and started(self.out), "the case")
+        time.sleep(after_s)
+        asked = time.monotonic()
+        process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
+        said = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertLess(time.monotonic() - asked, 30.0)  # required by issue 16
+        self.assertEqual(process.returncode, 75, said)
+        self.says(said, "0 computed now", "stopped early")
+        self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
+        self.assert_nothing_left(self.out)
+
+    def test_a_stop_request_is_honoured_in_each_phase(self):
+        for ranks, after_s in ((1, 0.0), (1, 8.0), (2, 8.0)):
+            with self.subTest(ranks=ranks, after_s=after_s):
+                self.assert_stops(ranks, after_s)
 
 
 class Failing(FaultTest):
@@ -124,26 +155,28 @@ class Failing(FaultTest):
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
 
-    def test_what_one_rank_alone_meets_is_written_down_and_the_others_go_on(self):
-        """Memory that is refused to one rank in the middle of what it does with another one."""
+    def test_a_failure_of_one_rank_fails_one_case_and_the_run_continues(self):
+        """Memory is refused to one of two ranks that compute a case together."""
         together = ("--ranks-per-case", 2)
         reference = self.reference(*together, ranks=2)
-        # How much is allocated before the first case depends on what the cache holds.
-        for at in (130, 200, 300, 450, 600, 800, *range(140, 900, 20)):
+        failures = 0
+        # The number of allocations before the first case depends on the contents of the cache.
+        for at in (130, 300, 450, 600, 800):
             shutil.rmtree(self.out, ignore_errors=True)
             done = self.run_with(2, together, RANK=1, NEW_AT=at)
-            if done.returncode != 1 and done.returncode != 0:
-                break
-        # 75: where the other rank could not be told.
-        self.assertIn(done.returncode, (4, 75), done.said)
-        failed = [line["id"] for line in journal(self.out) if line["event"] == "failed"]
-        self.assertEqual(len(failed), 1)
-        self.says((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
-        # The same command goes on without it.
-        said = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).said
-        self.says(said, "1 failed", "1 already complete" if done.returncode == 4 else "1 computed now")
-        self.assertEqual(started(self.out).count(failed[0]), 1)
-        self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
+            if done.returncode == 0 or not started(self.out):
+                continue
+            failures += 1
+            self.assertEqual(done.returncode, 4, done.said)
+            self.says(done.said, "1 computed now", "1 failed")
+            failed = [line["id"] for line in journal(self.out) if line["event"] == "failed"]
+            self.assertEqual(len(failed), 1)
+            self.says((self.out / "failed" / f"{failed[0]}.txt").read_text(encoding="utf-8"), "out of memory")
+            said = self.shearwake("run", "job.toml", *together, ranks=2, expect=4).said
+            self.says(said, "1 failed", "1 already complete")
+            self.assertEqual(started(self.out).count(failed[0]), 1)
+            self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
+        self.assertGreater(failures, 0, "no case has failed")
 
     def test_memory_that_is_refused_at_any_place_ends_one_case_and_blocks_nobody(self):
         text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
@@ -167,13 +200,11 @@ class Failing(FaultTest):
                 if done.returncode == 0:
                     continue  # so much is not allocated
                 met += 1
-                # Whoever computes alone fails alone; two may have to end.
-                self.assertIn(done.returncode, (4,) if together == 1 else (4, 75), done.said)
+                self.assertEqual(done.returncode, 4, done.said)
                 failed = [line for line in journal(self.out) if line["event"] == "failed"]
                 self.assertEqual(len(failed), 1, done.said)
                 self.says(failed[0]["reason"], "out of memory")
-                if done.returncode == 4:
-                    self.assertEqual(len(case_files(self.out)), 3, done.said)
+                self.assertEqual(len(case_files(self.out)), 3, done.said)
         self.assertGreaterEqual(met, 4, "no case has met it")
 
     def test_a_field_that_diverges_ends_with_its_step_its_time_and_what_may_help(self):

@@ -44,12 +44,17 @@ public:
             find_factors(ky);
     }
 
+    /// `most_rows`: the largest number of rows of a rank. Collective.
     void compute(TransferTable& table, std::size_t depth, std::ptrdiff_t first,
-                 std::ptrdiff_t count) {
+                 std::ptrdiff_t count, std::ptrdiff_t most_rows,
+                 engines::Checkpoints* checkpoints) {
         const engines::Timed timed(of_sample);
-        for (std::ptrdiff_t ky = 0; ky < share_.ky_count; ++ky) {
-            const auto h = table.row(ky, depth);
+        for (std::ptrdiff_t ky = 0; ky < most_rows; ++ky) {
+            const bool is_mine = ky < share_.ky_count;
+            const auto h = is_mine ? table.row(ky, depth) : std::span<const Complex>();
             for (std::ptrdiff_t kx = 0; kx < kept_nx_; kx += lines_together) {
+                engines::end_if_asked(checkpoints);
+                if (!is_mine) continue;
                 const std::ptrdiff_t lines = std::min(lines_together, kept_nx_ - kx);
                 for (std::ptrdiff_t l = 0; l < lines; ++l)
                     respond(kx + l, ky, h, lines_.data() + l * coarse_);
@@ -134,7 +139,7 @@ TimeLines time_lines(const Case& c, const fft::SlabShare& share) {
         .time_lines();
 }
 
-void LayeredEngine::prepare(const Case& c, const Comm& team) {
+void LayeredEngine::prepare(const Case& c, const Comm& team, engines::Checkpoints* checkpoints) {
     if (!slabs_ || slabs_nx_ != c.domain.nx || slabs_ny_ != c.domain.ny) {
         slabs_ = std::make_unique<fft::SlabTransform>(c.domain.nx, c.domain.ny, team);
         slabs_nx_ = c.domain.nx;
@@ -142,25 +147,33 @@ void LayeredEngine::prepare(const Case& c, const Comm& team) {
         table_.reset();
     }
     const auto& options = std::get<LayeredOptions>(c.solver);
-    keep_table(table_, key_of(c, options), team);
+    keep_table(table_, key_of(c, options), team, checkpoints);
     const TransferKey stress = stress_key_of(c, options);
     if (stress.depths_m.empty())
         stress_table_.reset();
     else
-        keep_table(stress_table_, stress, team);
+        keep_table(stress_table_, stress, team, checkpoints);
 }
 
 void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
-                               const Comm& team) {
+                               const Comm& team, engines::Checkpoints* checkpoints) {
     if (table && table->key() == key) return;
     table.reset(); // freed first, as two tables may not fit into memory
     const fft::SlabShare& share = slabs_->share();
-    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team);
+    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, checkpoints);
 }
 
 void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
-                        engines::Checkpoints* /*checkpoints*/) {
-    prepare(c, team);
+                        engines::Checkpoints* checkpoints) {
+    try {
+        compute(c, team, observer, checkpoints);
+    } catch (const engines::StopRequested&) { // on all ranks
+    }
+}
+
+void LayeredEngine::compute(const Case& c, const Comm& team, engines::Observer& observer,
+                            engines::Checkpoints* checkpoints) {
+    prepare(c, team, checkpoints);
     const fft::SlabShare& share = slabs_->share();
     // All ranks use the same batch, determined by the largest slab.
     const auto largest = std::lround(team.max(static_cast<double>(share.ky_count)));
@@ -178,9 +191,10 @@ void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& obse
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
                 const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-                spectra->compute(table, depth, first, count);
+                spectra->compute(table, depth, first, count, largest, checkpoints);
                 const engines::Timed frames(of_frame);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
+                    engines::end_if_asked(checkpoints);
                     slabs_->to_physical([&](std::ptrdiff_t ky,
                                             Complex* row) { spectra->put_row(first, n, ky, row); },
                                         plane.data());

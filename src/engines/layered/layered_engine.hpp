@@ -32,9 +32,12 @@ public:
              engines::Checkpoints* checkpoints) override;
 
 private:
-    void prepare(const Case& c, const Comm& team);
-    void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
-                    const Comm& team);
+    /// run() without the end of a stop: throws StopRequested on all ranks.
+    void compute(const Case& c, const Comm& team, engines::Observer& observer,
+                 engines::Checkpoints* checkpoints);
+    void prepare(const Case& c, const Comm& team, engines::Checkpoints* checkpoints);
+    void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
+                    engines::Checkpoints* checkpoints);
 
     /// Number of evaluations of H per frequency for the last estimated medium, which the cases of a
     /// sweep often share.

@@ -18,31 +18,42 @@ Complex TimeTransform::omega(std::ptrdiff_t m) const {
     return {2.0 * std::numbers::pi * static_cast<double>(m) / period_s, -decay_rad_s};
 }
 
-TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
-                             std::ptrdiff_t ky_count, const Comm& team)
-    : key_(key), ky_start_(ky_start), ky_count_(ky_count) {
-    const double k_max = std::numbers::pi / key.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
-    const std::size_t depths = key.depths_m.size();
-
+TransferTable::Panels TransferTable::fit(const Comm& team,
+                                         engines::Checkpoints* checkpoints) const {
+    const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
+    const engines::Timed timed(of_response);
+    Panels mine;
+    bool stops = false;
     // Frequencies are assigned to ranks cyclically, because neighbouring frequencies cost about the
     // same.
-    std::vector<Complex> mine;
-    std::vector<double> sizes;
-    const engines::Timed timed(of_response);
-    together(team, [&] {
-        for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
+    fail_together(team, [&] {
+        for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
+            stops = checkpoints && checkpoints->stop_asked();
+            const std::ptrdiff_t m = first + team.rank();
+            if (stops || m >= frequencies()) continue;
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const auto fitted = RadialInterpolant::fit(
-                [&](double k, std::span<Complex> out) { response.evaluate(k, out); }, depths, k_max,
-                key_.tolerance);
+                [&](double k, std::span<Complex> out) { response.evaluate(k, out); },
+                key_.depths_m.size(), k_max, key_.tolerance);
             const auto packed = fitted.packed();
-            sizes.push_back(static_cast<double>(packed.size()));
-            mine.insert(mine.end(), packed.begin(), packed.end());
+            mine.sizes.push_back(static_cast<double>(packed.size()));
+            mine.values.insert(mine.values.end(), packed.begin(), packed.end());
         }
     });
-    const std::vector<double> all_sizes = team.all_gather(sizes);
-    const std::vector<Complex> all = team.all_gather(mine);
+    if (stops) throw engines::StopRequested{};
+    return mine;
+}
+
+TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
+                             std::ptrdiff_t ky_count, const Comm& team,
+                             engines::Checkpoints* checkpoints)
+    : key_(key), ky_start_(ky_start), ky_count_(ky_count) {
+    const std::size_t depths = key.depths_m.size();
+    const Panels mine = fit(team, checkpoints);
+    const engines::Timed timed(of_response);
+    const std::vector<double> all_sizes = team.all_gather(mine.sizes);
+    const std::vector<Complex> all = team.all_gather(mine.values);
 
     together(team, [&] {
         by_frequency_.resize(static_cast<std::size_t>(frequencies()));

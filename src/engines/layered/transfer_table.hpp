@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "engines/checkpoint.hpp"
 #include "engines/layered/radial_interpolant.hpp"
 #include "engines/layered/stack_response.hpp"
 #include "fft/aligned.hpp"
@@ -44,9 +45,9 @@ class TransferTable {
 public:
     /// Distributes the frequencies over the team and exchanges the panels. This rank needs rows
     /// ky_start to ky_start + ky_count - 1 of the spectrum. Throws CaseFailure on all ranks if H
-    /// cannot be resolved. Collective.
+    /// cannot be resolved, and StopRequested if a stop was requested. Collective.
     TransferTable(const TransferKey& key, std::ptrdiff_t ky_start, std::ptrdiff_t ky_count,
-                  const Comm& team);
+                  const Comm& team, engines::Checkpoints* checkpoints = nullptr);
 
     const TransferKey& key() const { return key_; }
     std::ptrdiff_t frequencies() const { return key_.time.samples / 2 + 1; }
@@ -63,6 +64,12 @@ public:
     static constexpr double largest_expansion_B = 250e6;
 
 private:
+    /// The panels of the frequencies of this rank, and the size of each.
+    struct Panels {
+        std::vector<std::complex<double>> values;
+        std::vector<double> sizes;
+    };
+    Panels fit(const Comm& team, engines::Checkpoints* checkpoints) const;
     void expand(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* out) const;
 
     TransferKey key_;

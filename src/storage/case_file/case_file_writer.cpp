@@ -61,7 +61,8 @@ void CaseFileWriter::resume_counts(std::size_t first, std::size_t end, const Dom
 void CaseFileWriter::open_shared() {
     shared_file_ = h5::open_shared(part_, team_);
     is_shared_ = true;
-    if (!surface_.empty()) shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z");
+    if (!surface_.empty())
+        shared_field_ = h5::open_dataset(shared_file_.raw(), "surface/u_z").shared();
 }
 
 void CaseFileWriter::close_shared() {
@@ -178,7 +179,8 @@ void CaseFileWriter::begin_volume(VolumeLayout volume, std::ptrdiff_t x_count) {
     });
     open_shared();
     for (const Variable& variable : volume_.variables())
-        shared_volumes_.push_back(h5::open_dataset(shared_file_.raw(), "volume/" + variable.name));
+        shared_volumes_.push_back(
+            h5::open_dataset(shared_file_.raw(), "volume/" + variable.name).shared());
     resume_counts(surface_.empty() ? 0 : 1, resumed_.size(), volume_.domain);
 }
 
@@ -199,8 +201,7 @@ void CaseFileWriter::write_volume(std::size_t variable, std::size_t time, std::s
 
 void CaseFileWriter::flush() {
     if (!is_shared_) return;
-    h5::check_together(H5Fflush(shared_file_.raw(), H5F_SCOPE_GLOBAL), "flush " + part_.string(),
-                       team_);
+    h5::flush_shared(shared_file_, "flush " + part_.string(), team_);
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 
@@ -225,6 +226,11 @@ std::string trouble_with_part(const std::filesystem::path& path, const std::stri
     } catch (const Error& error) {
         return fmt::format("is damaged ({})", error.what());
     }
+}
+
+void CaseFileWriter::leave_for_later() {
+    left_ = true;
+    close_shared();
 }
 
 void CaseFileWriter::commit(const std::vector<VariableGroup>& groups,

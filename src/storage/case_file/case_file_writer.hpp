@@ -37,7 +37,7 @@ public:
     /// of the file that is continued, see part_record().
     CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
                    Beginning beginning = Beginning::anew, const std::string& record = "");
-    /// Not collective: rank 0 removes what was not committed.
+    /// Not collective: rank 0 removes what was not committed. An open file is abandoned (h5::Id).
     ~CaseFileWriter();
     CaseFileWriter(const CaseFileWriter&) = delete;
     CaseFileWriter& operator=(const CaseFileWriter&) = delete;
@@ -63,8 +63,12 @@ public:
     /// Checksums of the content of the file after a flush, for the corresponding checkpoint; on
     /// rank 0, and empty elsewhere or if no fields are stored. Collective.
     std::string part_record();
-    /// From now on, an uncommitted file is left for a later run. Not collective.
-    void leave_for_later() { left_ = true; }
+    /// An uncommitted file remains for a later run. Not collective.
+    void keep_uncommitted() { left_ = true; }
+    /// Closes the uncommitted file, which remains for a later run. Collective.
+    void leave_for_later();
+    /// Closes the uncommitted file, which the destructor removes. Collective.
+    void discard() { close_shared(); }
 
     /// Writes the rest of the file, flushes and renames it. Collective; only the arguments of rank
     /// 0 are written.

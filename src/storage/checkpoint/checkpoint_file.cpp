@@ -105,12 +105,9 @@ void CheckpointFileWriter::put(const std::string& name, const RowRange& rows,
                             needed / 1e6, free / 1e6),
                 Trouble::lasting);
     });
-    h5::Id dataset;
-    together(team_, [&] { // metadata is written by all ranks
-        const hsize_t shape[2] = {static_cast<hsize_t>(rows.total),
-                                  static_cast<hsize_t>(rows.row_length)};
-        dataset = h5::create_dataset(file_.raw(), name, shape);
-    });
+    const hsize_t shape[2] = {static_cast<hsize_t>(rows.total),
+                              static_cast<hsize_t>(rows.row_length)};
+    h5::Id dataset = h5::create_shared_dataset(file_, name, shape, team_);
     RowChecksum checksum;
     in_pieces(rows, team_, [&](std::ptrdiff_t start, std::ptrdiff_t count) {
         const double* piece = values + (start - rows.start) * rows.row_length;
@@ -120,8 +117,7 @@ void CheckpointFileWriter::put(const std::string& name, const RowRange& rows,
                         View2<const double>(piece, count, rows.row_length),
                         "write " + part_.string(), team_);
     });
-    const std::string sum = checksum.over(team_);
-    together(team_, [&] { h5::put_attribute(dataset.raw(), "checksum", sum); });
+    checksums_[name] = checksum.over(team_);
     dataset.close_shared("close " + name, team_);
 }
 
@@ -138,6 +134,8 @@ void CheckpointFileWriter::commit(const CheckpointOwner& owner, const Checkpoint
             for (const auto& [name, value] : scalars_)
                 h5::put_attribute(group.raw(), name, value);
         }
+        for (const auto& [name, sum] : checksums_)
+            h5::put_attribute(h5::open_dataset(file.raw(), name).raw(), "checksum", sum);
         h5::put_attribute(file.raw(), "case_id", owner.case_id);
         h5::put_attribute(file.raw(), "git_id", owner.git_id);
         h5::put_attribute(file.raw(), "sequence", facts.sequence);
@@ -178,6 +176,10 @@ std::string trouble_with_checkpoint(const std::filesystem::path& path, const Che
 CheckpointFileReader::CheckpointFileReader(const std::filesystem::path& path, const Comm& team)
     : path_(path), team_(team), file_(h5::open_shared(path, team, h5::Access::read)) {}
 
+void CheckpointFileReader::close() {
+    file_.close_shared("close " + path_.string(), team_);
+}
+
 std::string CheckpointFileReader::damage() const {
     std::vector<std::string> names;
     together(team_, [&] { names = h5::dataset_names(file_.raw()); });
@@ -187,7 +189,7 @@ std::string CheckpointFileReader::damage() const {
         std::string written;
         std::vector<double> piece;
         together(team_, [&] {
-            dataset = h5::open_dataset(file_.raw(), name);
+            dataset = h5::open_dataset(file_.raw(), name).shared();
             rows = extent_of(dataset);
             written = h5::text_attribute(dataset.raw(), "checksum");
             rows.start = rows.total * team_.rank() / team_.size();
@@ -203,6 +205,7 @@ std::string CheckpointFileReader::damage() const {
             for (std::ptrdiff_t i = 0; i < count; ++i)
                 checksum.add(start + i, piece.data() + i * rows.row_length, rows.row_length);
         });
+        dataset.close_shared("close " + name, team_);
         if (checksum.over(team_) != written)
             return fmt::format("is damaged ({} does not match its checksum)", name);
     }
@@ -213,7 +216,7 @@ void CheckpointFileReader::get(const std::string& name, const RowRange& rows,
                                double* values) const {
     h5::Id dataset;
     together(team_, [&] {
-        dataset = h5::open_dataset(file_.raw(), name);
+        dataset = h5::open_dataset(file_.raw(), name).shared();
         const RowRange there = extent_of(dataset);
         if (there.total != rows.total || there.row_length != rows.row_length)
             throw Error(fmt::format("{} holds {} rows of {} in {}, not {} of {}", path_.string(),
@@ -226,6 +229,7 @@ void CheckpointFileReader::get(const std::string& name, const RowRange& rows,
                        View2<double>(piece, count, rows.row_length), "read " + path_.string(),
                        team_);
     });
+    dataset.close_shared("close " + name, team_);
 }
 
 double CheckpointFileReader::get(const std::string& name) const {

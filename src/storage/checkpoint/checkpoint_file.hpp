@@ -34,7 +34,7 @@ struct RowRange {
 class CheckpointFileWriter {
 public:
     CheckpointFileWriter(const std::filesystem::path& path, const Comm& team);
-    /// Not collective: rank 0 removes what was not committed.
+    /// Not collective: rank 0 removes what was not committed. The file is abandoned (h5::Id).
     ~CheckpointFileWriter();
     CheckpointFileWriter(const CheckpointFileWriter&) = delete;
     CheckpointFileWriter& operator=(const CheckpointFileWriter&) = delete;
@@ -51,6 +51,7 @@ private:
     Comm team_;
     h5::Id file_;
     std::map<std::string, double> scalars_;
+    std::map<std::string, std::string> checksums_; // of the arrays
     bool committed_ = false;
 };
 
@@ -59,7 +60,8 @@ private:
 std::string trouble_with_checkpoint(const std::filesystem::path& path, const CheckpointOwner& owner,
                                     CheckpointFacts& facts);
 
-/// A complete checkpoint, opened by the team. Collective, as the writer.
+/// A complete checkpoint, opened by the team. Collective, as the writer. Abandoned by the
+/// destructor if it is not closed (h5::Id).
 class CheckpointFileReader {
 public:
     CheckpointFileReader(const std::filesystem::path& path, const Comm& team);
@@ -69,6 +71,7 @@ public:
     std::string damage() const;
     void get(const std::string& name, const RowRange& rows, double* values) const;
     double get(const std::string& name) const;
+    void close();
 
 private:
     std::filesystem::path path_;

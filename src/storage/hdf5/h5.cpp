@@ -2,6 +2,8 @@
 #include "storage/hdf5/h5.hpp"
 
 #include "base/error.hpp"
+#include "parallel/agree.hpp"
+#include "storage/hdf5/abandoned_files.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -124,15 +126,26 @@ Id::Id(hid_t raw, Close closer, const std::string& what) : raw_(raw), close_(clo
 }
 
 Id::~Id() {
-    if (raw_ >= 0) close_(raw_);
+    if (raw_ < 0) return;
+    if (!is_shared_)
+        close_(raw_);
+    else if (close_ == H5Fclose)
+        abandon_file(raw_);
 }
 
-Id::Id(Id&& other) noexcept : raw_(std::exchange(other.raw_, -1)), close_(other.close_) {}
+Id::Id(Id&& other) noexcept
+    : raw_(std::exchange(other.raw_, -1)), close_(other.close_), is_shared_(other.is_shared_) {}
 
 Id& Id::operator=(Id&& other) noexcept {
     std::swap(raw_, other.raw_);
     std::swap(close_, other.close_);
+    std::swap(is_shared_, other.is_shared_);
     return *this;
+}
+
+Id Id::shared() && {
+    is_shared_ = true;
+    return std::move(*this);
 }
 
 void Id::close(const std::string& what) {
@@ -140,7 +153,9 @@ void Id::close(const std::string& what) {
 }
 
 void Id::close_shared(const std::string& what, const Comm& comm) {
-    check_together(close_(std::exchange(raw_, -1)), what + " on all ranks", comm);
+    comm.before_collective();
+    const herr_t status = close_(std::exchange(raw_, -1));
+    check_together(status, what + " on all ranks", comm);
 }
 
 Id open_file(const std::filesystem::path& path, Access access) {
@@ -165,11 +180,14 @@ Id open_file(const std::filesystem::path& path, Access access) {
 Id open_shared(const std::filesystem::path& path, const Comm& comm, Access access) {
     be_quiet();
     const Id properties = property(H5P_FILE_ACCESS);
-    check(H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL), "choose MPI");
+    check(H5Pset_fclose_degree(properties.raw(), H5F_CLOSE_STRONG), "close files completely");
     const unsigned flags = access == Access::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR;
-    const hid_t raw = H5Fopen(path.c_str(), flags, properties.raw());
+    comm.before_collective();
+    // The communicator is duplicated, and then the file is opened.
+    const herr_t chosen = H5Pset_fapl_mpio(properties.raw(), comm.raw(), MPI_INFO_NULL);
+    const hid_t raw = chosen < 0 ? -1 : H5Fopen(path.c_str(), flags, properties.raw());
     Id file;
-    if (raw >= 0) file = Id(raw, H5Fclose, "");
+    if (raw >= 0) file = Id(raw, H5Fclose, {}).shared();
     check_together(raw < 0 ? -1 : 0, "open " + path.string() + " on all ranks", comm);
     return file;
 }
@@ -187,7 +205,8 @@ Id create_group(hid_t parent, const std::string& name) {
               "create group " + name);
 }
 
-Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape) {
+Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape,
+                  const std::function<void()>& just_before) {
     const Id space(shape.empty()
                        ? H5Screate(H5S_SCALAR)
                        : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
@@ -195,9 +214,26 @@ Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t
     const Id creation = property(H5P_DATASET_CREATE);
     check(H5Pset_alloc_time(creation.raw(), H5D_ALLOC_TIME_EARLY), "allocate early");
     check(H5Pset_fill_time(creation.raw(), H5D_FILL_TIME_NEVER), "not fill");
+    const std::string what = "create dataset " + name;
+    if (just_before) just_before();
     return Id(H5Dcreate2(parent, name.c_str(), H5T_NATIVE_DOUBLE, space.raw(), H5P_DEFAULT,
                          creation.raw(), H5P_DEFAULT),
-              H5Dclose, "create dataset " + name);
+              H5Dclose, what);
+}
+
+Id create_shared_dataset(const Id& file, const std::string& name, std::span<const hsize_t> shape,
+                         const Comm& comm) {
+    Id dataset;
+    const auto create = [&] {
+        return create_dataset(file.raw(), name, shape, [&] { comm.before_collective(); }).shared();
+    };
+    fail_together(comm, [&] { dataset = create(); });
+    return dataset;
+}
+
+void flush_shared(const Id& file, const std::string& what, const Comm& comm) {
+    comm.before_collective();
+    check_together(H5Fflush(file.raw(), H5F_SCOPE_GLOBAL), what, comm);
 }
 
 Id open_dataset(hid_t parent, const std::string& name) {

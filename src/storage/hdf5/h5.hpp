@@ -4,6 +4,7 @@
 #include "parallel/comm.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <hdf5.h>
 #include <span>
 #include <string>
@@ -12,7 +13,8 @@
 namespace shearwake::h5 {
 
 /// Owner of an HDF5 identifier. A failed call throws FileFailure with the innermost message of
-/// HDF5.
+/// HDF5. An object that all ranks of a team have open is closed by close_shared() only: closing is
+/// collective, so the destructor abandons it when a failure has left it open (abandoned_files.hpp).
 class Id {
 public:
     using Close = herr_t (*)(hid_t);
@@ -23,6 +25,8 @@ public:
     Id& operator=(Id&& other) noexcept;
 
     hid_t raw() const { return raw_; }
+    /// The same object as one that all ranks have open. Not collective.
+    Id shared() &&;
     /// Closes with a check, unlike the destructor: closing can fail, for example on a full disk.
     void close(const std::string& what);
     /// Closes an object that all ranks have open. Collective; throws FileFailure on all of them.
@@ -31,6 +35,7 @@ public:
 private:
     hid_t raw_ = -1;
     Close close_ = nullptr;
+    bool is_shared_ = false;
 };
 
 /// Call before MPI starts. Disables the cleanup of HDF5 1.10 at exit, which crashes on files that
@@ -49,14 +54,24 @@ enum class Access { create, read_write, read };
 
 /// A file through the ordinary driver. Not collective.
 Id open_file(const std::filesystem::path& path, Access access);
-/// An existing file through MPI. Collective; throws FileFailure on all ranks together.
+/// An existing file through MPI. Collective; throws FileFailure on all ranks together. Collective
+/// calls on such files go through the functions for shared objects and h5_block.hpp.
 Id open_shared(const std::filesystem::path& path, const Comm& comm,
                Access access = Access::read_write);
 
 Id open_group(hid_t parent, const std::string& name);
 Id create_group(hid_t parent, const std::string& name);
-/// Contiguous doubles with early allocation.
-Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape);
+/// Contiguous doubles with early allocation. `just_before` is called when only the call of HDF5
+/// remains.
+Id create_dataset(hid_t parent, const std::string& name, std::span<const hsize_t> shape,
+                  const std::function<void()>& just_before = {});
+/// As create_dataset(), in a file that all ranks have open. Collective; throws FileFailure on all
+/// of them.
+Id create_shared_dataset(const Id& file, const std::string& name, std::span<const hsize_t> shape,
+                         const Comm& comm);
+/// Writes all buffers of a file that all ranks have open. Collective; throws FileFailure on all of
+/// them.
+void flush_shared(const Id& file, const std::string& what, const Comm& comm);
 Id open_dataset(hid_t parent, const std::string& name);
 std::vector<hsize_t> shape(const Id& dataset);
 void write_all(const Id& dataset, std::span<const double> values);

@@ -44,6 +44,7 @@ void write_block(const Id& dataset, const Block& block, View2<const double> valu
                  const std::string& what, const Comm& comm) {
     const Transfer t = transfer_of(dataset, block, values);
     const double nothing = 0.0; // HDF5 rejects the null address of an empty vector
+    comm.before_collective();
     check_together(H5Dwrite(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
                             t.properties.raw(), values.data() ? values.data() : &nothing),
                    what, comm);
@@ -53,6 +54,7 @@ void read_block(const Id& dataset, const Block& block, View2<double> values,
                 const std::string& what, const Comm& comm) {
     const Transfer t = transfer_of(dataset, block, values);
     double nothing = 0.0;
+    comm.before_collective();
     check_together(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, t.memory.raw(), t.file.raw(),
                            t.properties.raw(), values.data() ? values.data() : &nothing),
                    what, comm);
