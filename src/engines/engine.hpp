@@ -82,7 +82,7 @@ public:
     /// Save and restore what the observer has accumulated, as a part of the engine's checkpoints.
     /// `restore` follows `begin`. Collective.
     virtual void save(StateWriter& /*state*/) {}
-    virtual void restore(StateReader& /*state*/) {}
+    virtual void restore(const StateReader& /*state*/) {}
 };
 
 /// Memory of one rank before any case: the program, MPI and HDF5.

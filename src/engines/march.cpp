@@ -8,7 +8,7 @@ namespace shearwake::engines {
 MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer,
                Checkpoints* checkpoints) {
     if (checkpoints)
-        checkpoints->restore([&](StateReader& state) {
+        checkpoints->restore([&](const StateReader& state) {
             field.restore(state);
             observer.restore(state);
         });

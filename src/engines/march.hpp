@@ -21,7 +21,7 @@ public:
     virtual void give(Observer& observer) = 0;
     /// Save and restore everything that changes from step to step. Collective.
     virtual void save(StateWriter& state) const = 0;
-    virtual void restore(StateReader& state) = 0;
+    virtual void restore(const StateReader& state) = 0;
 };
 
 enum class MarchEnd { complete, stopped };

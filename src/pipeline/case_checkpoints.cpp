@@ -29,46 +29,10 @@ std::array<fs::path, 2> paths_of(const fs::path& stem) {
     return {stem.string() + ".A.h5", stem.string() + ".B.h5"};
 }
 
-storage::RowRange range_of(const engines::StateRows& rows) {
-    return {rows.total, rows.start, rows.count, rows.row_length};
+/// The number of steps in a checkpoint, for the journal.
+long steps_in(double step) {
+    return std::lround(step);
 }
-
-/// Passes the state of an engine to a file and counts the steps for the journal.
-class FileStateWriter : public engines::StateWriter {
-public:
-    explicit FileStateWriter(storage::CheckpointFileWriter& file) : file_(file) {}
-    void put(const std::string& name, const engines::StateRows& rows,
-             const double* values) override {
-        file_.put(name, range_of(rows), values);
-    }
-    void put(const std::string& name, double value) override {
-        file_.put(name, value);
-        if (name == "step") step_ = std::lround(value);
-    }
-    long step() const { return step_; }
-
-private:
-    storage::CheckpointFileWriter& file_;
-    long step_ = 0;
-};
-
-class FileStateReader : public engines::StateReader {
-public:
-    explicit FileStateReader(const storage::CheckpointFileReader& file) : file_(file) {}
-    void get(const std::string& name, const engines::StateRows& rows, double* values) override {
-        file_.get(name, range_of(rows), values);
-    }
-    double get(const std::string& name) override {
-        const double value = file_.get(name);
-        if (name == "step") step_ = std::lround(value);
-        return value;
-    }
-    long step() const { return step_; }
-
-private:
-    const storage::CheckpointFileReader& file_;
-    long step_ = 0;
-};
 
 /// Verifies the arrays of a checkpoint whose attributes are valid; empty if they are. Collective.
 std::string damage_of(const fs::path& path, const Comm& team) {
@@ -155,7 +119,7 @@ bool CaseCheckpoints::due() {
     return static_cast<Answer>(answer) != Answer::go_on;
 }
 
-void CaseCheckpoints::save(const std::function<void(engines::StateWriter&)>& write) {
+void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
     const auto paths = paths_of(stem_);
     const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];
     storage::CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
@@ -166,12 +130,12 @@ void CaseCheckpoints::save(const std::function<void(engines::StateWriter&)>& wri
     try {
         fail_together_with_files(team_, [&] {
             storage::CheckpointFileWriter file(path, team_);
-            FileStateWriter state(file);
-            write(state);
+            write(file);
             if (part_) facts.part = part_();
             saved = {path, facts};
             file.commit(owner_, facts);
-            on_root(team_, [&] { journal_.checkpointed(owner_.case_id, state.step()); });
+            on_root(team_,
+                    [&] { journal_.checkpointed(owner_.case_id, steps_in(file.scalar("step"))); });
         });
         newest_.swap(saved);
     } catch (const CaseFailure& failure) {
@@ -207,14 +171,14 @@ bool CaseCheckpoints::stop_asked() {
     return stops_;
 }
 
-bool CaseCheckpoints::restore(const std::function<void(engines::StateReader&)>& read) {
+bool CaseCheckpoints::restore(const std::function<void(const StateReader&)>& read) {
     if (!newest_) return false;
     fail_together_with_files(team_, [&] {
         storage::CheckpointFileReader file(newest_->path, team_);
-        FileStateReader state(file);
-        read(state);
+        read(file);
+        const long steps = steps_in(file.get("step"));
         file.close();
-        on_root(team_, [&] { journal_.resumed(owner_.case_id, state.step()); });
+        on_root(team_, [&] { journal_.resumed(owner_.case_id, steps); });
     });
     return true;
 }

@@ -37,8 +37,8 @@ public:
                     CheckpointHooks hooks);
 
     bool due() override;
-    void save(const std::function<void(engines::StateWriter&)>& write) override;
-    bool restore(const std::function<void(engines::StateReader&)>& read) override;
+    void save(const std::function<void(StateWriter&)>& write) override;
+    bool restore(const std::function<void(const StateReader&)>& read) override;
     bool stop() const override { return stops_; } // not collective
     bool stop_asked() override;
 

@@ -47,13 +47,13 @@ void SurfaceRecorder::volume(const engines::VolumePlane& plane) {
         part->volume(plane);
 }
 
-void SurfaceRecorder::save(engines::StateWriter& state) {
+void SurfaceRecorder::save(StateWriter& state) {
     RankParts(team_).save_ranks(state);
     for (Recording* part : parts_)
         part->save(state);
 }
 
-void SurfaceRecorder::restore(engines::StateReader& state) {
+void SurfaceRecorder::restore(const StateReader& state) {
     for (Recording* part : parts_)
         part->restore(state);
 }

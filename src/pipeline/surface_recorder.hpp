@@ -29,8 +29,8 @@ public:
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const engines::VolumePlane& plane) override;
     void solved(const engines::SolverReport& report) override { solver_ = report; }
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
 
     /// Sets where the stress is recorded: positions and, for each, the index of its depth. Call
     /// before the run.

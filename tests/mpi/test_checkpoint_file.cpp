@@ -21,7 +21,7 @@ constexpr std::ptrdiff_t total = 4, row_length = 3; // uneven on 3 ranks; one of
 
 /// Blocks of rows in ascending or descending order of ranks.
 enum class Order { forward, reverse };
-storage::RowRange rows_of(const Comm& world, Order order) {
+DistributedRows rows_of(const Comm& world, Order order) {
     const std::ptrdiff_t place =
         order == Order::forward ? world.rank() : world.size() - 1 - world.rank();
     const std::ptrdiff_t each = (total + world.size() - 1) / world.size();
@@ -35,7 +35,7 @@ double value_at(std::ptrdiff_t row, std::ptrdiff_t column) {
     return 1.0 / static_cast<double>(1 + 10 * row + column);
 }
 
-std::vector<double> values_of(const storage::RowRange& rows) {
+std::vector<double> values_of(const DistributedRows& rows) {
     std::vector<double> values;
     for (std::ptrdiff_t i = rows.start; i < rows.start + rows.count; ++i)
         for (std::ptrdiff_t j = 0; j < rows.row_length; ++j)
@@ -45,7 +45,7 @@ std::vector<double> values_of(const storage::RowRange& rows) {
 
 void write_state(const std::filesystem::path& path, const Comm& world) {
     storage::CheckpointFileWriter writer(path, world);
-    const storage::RowRange rows = rows_of(world, Order::forward);
+    const DistributedRows rows = rows_of(world, Order::forward);
     writer.put("u", rows, values_of(rows).data());
     writer.put("step", 17.0);
     writer.put("t_s", 0.1);
@@ -88,7 +88,7 @@ TEST_CASE("reads a checkpoint back bit by bit for any distribution of rows", "[m
     const std::string damage = reader.damage();
     CHECK(damage.empty());
     const Order order = GENERATE(Order::forward, Order::reverse);
-    const storage::RowRange rows = rows_of(world, order);
+    const DistributedRows rows = rows_of(world, order);
     std::vector<double> values(static_cast<std::size_t>(rows.count * row_length));
     reader.get("u", rows, values.data());
     const std::vector<double> expected = values_of(rows);

@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
+#include "support/memory_state.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -11,25 +12,6 @@
 using namespace shearwake;
 
 namespace {
-
-/// A checkpoint in this rank's memory.
-class Memory : public engines::StateWriter, public engines::StateReader {
-public:
-    void put(const std::string& name, const engines::StateRows& rows,
-             const double* values) override {
-        rows_[name].assign(values, values + rows.count * rows.row_length);
-    }
-    void put(const std::string& name, double value) override { numbers_[name] = value; }
-    void get(const std::string& name, const engines::StateRows&, double* values) override {
-        std::copy(rows_.at(name).begin(), rows_.at(name).end(), values);
-    }
-    double get(const std::string& name) override { return numbers_.at(name); }
-    std::vector<double>& rows(const std::string& name) { return rows_.at(name); }
-
-private:
-    std::map<std::string, std::vector<double>> rows_;
-    std::map<std::string, double> numbers_;
-};
 
 Case small_case(bool body) {
     Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
@@ -55,7 +37,7 @@ std::string failure(const Case& c, const Spoil& spoil) {
     spectral::Stepper stepper(c, mesh, slabs, 100e-6, world);
     for (int i = 0; i < 20; ++i)
         stepper.advance();
-    Memory state;
+    test::MemoryState state;
     stepper.save(state);
     spoil(state);
     stepper.restore(state);
@@ -81,7 +63,7 @@ int ranks_that_report(const std::string& said, std::initializer_list<const char*
 TEST_CASE("throws on all ranks if one rank has a value that is not a number", "[mpi]") {
     const bool body = GENERATE(false, true);
     const int bad_rank = Comm::world().size() - 1;
-    const std::string said = failure(small_case(body), [&](Memory& state) {
+    const std::string said = failure(small_case(body), [&](test::MemoryState& state) {
         // kx = 0 of the first row, a wave vector that every rank with rows has.
         if (Comm::world().rank() == bad_rank && !state.rows("now").empty())
             state.rows("now")[1] = std::numeric_limits<double>::quiet_NaN();
@@ -93,7 +75,7 @@ TEST_CASE("throws on all ranks if one rank has a value that is not a number", "[
 
 TEST_CASE("throws if the kinetic energy exceeds the work of the load", "[mpi]") {
     const bool body = GENERATE(false, true);
-    const std::string said = failure(small_case(body), [&](Memory& state) {
+    const std::string said = failure(small_case(body), [&](test::MemoryState& state) {
         for (double& u : state.rows("now"))
             u *= 100.0;
     });
@@ -104,5 +86,5 @@ TEST_CASE("throws if the kinetic energy exceeds the work of the load", "[mpi]") 
 
 TEST_CASE("does not interrupt a stable run", "[mpi]") {
     const bool body = GENERATE(false, true);
-    CHECK(failure(small_case(body), [](Memory&) {}) == "no failure");
+    CHECK(failure(small_case(body), [](test::MemoryState&) {}) == "no failure");
 }

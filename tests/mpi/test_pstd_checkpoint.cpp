@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/stepper.hpp"
-#include "support/checkpoint_state.hpp"
+#include "storage/checkpoint/checkpoint_file.hpp"
 #include "support/shared_folder.hpp"
 #include "support/worst.hpp"
 
@@ -68,16 +68,14 @@ void advance(pstd::Stepper<Real>& stepper, std::ptrdiff_t steps) {
 template <class Real>
 void save(const pstd::Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
     storage::CheckpointFileWriter file(path, team);
-    test::StateToFile state(file);
-    stepper.save(state);
+    stepper.save(file);
     file.commit(owner, {.sequence = 1});
 }
 
 template <class Real>
 void restore(pstd::Stepper<Real>& stepper, const std::filesystem::path& path, const Comm& team) {
     const storage::CheckpointFileReader file(path, team);
-    test::StateFromFile state(file);
-    stepper.restore(state);
+    stepper.restore(file);
 }
 
 } // namespace

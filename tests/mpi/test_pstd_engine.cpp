@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares results of engine pstd on any number of ranks and after a stop.
-#include "support/checkpoint_state.hpp"
+#include "storage/checkpoint/checkpoint_file.hpp"
 #include "support/shared_folder.hpp"
 #include "support/volume_store.hpp"
 #include "support/worst.hpp"
@@ -68,18 +68,16 @@ public:
     OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool go_on)
         : path_(path), team_(team), at_(at), go_on_(go_on) {}
     bool due() override { return ++asked_ == at_; }
-    void save(const std::function<void(engines::StateWriter&)>& write) override {
+    void save(const std::function<void(StateWriter&)>& write) override {
         storage::CheckpointFileWriter file(path_, team_);
-        test::StateToFile state(file);
-        write(state);
+        write(file);
         file.commit({"case", "program"}, {.sequence = 1});
         stop_ = true;
     }
-    bool restore(const std::function<void(engines::StateReader&)>& read) override {
+    bool restore(const std::function<void(const StateReader&)>& read) override {
         if (!go_on_) return false;
         const storage::CheckpointFileReader file(path_, team_);
-        test::StateFromFile state(file);
-        read(state);
+        read(file);
         return true;
     }
     bool stop() const override { return stop_; }

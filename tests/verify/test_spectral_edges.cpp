@@ -2,6 +2,7 @@
 // The absorbing margin of engine "spectral": the energy that it returns, and its stability.
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
+#include "support/memory_state.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -67,27 +68,6 @@ void step_through(const Case& c, const F& f) {
         f(stepper);
     }
 }
-
-/// A checkpoint in memory.
-class Memory : public engines::StateWriter, public engines::StateReader {
-public:
-    void put(const std::string& name, const engines::StateRows& rows,
-             const double* values) override {
-        rows_[name].assign(values, values + rows.count * rows.row_length);
-    }
-    void put(const std::string& name, double value) override { numbers_[name] = value; }
-    void get(const std::string& name, const engines::StateRows&, double* values) override {
-        std::copy(rows_.at(name).begin(), rows_.at(name).end(), values);
-    }
-    double get(const std::string& name) override { return numbers_.at(name); }
-    bool operator==(const Memory& other) const {
-        return rows_ == other.rows_ && numbers_ == other.numbers_;
-    }
-
-private:
-    std::map<std::string, std::vector<double>> rows_;
-    std::map<std::string, double> numbers_;
-};
 
 Case lossless_with_body() {
     Case c = pulse(48, 36, 8e-3);
@@ -178,7 +158,7 @@ TEST_CASE("a sponge never adds energy, even with a stiff body inside", "[verify]
 TEST_CASE("a run with a sponge resumes with the same bits", "[verify]") {
     Case c = lossless_with_body();
     c.time.frames = 30;
-    Memory half, whole, again;
+    test::MemoryState half, whole, again;
     step_through(c, [&](spectral::Stepper& stepper) {
         if (stepper.step() == 25) stepper.save(half); // between two applications of the sponge
         if (stepper.step() == 60) stepper.save(whole);

@@ -33,7 +33,7 @@ void PstdMarch<Real>::give(engines::Observer& observer) {
 }
 
 template <class Real>
-void PstdMarch<Real>::save(engines::StateWriter& state) const {
+void PstdMarch<Real>::save(StateWriter& state) const {
     stepper_.save(state);
     outputs_.frames.displacement().save(state, displacement_);
     if (outputs_.volumes) outputs_.volumes->save(state);
@@ -41,7 +41,7 @@ void PstdMarch<Real>::save(engines::StateWriter& state) const {
 }
 
 template <class Real>
-void PstdMarch<Real>::restore(engines::StateReader& state) {
+void PstdMarch<Real>::restore(const StateReader& state) {
     stepper_.restore(state);
     outputs_.frames.displacement().restore(state, displacement_);
     if (outputs_.volumes) outputs_.volumes->restore(state);

@@ -31,8 +31,8 @@ public:
     std::ptrdiff_t step() const override { return stepper_.steps(); }
     void advance() override;
     void give(engines::Observer& observer) override;
-    void save(engines::StateWriter& state) const override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) const override;
+    void restore(const StateReader& state) override;
 
 private:
     const Case& case_;

@@ -21,8 +21,8 @@ public:
     std::ptrdiff_t step() const override { return stepper_.step(); }
     void advance() override;
     void give(engines::Observer& observer) override;
-    void save(engines::StateWriter& state) const override { stepper_.save(state); }
-    void restore(engines::StateReader& state) override { stepper_.restore(state); }
+    void save(StateWriter& state) const override { stepper_.save(state); }
+    void restore(const StateReader& state) override { stepper_.restore(state); }
 
     /// Depths of the levels of volumes.
     const std::vector<double>& levels_m() const { return levels_m_; }

@@ -39,12 +39,12 @@ void FrameSums::frame(const engines::Frame& frame) {
         frame.u_z_m, slab_.x_start, case_.domain, region_, places, case_.measure.focal_radius_m);
 }
 
-void FrameSums::save(engines::StateWriter& state) {
+void FrameSums::save(StateWriter& state) {
     for (std::size_t i = 0; i < depths_.size(); ++i)
         RankParts(team_).save(state, fmt::format("sums_{}", i), flat(depths_[i].frames, any));
 }
 
-void FrameSums::restore(engines::StateReader& state) {
+void FrameSums::restore(const StateReader& state) {
     for (std::size_t i = 0; i < depths_.size(); ++i) {
         std::vector<measures::SurfaceSums>& frames = depths_[i].frames;
         std::fill(frames.begin(), frames.end(), measures::SurfaceSums{});

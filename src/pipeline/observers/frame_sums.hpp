@@ -12,8 +12,8 @@ public:
     FrameSums(const Case& c, const Comm& team);
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     /// Throws CaseFailure when the field is not finite.
     void finish() override;
 

@@ -25,12 +25,12 @@ void InstantSurface::frame(const engines::Frame& frame) {
     }
 }
 
-void InstantSurface::save(engines::StateWriter& state) {
+void InstantSurface::save(StateWriter& state) {
     state.put("instant_held", is_held_ ? 1.0 : 0.0);
     if (is_held_) state.put("instant", surface_rows(case_.domain, slab_), rows_.data());
 }
 
-void InstantSurface::restore(engines::StateReader& state) {
+void InstantSurface::restore(const StateReader& state) {
     is_held_ = state.get("instant_held") != 0.0;
     if (!is_held_) return;
     rows_.resize(static_cast<std::size_t>(slab_.x_count * case_.domain.ny));

@@ -14,8 +14,8 @@ public:
     InstantSurface(const Case& c, const Comm& team);
     void begin(const engines::Slab& slab) override;
     void frame(const engines::Frame& frame) override;
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     void finish() override;
 
     /// On rank 0 only; empty elsewhere.

@@ -47,12 +47,12 @@ void KeptFields::volume(const engines::VolumePlane& plane) {
     volume_planes_ += 1.0;
 }
 
-void KeptFields::save(engines::StateWriter& state) {
+void KeptFields::save(StateWriter& state) {
     writer_.flush();
     state.put("volume_planes", volume_planes_);
 }
 
-void KeptFields::restore(engines::StateReader& state) {
+void KeptFields::restore(const StateReader& state) {
     volume_planes_ = state.get("volume_planes");
 }
 

@@ -18,8 +18,8 @@ public:
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const engines::VolumePlane& plane) override;
     /// Flushes the data stored so far to the disk.
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     /// Throws CaseFailure when a volume is not complete.
     void finish() override;
 

@@ -44,11 +44,11 @@ void MeanEnergy::frame(const engines::Frame& frame) {
             *mean++ += weight * u * u;
 }
 
-void MeanEnergy::save(engines::StateWriter& state) {
+void MeanEnergy::save(StateWriter& state) {
     if (!weights_.empty()) state.put("mean_u2", surface_rows(case_.domain, slab_), rows_.data());
 }
 
-void MeanEnergy::restore(engines::StateReader& state) {
+void MeanEnergy::restore(const StateReader& state) {
     if (!weights_.empty()) state.get("mean_u2", surface_rows(case_.domain, slab_), rows_.data());
 }
 

@@ -11,8 +11,8 @@ public:
     MeanEnergy(const Case& c, const Comm& team);
     void begin(const engines::Slab& slab) override;
     void frame(const engines::Frame& frame) override;
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     void finish() override { all_ = team_.gather(rows_); }
 
     /// (x, y) row-major. On rank 0 only; empty elsewhere, and when no window fits.

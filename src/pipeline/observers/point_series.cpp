@@ -25,7 +25,7 @@ std::vector<measures::TraceSeries> empty_series(const std::vector<Vec2>& at_m,
 }
 
 /// Adds the contributions of this rank.
-void restore_sum(engines::StateReader& state, const Comm& team, const std::string& name,
+void restore_sum(const StateReader& state, const Comm& team, const std::string& name,
                  std::vector<double>& values) {
     std::fill(values.begin(), values.end(), 0.0);
     RankParts(team).restore(state, name, values.size(), [&](std::span<const double> part) {
@@ -69,12 +69,12 @@ void PointSeries::frame(const engines::Frame& frame) {
             value_at(one.at_m, frame.u_z_m, case_.domain, slab_);
 }
 
-void PointSeries::save(engines::StateWriter& state) {
+void PointSeries::save(StateWriter& state) {
     for (std::size_t i = 0; i < series_.size(); ++i)
         RankParts(team_).save(state, fmt::format("{}_{}", name_, i), series_[i].u_m);
 }
 
-void PointSeries::restore(engines::StateReader& state) {
+void PointSeries::restore(const StateReader& state) {
     for (std::size_t i = 0; i < series_.size(); ++i)
         restore_sum(state, team_, fmt::format("{}_{}", name_, i), series_[i].u_m);
 }
@@ -98,7 +98,7 @@ void ReceptorSeries::stress(const engines::StressFrame& frame) {
                 value_at(series_[i].at_m, frame.compression_Pa, case_.domain, slab_);
 }
 
-void ReceptorSeries::save(engines::StateWriter& state) {
+void ReceptorSeries::save(StateWriter& state) {
     if (series_.empty()) return;
     std::vector<double> all;
     for (const measures::TraceSeries& receptor : series_)
@@ -106,7 +106,7 @@ void ReceptorSeries::save(engines::StateWriter& state) {
     RankParts(team_).save(state, "stresses", all);
 }
 
-void ReceptorSeries::restore(engines::StateReader& state) {
+void ReceptorSeries::restore(const StateReader& state) {
     if (series_.empty()) return;
     std::vector<double> all(series_.size() * static_cast<std::size_t>(case_.time.frames));
     restore_sum(state, team_, "stresses", all);

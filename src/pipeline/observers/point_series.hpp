@@ -21,8 +21,8 @@ public:
     PointSeries(const Case& c, const Comm& team, std::string name, const std::vector<Vec2>& at_m);
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override;
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     void finish() override;
 
     const std::vector<measures::TraceSeries>& series() const { return series_; }
@@ -43,8 +43,8 @@ public:
     void keep(const std::vector<Vec2>& at_m, std::vector<std::size_t> depths);
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void stress(const engines::StressFrame& frame) override;
-    void save(engines::StateWriter& state) override;
-    void restore(engines::StateReader& state) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
     void finish() override;
 
     const std::vector<measures::TraceSeries>& series() const { return series_; }

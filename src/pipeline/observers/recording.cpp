@@ -11,17 +11,17 @@ std::ptrdiff_t frame_at(const Case& c, double t_s) {
                                       c.time.frames - 1);
 }
 
-void RankParts::save_ranks(engines::StateWriter& state) const {
+void RankParts::save_ranks(StateWriter& state) const {
     state.put("recorder_ranks", team_.size());
 }
 
-void RankParts::save(engines::StateWriter& state, const std::string& name,
+void RankParts::save(StateWriter& state, const std::string& name,
                      const std::vector<double>& mine) const {
     state.put(name, {team_.size(), team_.rank(), 1, static_cast<std::ptrdiff_t>(mine.size())},
               mine.data());
 }
 
-void RankParts::restore(engines::StateReader& state, const std::string& name, std::size_t length,
+void RankParts::restore(const StateReader& state, const std::string& name, std::size_t length,
                         const std::function<void(std::span<const double>)>& take) const {
     const auto parts = static_cast<std::ptrdiff_t>(std::lround(state.get("recorder_ranks")));
     const std::ptrdiff_t first = parts * team_.rank() / team_.size();

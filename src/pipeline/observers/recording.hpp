@@ -25,7 +25,7 @@ public:
 std::ptrdiff_t frame_at(const Case& c, double t_s);
 
 /// The rows of the surface that a slab holds.
-inline engines::StateRows surface_rows(const Domain& domain, const engines::Slab& slab) {
+inline DistributedRows surface_rows(const Domain& domain, const engines::Slab& slab) {
     return {domain.nx, slab.x_start, slab.x_count, domain.ny};
 }
 
@@ -35,11 +35,10 @@ class RankParts {
 public:
     explicit RankParts(const Comm& team) : team_(team) {}
     /// Once per checkpoint. Collective, as all functions here.
-    void save_ranks(engines::StateWriter& state) const;
-    void save(engines::StateWriter& state, const std::string& name,
-              const std::vector<double>& mine) const;
+    void save_ranks(StateWriter& state) const;
+    void save(StateWriter& state, const std::string& name, const std::vector<double>& mine) const;
     /// Calls `take` with each part of `length` numbers that belongs to this rank.
-    void restore(engines::StateReader& state, const std::string& name, std::size_t length,
+    void restore(const StateReader& state, const std::string& name, std::size_t length,
                  const std::function<void(std::span<const double>)>& take) const;
 
 private:

@@ -24,7 +24,7 @@ constexpr std::ptrdiff_t most_values_at_once = std::ptrdiff_t{1} << 23; // 64 Mi
 
 /// Splits the rows of this rank into pieces and calls `one(first row, rows)` the same number of
 /// times on every rank. Collective.
-void in_pieces(const RowRange& rows, const Comm& team,
+void in_pieces(const DistributedRows& rows, const Comm& team,
                const std::function<void(std::ptrdiff_t, std::ptrdiff_t)>& one) {
     const std::ptrdiff_t most = std::max<std::ptrdiff_t>(
         1, most_values_at_once / std::max<std::ptrdiff_t>(1, rows.row_length));
@@ -56,7 +56,7 @@ std::map<std::string, double> read_scalars(hid_t group) {
 }
 
 /// Checks shape and checksum attribute of an array, which must exist.
-RowRange extent_of(const h5::Id& dataset) {
+DistributedRows extent_of(const h5::Id& dataset) {
     const auto shape = h5::shape(dataset);
     if (shape.size() != 2) throw Error("an array is not two-dimensional");
     return {.total = static_cast<std::ptrdiff_t>(shape[0]),
@@ -93,7 +93,7 @@ CheckpointFileWriter::~CheckpointFileWriter() {
     std::filesystem::remove(part_, ignored);
 }
 
-void CheckpointFileWriter::put(const std::string& name, const RowRange& rows,
+void CheckpointFileWriter::put(const std::string& name, const DistributedRows& rows,
                                const double* values) {
     on_root(team_, [&] {
         // Checked in advance, since an MPI write to a full disk may end the whole program.
@@ -123,6 +123,11 @@ void CheckpointFileWriter::put(const std::string& name, const RowRange& rows,
 
 void CheckpointFileWriter::put(const std::string& name, double value) {
     scalars_[name] = value;
+}
+
+double CheckpointFileWriter::scalar(const std::string& name) const {
+    const auto found = scalars_.find(name);
+    return found == scalars_.end() ? 0.0 : found->second;
 }
 
 void CheckpointFileWriter::commit(const CheckpointOwner& owner, const CheckpointFacts& facts) {
@@ -185,7 +190,7 @@ std::string CheckpointFileReader::damage() const {
     together(team_, [&] { names = h5::dataset_names(file_.raw()); });
     for (const std::string& name : names) {
         h5::Id dataset;
-        RowRange rows;
+        DistributedRows rows;
         std::string written;
         std::vector<double> piece;
         together(team_, [&] {
@@ -212,12 +217,12 @@ std::string CheckpointFileReader::damage() const {
     return "";
 }
 
-void CheckpointFileReader::get(const std::string& name, const RowRange& rows,
+void CheckpointFileReader::get(const std::string& name, const DistributedRows& rows,
                                double* values) const {
     h5::Id dataset;
     together(team_, [&] {
         dataset = h5::open_dataset(file_.raw(), name).shared();
-        const RowRange there = extent_of(dataset);
+        const DistributedRows there = extent_of(dataset);
         if (there.total != rows.total || there.row_length != rows.row_length)
             throw Error(fmt::format("{} holds {} rows of {} in {}, not {} of {}", path_.string(),
                                     there.total, there.row_length, name, rows.total,

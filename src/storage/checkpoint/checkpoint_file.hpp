@@ -2,6 +2,7 @@
 #pragma once
 
 #include "parallel/comm.hpp"
+#include "parallel/state.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <filesystem>
@@ -24,24 +25,21 @@ struct CheckpointFacts {
     std::string part;     // checksums of the corresponding unfinished case file; may be empty
 };
 
-/// Rows of an array [total][row_length] that this rank holds.
-struct RowRange {
-    std::ptrdiff_t total = 0, start = 0, count = 0, row_length = 0;
-};
-
 /// Writes a checkpoint: `<path>.part` until it is committed; removed if it is not. Collective over
 /// the team; throws CaseFailure or UsageError (environment) on all ranks.
-class CheckpointFileWriter {
+class CheckpointFileWriter : public StateWriter {
 public:
     CheckpointFileWriter(const std::filesystem::path& path, const Comm& team);
     /// Not collective: rank 0 removes what was not committed. The file is abandoned (h5::Id).
-    ~CheckpointFileWriter();
+    ~CheckpointFileWriter() override;
     CheckpointFileWriter(const CheckpointFileWriter&) = delete;
     CheckpointFileWriter& operator=(const CheckpointFileWriter&) = delete;
 
     /// Together, the ranks provide every row once.
-    void put(const std::string& name, const RowRange& rows, const double* values);
-    void put(const std::string& name, double value);
+    void put(const std::string& name, const DistributedRows& rows, const double* values) override;
+    void put(const std::string& name, double value) override;
+    /// The scalar that was put under this name; 0 if there is none.
+    double scalar(const std::string& name) const;
     /// Writes owner, facts and scalars, and finally the attribute that marks the file as complete;
     /// flushes and renames it.
     void commit(const CheckpointOwner& owner, const CheckpointFacts& facts);
@@ -62,15 +60,15 @@ std::string trouble_with_checkpoint(const std::filesystem::path& path, const Che
 
 /// A complete checkpoint, opened by the team. Collective, as the writer. Abandoned by the
 /// destructor if it is not closed (h5::Id).
-class CheckpointFileReader {
+class CheckpointFileReader : public StateReader {
 public:
     CheckpointFileReader(const std::filesystem::path& path, const Comm& team);
 
     /// Reads everything once and verifies the checksums. Returns the damaged part, or nothing.
     /// Equal on all ranks.
     std::string damage() const;
-    void get(const std::string& name, const RowRange& rows, double* values) const;
-    double get(const std::string& name) const;
+    void get(const std::string& name, const DistributedRows& rows, double* values) const override;
+    double get(const std::string& name) const override;
     void close();
 
 private:

@@ -79,12 +79,12 @@ void DisplacementVolumes::give(std::size_t snapshot, const Displacement& u_z,
     }
 }
 
-void DisplacementVolumes::save(engines::StateWriter& state) const {
+void DisplacementVolumes::save(StateWriter& state) const {
     for (std::size_t i = 0; i < lateral_.size(); ++i)
         lateral_[i].save(state, i == 0 ? "volume_u_x" : "volume_u_y");
 }
 
-void DisplacementVolumes::restore(engines::StateReader& state) {
+void DisplacementVolumes::restore(const StateReader& state) {
     for (std::size_t i = 0; i < lateral_.size(); ++i)
         lateral_[i].restore(state, i == 0 ? "volume_u_x" : "volume_u_y");
 }

@@ -24,8 +24,8 @@ public:
     void give(std::size_t snapshot, const Displacement& u_z, engines::Observer& observer,
               const Comm& team) const; // collective
 
-    void save(engines::StateWriter& state) const; // collective
-    void restore(engines::StateReader& state);    // collective
+    void save(StateWriter& state) const;    // collective
+    void restore(const StateReader& state); // collective
 
 private:
     using Plane = std::vector<double>;

@@ -41,18 +41,18 @@ bool Displacement::finite(const Comm& team) const {
     return team.max(here ? 0 : 1) == 0;
 }
 
-engines::StateRows Displacement::rows() const {
+DistributedRows Displacement::rows() const {
     return {.total = slabs_.nx(),
             .start = slabs_.x_start(),
             .count = slabs_.x_count(),
             .row_length = slabs_.ny() * planes_};
 }
 
-void Displacement::save(engines::StateWriter& state, const std::string& name) const {
+void Displacement::save(StateWriter& state, const std::string& name) const {
     state.put(name, rows(), values_m_.data());
 }
 
-void Displacement::restore(engines::StateReader& state, const std::string& name) {
+void Displacement::restore(const StateReader& state, const std::string& name) {
     state.get(name, rows(), values_m_.data());
 }
 

@@ -28,11 +28,11 @@ public:
     /// Whether all values on all ranks are finite. Collective.
     bool finite(const Comm& team) const;
 
-    void save(engines::StateWriter& state, const std::string& name) const; // collective
-    void restore(engines::StateReader& state, const std::string& name);    // collective
+    void save(StateWriter& state, const std::string& name) const;    // collective
+    void restore(const StateReader& state, const std::string& name); // collective
 
 private:
-    engines::StateRows rows() const;
+    DistributedRows rows() const;
     Field velocity_;
     Slabs slabs_;
     std::ptrdiff_t first_z_, planes_;

@@ -52,20 +52,20 @@ std::vector<engines::SensorSeries> Sensor::series(const Comm& team) const {
     return all;
 }
 
-engines::StateRows Sensor::rows() const {
+DistributedRows Sensor::rows() const {
     return {.total = static_cast<std::ptrdiff_t>(order_.size()),
             .start = static_cast<std::ptrdiff_t>(first_),
             .count = static_cast<std::ptrdiff_t>(count_),
             .row_length = samples_};
 }
 
-void Sensor::save(engines::StateWriter& state) const {
+void Sensor::save(StateWriter& state) const {
     for (std::size_t f = 0; f < values_.size() && !order_.empty(); ++f)
         state.put(std::string("sensor_") + grid_fields[study_.sensor_fields[f]], rows(),
                   values_[f].data());
 }
 
-void Sensor::restore(engines::StateReader& state) {
+void Sensor::restore(const StateReader& state) {
     for (std::size_t f = 0; f < values_.size() && !order_.empty(); ++f)
         state.get(std::string("sensor_") + grid_fields[study_.sensor_fields[f]], rows(),
                   values_[f].data());

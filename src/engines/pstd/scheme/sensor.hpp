@@ -18,11 +18,11 @@ public:
 
     /// The series in the study's order of nodes, on the root; empty on other ranks.
     std::vector<engines::SensorSeries> series(const Comm& team) const;
-    void save(engines::StateWriter& state) const;
-    void restore(engines::StateReader& state);
+    void save(StateWriter& state) const;
+    void restore(const StateReader& state);
 
 private:
-    engines::StateRows rows() const;
+    DistributedRows rows() const;
     double* of(std::size_t field, std::size_t node) {
         return values_[field].data() + static_cast<std::ptrdiff_t>(node) * samples_;
     }

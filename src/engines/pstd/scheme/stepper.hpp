@@ -48,8 +48,8 @@ public:
     /// Totals, kept parts and the count of steps ("step"), for a stepper of the same setup on any
     /// number of ranks; sources keep nothing. Names: "step", "ux", "ux_part_0" and the like.
     /// Collective.
-    void save(engines::StateWriter& state) const;
-    void restore(engines::StateReader& state);
+    void save(StateWriter& state) const;
+    void restore(const StateReader& state);
 
 private:
     FieldState<Real>& state(Field field) { return states_[index_of(field)]; }

@@ -12,7 +12,7 @@ constexpr std::array<const char*, field_count> names = {"ux",  "uy",  "uz",  "sx
                                                         "szz", "sxy", "sxz", "syz"};
 
 /// One row per plane of x, without the padding between the rows of the slab.
-engines::StateRows planes_of(const Slabs& slabs) {
+DistributedRows planes_of(const Slabs& slabs) {
     return {.total = slabs.nx(),
             .start = slabs.x_start(),
             .count = slabs.x_count(),
@@ -21,9 +21,9 @@ engines::StateRows planes_of(const Slabs& slabs) {
 
 /// Stored parts are ordered along x, y, z independent of the distribution, in complete runs. A row
 /// has the size of which all runs are multiples. Collective.
-engines::StateRows rows_of(const SplitRuns& runs, std::size_t part, const Comm& team) {
+DistributedRows rows_of(const SplitRuns& runs, std::size_t part, const Comm& team) {
     const std::ptrdiff_t length = SplitRuns::line;
-    engines::StateRows rows{.count = runs.size(part) / length, .row_length = length};
+    DistributedRows rows{.count = runs.size(part) / length, .row_length = length};
     const std::vector<long> counts = team.all_gather(std::vector<long>{rows.count});
     for (std::size_t r = 0; r < counts.size(); ++r) {
         rows.total += counts[r];
@@ -35,7 +35,7 @@ engines::StateRows rows_of(const SplitRuns& runs, std::size_t part, const Comm& 
 } // namespace
 
 template <class Real>
-void Stepper<Real>::save(engines::StateWriter& state) const {
+void Stepper<Real>::save(StateWriter& state) const {
     state.put("step", static_cast<double>(steps_));
     const std::ptrdiff_t nz = slabs_.nz();
     std::vector<double> values;
@@ -46,7 +46,7 @@ void Stepper<Real>::save(engines::StateWriter& state) const {
             std::copy_n(field.total.data() + row * slabs_.pitch, nz, values.data() + row * nz);
         state.put(names[f], planes_of(slabs_), values.data());
         for (std::size_t p = 0; p + 1 < parts_of(static_cast<Field>(f)).count; ++p) {
-            const engines::StateRows rows = rows_of(field.runs, p, team_);
+            const DistributedRows rows = rows_of(field.runs, p, team_);
             if (rows.total == 0) continue;
             values.assign(field.part[p].begin(), field.part[p].end());
             state.put(std::string(names[f]) + "_part_" + std::to_string(p), rows, values.data());
@@ -55,7 +55,7 @@ void Stepper<Real>::save(engines::StateWriter& state) const {
 }
 
 template <class Real>
-void Stepper<Real>::restore(engines::StateReader& state) {
+void Stepper<Real>::restore(const StateReader& state) {
     steps_ = std::lround(state.get("step"));
     const std::ptrdiff_t nz = slabs_.nz();
     const auto to_real = [](double value) { return static_cast<Real>(value); };
@@ -68,7 +68,7 @@ void Stepper<Real>::restore(engines::StateReader& state) {
             std::transform(values.data() + row * nz, values.data() + (row + 1) * nz,
                            field.total.data() + row * slabs_.pitch, to_real);
         for (std::size_t p = 0; p + 1 < parts_of(static_cast<Field>(f)).count; ++p) {
-            const engines::StateRows rows = rows_of(field.runs, p, team_);
+            const DistributedRows rows = rows_of(field.runs, p, team_);
             if (rows.total == 0) continue;
             values.resize(field.part[p].size());
             state.get(std::string(names[f]) + "_part_" + std::to_string(p), rows, values.data());
@@ -77,9 +77,9 @@ void Stepper<Real>::restore(engines::StateReader& state) {
     }
 }
 
-template void Stepper<double>::save(engines::StateWriter&) const;
-template void Stepper<double>::restore(engines::StateReader&);
-template void Stepper<float>::save(engines::StateWriter&) const;
-template void Stepper<float>::restore(engines::StateReader&);
+template void Stepper<double>::save(StateWriter&) const;
+template void Stepper<double>::restore(const StateReader&);
+template void Stepper<float>::save(StateWriter&) const;
+template void Stepper<float>::restore(const StateReader&);
 
 } // namespace shearwake::pstd

@@ -53,7 +53,7 @@ void LateralField::add_product(std::size_t point, const Values& a, const Values&
     }
 }
 
-engines::StateRows LateralField::rows(std::ptrdiff_t nx) const {
+DistributedRows LateralField::rows(std::ptrdiff_t nx) const {
     return {.total = nx,
             .start = share_.x_start,
             .count = share_.x_count,
@@ -62,7 +62,7 @@ engines::StateRows LateralField::rows(std::ptrdiff_t nx) const {
 }
 
 std::vector<double> LateralField::to_rows(const Values& values) const {
-    const engines::StateRows all = rows(0);
+    const DistributedRows all = rows(0);
     std::vector<double> out(static_cast<std::size_t>(all.count * all.row_length), 0.0);
     double* plane = out.data();
     for (const LateralVariation::Point& point : variation_.points)
@@ -75,7 +75,7 @@ std::vector<double> LateralField::to_rows(const Values& values) const {
 }
 
 void LateralField::from_rows(const std::vector<double>& in, Values& values) const {
-    const engines::StateRows all = rows(0);
+    const DistributedRows all = rows(0);
     const double* plane = in.data();
     for (const LateralVariation::Point& point : variation_.points)
         for (std::size_t c = 0; c < components_; ++c, plane += ny_)

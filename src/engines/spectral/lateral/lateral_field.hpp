@@ -37,7 +37,7 @@ public:
 
     /// Conversion to and from rows of complete planes, zero outside of the cells, for a checkpoint
     /// that can be read on any number of ranks.
-    engines::StateRows rows(std::ptrdiff_t nx) const;
+    DistributedRows rows(std::ptrdiff_t nx) const;
     std::vector<double> to_rows(const Values& values) const;
     void from_rows(const std::vector<double>& rows, Values& values) const;
 

@@ -257,7 +257,7 @@ void Stepper::advance_strains() {
     std::swap(strain_, strain_before_);
 }
 
-engines::StateRows Stepper::state_rows() const {
+DistributedRows Stepper::state_rows() const {
     const fft::SlabShare& share = slabs_.share();
     return {.total = case_.domain.ny / 2 + 1,
             .start = share.ky_start,
@@ -265,7 +265,7 @@ engines::StateRows Stepper::state_rows() const {
             .row_length = vectors_.blocks() * operator_.unknowns() * parts * lane_count};
 }
 
-void Stepper::save(engines::StateWriter& state) const {
+void Stepper::save(StateWriter& state) const {
     state.put("step", static_cast<double>(step_));
     state.put("iterations", static_cast<double>(statistics_.iterations));
     state.put("most_iterations", statistics_.most_iterations);
@@ -273,12 +273,12 @@ void Stepper::save(engines::StateWriter& state) const {
     state.put("now", state_rows(), scalars(now_.data()));
     state.put("before", state_rows(), scalars(before_.data()));
     if (field_.variation().empty()) return;
-    const engines::StateRows rows = field_.rows(case_.domain.nx);
+    const DistributedRows rows = field_.rows(case_.domain.nx);
     state.put("strain", rows, field_.to_rows(strain_).data());
     state.put("strain_before", rows, field_.to_rows(strain_before_).data());
 }
 
-void Stepper::restore(engines::StateReader& state) {
+void Stepper::restore(const StateReader& state) {
     step_ = std::lround(state.get("step"));
     statistics_.steps = step_;
     statistics_.iterations = std::lround(state.get("iterations"));
@@ -287,7 +287,7 @@ void Stepper::restore(engines::StateReader& state) {
     state.get("now", state_rows(), scalars(now_.data()));
     state.get("before", state_rows(), scalars(before_.data()));
     if (field_.variation().empty()) return;
-    const engines::StateRows rows = field_.rows(case_.domain.nx);
+    const DistributedRows rows = field_.rows(case_.domain.nx);
     std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));
     state.get("strain", rows, buffer.data());
     field_.from_rows(buffer, strain_);

@@ -58,8 +58,8 @@ public:
 
     /// Save and restore everything that changes from step to step; the stepper must be of the same
     /// case. Collective.
-    void save(engines::StateWriter& state) const;
-    void restore(engines::StateReader& state);
+    void save(StateWriter& state) const;
+    void restore(const StateReader& state);
 
     /// Energy and work, exact up to rounding and the residual of iterations. Costs about one step.
     /// Throws FieldDiverges on all ranks together if the field diverges. Collective.
@@ -88,7 +88,7 @@ public:
 private:
     void assemble();
     /// Layout of now_ and before_ as rows of ky, which can be distributed over any number of ranks.
-    engines::StateRows state_rows() const;
+    DistributedRows state_rows() const;
     /// One pass over the pencils: forces, solve and update. Collective.
     void first_pass();
     /// Apply B^-1 E^T to a stress with the sign of a force: strain_of() computes the strain of the
