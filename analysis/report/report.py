@@ -25,6 +25,7 @@ import fig_surface
 import fig_time
 import layout
 import style
+from in_one_piece import in_one_piece
 from load import NoPlan, load
 from page import page
 from player import player
@@ -93,12 +94,10 @@ def write_report(directory):
     cases."""
     sweep = load(directory)
     folder = Path(directory) / "report"
-    folder.mkdir(exist_ok=True)
-    for old in [*folder.glob("*.png"), *folder.glob("*.pdf")]:
-        old.unlink()
-    figures, moving, problems = draw_all(sweep, folder)
     path = folder / "index.html"
-    path.write_text(page(sweep, figures, folder, problems, moving), encoding="utf-8")
+    with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
+        figures, moving, problems = draw_all(sweep, part)
+        (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
     return path, summary(sweep), problems, [case.id for case in sweep.cases if case.status == "damaged"]
 
 

@@ -3,6 +3,8 @@
 """Converts a k-Wave simulation to a job and its grid study, so that `shearwake run NAME.toml` computes the
 same as pstdElastic3D. docs/how-to/kwave.md has an example."""
 import argparse
+import contextlib
+import os
 import sys
 from pathlib import Path
 
@@ -175,6 +177,17 @@ depths_mm = [{(plane + 0.5) * d_mm[2]:.12g}] # u_z of plane {plane + 1} of {stud
 """
 
 
+@contextlib.contextmanager
+def complete(path):
+    """A temporary name for the file, which is renamed when it is complete."""
+    part = path.with_name(path.name + ".part")
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
 def main():
     chosen = options()
     try:
@@ -189,8 +202,10 @@ def main():
                 raise BadInput(f"--plane must be 1 to {study.points[2] - 2 * study.first[2]}")
         out = chosen.out or Path(chosen.file.stem)
         job = job_text(out.name, study, plane, chosen.precision, chosen.file.name)
-        write_study(out.with_name(out.name + ".h5"), study)
-        out.with_name(out.name + ".toml").write_text(job, encoding="utf-8")
+        with complete(out.with_name(out.name + ".h5")) as part:
+            write_study(part, study)
+        with complete(out.with_name(out.name + ".toml")) as part:
+            part.write_text(job, encoding="utf-8")
     except BadInput as problem:
         print(f"import-kwave: {problem}", file=sys.stderr)
         return 3

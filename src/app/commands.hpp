@@ -15,7 +15,11 @@ namespace shearwake::app {
 /// which is run_sweep in schedule/, and `bench`, which is bench_command in bench/. All functions
 /// are collective over the world; commands that only read or draw do their work on rank 0.
 
-struct PlanArguments : schedule::JobArguments {
+struct CheckArguments : schedule::JobArguments {
+    schedule::Target target = schedule::Target::this_machine;
+};
+
+struct PlanArguments : CheckArguments {
     int ranks = 0;          // 0: the number of ranks of this program
     int ranks_per_case = 0; // 0: choose
 };
@@ -54,7 +58,7 @@ struct RespondArguments {
     bool gives_radius() const;
 };
 
-ExitCode check_command(const schedule::JobArguments& arguments, const Comm& world);
+ExitCode check_command(const CheckArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 ExitCode status_command(const StatusArguments& arguments, const Comm& world);
 /// Checks every case file, the plan, the journals and the index against their checksums.

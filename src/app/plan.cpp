@@ -7,6 +7,7 @@
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/job_source.hpp"
+#include "schedule/machine_limits.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/teams.hpp"
 
@@ -112,8 +113,9 @@ void print_layout(const std::vector<const PlannedCase*>& cases, const schedule::
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     // With --ranks the plan may be for another machine, whose memory is unknown.
-    const double available_B = arguments.ranks > 0 ? std::numeric_limits<double>::infinity()
-                                                   : pipeline::memory_per_rank_B(world);
+    const bool elsewhere = arguments.ranks > 0 || arguments.target == schedule::Target::elsewhere;
+    const double available_B =
+        elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
     std::vector<const PlannedCase*> cases;
     for (const PlannedCase& planned : job.plan.cases)
@@ -131,13 +133,14 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
                "points per", "MB/rank", "seconds");
     fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}\n", "", "", "", "focus / wave", "", "");
-    double memory_B = 0.0;
+    schedule::Demand demand;
     for (const PlannedCase& planned : job.plan.cases) {
         const Case& c = planned.physics;
         const double seconds =
             cost::seconds_on(costs.of(c), layout.ranks_per_case, layout.teams, costs.machine());
         const double needed_B = costs.memory_per_rank_B(c, layout.ranks_per_case);
-        memory_B = std::max(memory_B, needed_B);
+        demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needed_B);
+        demand.disk_B += costs.of(c).written_B;
         fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", planned.id,
                    fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
                    resolution_of(c), needed_B / 1e6, seconds, settings_of(planned));
@@ -146,13 +149,14 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const Domain& d = job.plan.cases.front().physics.domain;
     fmt::print("\n{} cases; the grid of the first covers {:g} x {:g} mm\n", cases.size(),
                1e3 * d.extent_x_m(), 1e3 * d.extent_y_m());
-    print_layout(cases, layout, ranks, memory_B, costs);
-    if (memory_B > available_B) {
-        fmt::print("error: the largest case needs {1:.0f} MB per rank, and a rank may use {0:.0f} "
-                   "MB: increase domain.spacing_mm, decrease domain.extent_mm, or plan for more "
-                   "ranks or another machine with --ranks\n",
-                   available_B / 1e6, memory_B / 1e6);
-        return ExitCode::bad_job;
+    print_layout(cases, layout, ranks, demand.memory_per_rank_B, costs);
+    if (!elsewhere) {
+        const std::string error =
+            schedule::excess(demand, available_B, std::filesystem::path("out") / job.plan.name);
+        if (!error.empty()) {
+            fmt::print("{}\n", error);
+            return ExitCode::bad_job;
+        }
     }
     fmt::print("next: {}\n", schedule::run_command_line(arguments.job, arguments.overrides, {}));
     return ExitCode::done;

@@ -28,10 +28,17 @@ void add_job(CLI::App* command, schedule::JobArguments& arguments) {
         ->take_all();
 }
 
+void add_elsewhere(CLI::App* command, CheckArguments& arguments) {
+    command->add_flag_callback(
+        "--elsewhere", [&arguments] { arguments.target = schedule::Target::elsewhere; },
+        "another machine runs the job: do not compare it with the memory and disk of this one");
+}
+
 void add_check(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<schedule::JobArguments>();
+    auto arguments = std::make_shared<CheckArguments>();
     CLI::App* command = app.add_subcommand("check", "report all errors in a job file");
     add_job(command, *arguments);
+    add_elsewhere(command, *arguments);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return check_command(*arguments, world); };
     });
@@ -42,6 +49,7 @@ void add_plan(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("plan", "list the cases with their ids, grids, memory and time");
     add_job(command, *arguments);
+    add_elsewhere(command, *arguments);
     command
         ->add_option("-n,--ranks", arguments->ranks,
                      "plan for N ranks (default: those of this program)")

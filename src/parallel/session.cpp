@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <algorithm>
 #include <exception>
@@ -46,6 +47,13 @@ void secure_streams() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
+/// Open MPI's component `lockedfile` writes names of files into a buffer of fixed length and ends
+/// the program for long paths. It provides shared file pointers, which are not used. A value set by
+/// the user has priority.
+void choose_mpi_components() {
+    ::setenv("OMPI_MCA_sharedfp", "^lockedfile", 0);
+}
+
 /// The exit code, raised to ExitCode::environment if the output could not be written.
 int with_output_written(int code) {
     errno = 0;
@@ -82,6 +90,7 @@ void choose_instruction_set(const Comm& world) {
 
 int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&)>& program) {
     secure_streams();
+    choose_mpi_components();
     if (MPI_Init(&argc, &argv) != MPI_SUCCESS) {
         fmt::print(stderr, "shearwake: MPI cannot be initialised\n");
         return static_cast<int>(ExitCode::environment);

@@ -15,6 +15,12 @@ struct JobArguments {
     std::vector<std::string> overrides; // key=value
 };
 
+/// The machine that will run a job.
+enum class Target {
+    this_machine,
+    elsewhere, // its memory and disk are unknown
+};
+
 /// Arguments of `shearwake run`.
 struct RunArguments : JobArguments {
     std::filesystem::path out; // empty: out/<job name>

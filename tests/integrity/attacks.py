@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Common parts of the attacks: their number in the short and in the long form, and a ledger of the outcomes, from
-which long_form.py writes docs/attacks.md."""
+which long_form.py writes docs/explanation/attacks.md."""
 import collections
 import os
 import sys
@@ -19,7 +19,7 @@ def times(short, long):
 
 
 class Ledger:
-    """Counts by attack and outcome, in the order of their first appearance."""
+    """Counts by attack and outcome."""
 
     def __init__(self):
         self.counts = collections.OrderedDict()
@@ -28,9 +28,13 @@ class Ledger:
         outcomes = self.counts.setdefault(attack, collections.Counter())
         outcomes[outcome] += number
 
+    def rows(self):
+        return [(attack, outcome, number) for attack, outcomes in self.counts.items()
+                for outcome, number in outcomes.items()]
+
     def markdown(self):
         lines = ["| attack | number | outcomes |", "|---|---|---|"]
-        for attack, outcomes in self.counts.items():
+        for attack, outcomes in sorted(self.counts.items()):
             listed = ", ".join(f"{number} {outcome}" for outcome, number in outcomes.items())
             lines.append(f"| {attack} | {sum(outcomes.values())} | {listed} |")
         return "\n".join(lines) + "\n"

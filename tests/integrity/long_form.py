@@ -1,15 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs all attacks in full numbers and writes the outcomes to docs/attacks.md.
+"""Runs all attacks in full numbers and writes the outcomes to docs/explanation/attacks.md.
 
-Usage: long_form.py [WORD ...]     SHEARWAKE names the program (build/shearwake)
-                                   WORD: only the tests whose name contains one of these words
+Usage: long_form.py [--at-once N] [WORD ...]
+    SHEARWAKE names the program (build/shearwake).
+    --at-once N: run N of the test files at the same time (default 1)
+    WORD: only the test files whose name contains one of these words; then no page is written
 
-Takes about an hour. Exit code 1 when an attack has succeeded; then nothing is written.
+Takes one to two hours. Exit code 1 when an attack has succeeded; then no page is written.
 """
+import argparse
+import json
 import os
+import subprocess
 import sys
+import tempfile
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 os.environ["SHEARWAKE_ATTACKS"] = "long"
@@ -18,26 +25,51 @@ sys.path.insert(0, str(HERE))
 
 from attacks import LEDGER  # noqa: E402
 
+PAGE = HERE.parent.parent / "docs" / "explanation" / "attacks.md"
 ABOUT = """\
 # Attacks
 
-What `tests/integrity/long_form.py` did to the program, and what became of it. Written by that script;
-the short form runs with `scripts/test`.
+`tests/integrity/long_form.py` damages files, kills runs, refuses memory and passes absurd input to the program. It
+writes this page. `scripts/test` runs a short form of the same tests. [Security and integrity](security.md) describes
+the protections.
 
 """
 
 
+def attack(name):
+    """Runs a test file in this process; returns whether all attacks have failed."""
+    suite = unittest.TestLoader().discover(str(HERE), pattern=name)
+    return unittest.TextTestRunner(verbosity=2).run(suite).wasSuccessful()
+
+
+def attack_in_process(name):
+    """The same in another process, whose ledger is added to this one."""
+    with tempfile.NamedTemporaryFile(suffix=".json") as ledger:
+        done = subprocess.run([sys.executable, __file__, "--only", name, "--ledger", ledger.name], check=False)
+        for attempt, outcome, number in json.loads(Path(ledger.name).read_text(encoding="utf-8") or "[]"):
+            LEDGER.add(attempt, outcome, number)
+    return done.returncode == 0
+
+
 def main():
-    loader = unittest.TestLoader()
-    if sys.argv[1:]:
-        loader.testNamePatterns = [f"*{word}*" for word in sys.argv[1:]]
-    result = unittest.TextTestRunner(verbosity=2).run(loader.discover(str(HERE)))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("words", nargs="*", metavar="WORD")
+    parser.add_argument("--at-once", type=int, default=1, metavar="N")
+    parser.add_argument("--only", help=argparse.SUPPRESS)
+    parser.add_argument("--ledger", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.only:
+        succeeded = attack(chosen.only)
+        Path(chosen.ledger).write_text(json.dumps(LEDGER.rows()), encoding="utf-8")
+        return 0 if succeeded else 1
+    names = sorted(path.name for path in HERE.glob("test_*.py")
+                   if not chosen.words or any(word in path.name for word in chosen.words))
+    with ThreadPoolExecutor(chosen.at_once) as pool:
+        succeeded = all(list(pool.map(attack_in_process, names)))
     print(LEDGER.markdown())
-    if not result.wasSuccessful():
-        return 1
-    if not sys.argv[1:]:
-        (HERE.parent.parent / "docs" / "attacks.md").write_text(ABOUT + LEDGER.markdown(), encoding="utf-8")
-    return 0
+    if succeeded and not chosen.words:
+        PAGE.write_text(ABOUT + LEDGER.markdown(), encoding="utf-8")
+    return 0 if succeeded else 1
 
 
 if __name__ == "__main__":

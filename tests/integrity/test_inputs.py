@@ -57,13 +57,30 @@ class Sizes(ProgramTest):
             for verb in ("check", "plan", "run"):
                 with self.subTest(name=name, verb=verb):
                     said, code, core_s, most_B = self.taken(verb)
-                    if verb == "check" and code == 0:
-                        continue  # the engine's own estimate refuses it in plan
                     self.assertEqual(code, 3, said)
                     self.assertNotIn("internal error", said)
                     self.assertLess(core_s, MOST_s)
                     self.assertLess(most_B, MOST_B)
                     LEDGER.add(f"absurd quantities: `{verb}`", "refused with a reason (exit 3)")
+
+    def test_cases_beyond_memory_or_disk_are_refused_unless_they_run_elsewhere(self):
+        for name, changes, reason in (
+                ("memory", [("extent_mm = [64.0, 48.0]", "extent_mm = [1600.0, 1600.0]"),
+                            ("spacing_mm = 1.5", "spacing_mm = 0.05")], r"needs \d+ MB per rank, and a rank may use"),
+                ("disk", [("extent_mm = [64.0, 48.0]", "extent_mm = [768.0, 768.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+                          ("output_interval_us = 100.0", "output_interval_us = 0.1")],
+                 r"need \d+ MB, and the disk with .* has \d+ MB left")):
+            self.write_job(without_reference(*changes))
+            for verb in ("check", "plan"):
+                with self.subTest(name=name, verb=verb):
+                    said, code, core_s, most_B = self.taken(verb)
+                    self.assertEqual(code, 3, said)
+                    self.assertRegex(said, reason)
+                    self.assertLess(core_s, MOST_s)
+                    self.assertLess(most_B, MOST_B)
+                    LEDGER.add(f"cases beyond the {name}: `{verb}`", "refused with the number (exit 3)")
+                    said, code, _, _ = self.taken(verb, "--elsewhere")
+                    self.assertEqual(code, 0, said)
 
     def test_what_case_files_cannot_hold_is_refused_before_it_is_computed(self):
         rows = ", ".join("[0.0, 0.0]" for _ in range(300000))

@@ -13,6 +13,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <fmt/format.h>
 #include <limits>
 #include <new>
 
@@ -193,6 +194,7 @@ TEST_CASE("memory refused to one rank at any place fails its case only", "[mpi][
         REQUIRE(runner.run("whole") == End::complete);
         all = counting.count();
     }
+    Seen total;
     for (int victim = 0; victim < team.size(); ++victim) {
         const Seen seen = refuse_memory(runner, team, victim, team.broadcast(all, victim));
         // A checkpoint that cannot be written is skipped.
@@ -203,7 +205,11 @@ TEST_CASE("memory refused to one rank at any place fails its case only", "[mpi][
             same = surface_of(runner.file("after")) == surface_of(runner.file("whole"));
         });
         CHECK(team.broadcast(same) == 1);
+        total.failed += seen.failed;
+        total.complete += seen.complete;
     }
+    if (team.is_root() && std::getenv("SHEARWAKE_REFUSALS")) // for tests/integrity/long_form.py
+        fmt::print("{} cases failed, {} continued\n", total.failed, total.complete);
 }
 
 TEST_CASE("an exception of one rank ends nested scopes on all ranks", "[mpi][faults]") {
