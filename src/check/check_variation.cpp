@@ -26,8 +26,8 @@ void check_resolution(const Case& c, std::size_t i, std::vector<Remark>& remarks
         remarks.push_back(
             {Severity::warning, body_key(i, "shape"),
              fmt::format("it is {:.3g} mm wide along the surface and the spacing is {:.3g} mm, "
-                         "which gives {:.2g} points across: the grid resolves little more than its "
-                         "volume; use domain.spacing_mm = {:.3g}",
+                         "which gives {:.2g} points across: the grid represents the volume of the "
+                         "body but not its shape; use domain.spacing_mm = {:.3g}",
                          milli(width_m), milli(h_m), width_m / h_m, milli(0.5 * width_m))});
 }
 
@@ -76,9 +76,9 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
                              milli(beyond_m)));
         else if (beyond_m + sponge_m > 0.0)
             warn("center_mm",
-                 fmt::format("it reaches {:.4g} mm along {}, into the margin of {:.4g} mm at the "
-                             "edge of the domain at {:.4g} mm; the margin is not measured, and the "
-                             "domain continues periodically beyond its edge",
+                 fmt::format("it reaches {:.4g} mm along {} and thus into the margin "
+                             "domain.sponge_mm, {:.4g} mm wide, at the edge of the domain at "
+                             "{:.4g} mm; the margin is excluded from the measures",
                              milli(reach.furthest_m()), reach.axis, milli(sponge_m),
                              milli(reach.half_m)));
     }

@@ -234,7 +234,7 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
         journal_.failed(planned.id, reason, blame);
         keep_failure(planned, reason);
     } catch (const std::exception& error) {
-        progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
+        progress_.say(fmt::format("and this could not be recorded: {}", error.what()));
     }
     counters_.fetch_add(failed, 1);
     if (list_.arguments.fail_fast) give_up();
@@ -244,13 +244,14 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
     look_for_folder();
     if (counters_.read(folder_gone) == 0 &&
         ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
-        progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
+        progress_.say(fmt::format("file errors ended {} cases in a row; no further case is started",
                                   most_file_failures_in_a_row));
         give_up();
     }
 }
 
-/// A folder that is removed while files are written keeps some of them: only its plan tells.
+/// A folder that is removed while files are written keeps some of them: only a missing plan shows
+/// this.
 void Worker::look_for_folder() {
     const auto now = std::chrono::steady_clock::now();
     if (now - last_folder_ < 500ms) return;
@@ -265,12 +266,12 @@ void Worker::give_up() {
     counters_.fetch_add(stopping, 1);
 }
 
-/// One rank alone has met what no other knows of, in the middle of a computation that they share:
-/// MPI has no way back from there. The case is written down as failed and all ranks end, so that
-/// the same command goes on without it.
+/// An exception occurred on one rank only, in the middle of a computation that the team shares. MPI
+/// cannot recover from this. The case is recorded as failed and all ranks end, so that the same
+/// command continues without the case.
 void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
     const std::string words =
-        fmt::format("rank {} of its team of {} alone: {}", team_.rank(), team_.size(), reason);
+        fmt::format("only on rank {} of {} in its team: {}", team_.rank(), team_.size(), reason);
     try {
         journal_.failed(planned.id, words, storage::Blame::case_itself);
         keep_failure(planned, words);
@@ -282,7 +283,7 @@ void Worker::end_alone(const PlannedCase& planned, const std::string& reason) {
                     ExitCode::stopped_early);
 }
 
-/// All that is needed to look into the case: reason, log, inputs, and how to try it again.
+/// Keeps what is needed to examine the case: reason, log, inputs, and the command that retries it.
 void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
     storage::make_directory(list_.folder.failure(planned.id).parent_path());
     RunArguments again = list_.arguments;
@@ -290,7 +291,7 @@ void Worker::keep_failure(const PlannedCase& planned, const std::string& reason)
     again.shard.clear();
     std::string text =
         fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
-                    "again: {} --retry-failed\n\nlog:\n",
+                    "to retry: {} --retry-failed\n\nlog:\n",
                     planned.id, storage::timestamp(), storage::host_name(), team_.size(),
                     pipeline::program_git_id(), reason, run_command_line(again));
     for (const std::string& line : case_log_)

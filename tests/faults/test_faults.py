@@ -107,7 +107,7 @@ class Failing(FaultTest):
         failed = sorted((self.out / "failed").iterdir())
         self.assertEqual(len(failed), 1)
         self.assertIn(failed[0].stem, plan_ids(self.out))
-        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "again:", "log:",
+        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "to retry:", "log:",
                   "is tried again", "settings:", "[medium]")
         self.assert_goes_on(reference)
 

@@ -101,7 +101,7 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
     const Spoilt spoilt = GENERATE_COPY(
         Spoilt{[](Draft& d) { d.schema = "other"; }, "scripts/import-kwave"},
         Spoilt{set("grid/points", 0, 4.5), "not a whole number"},
-        Spoilt{set("layer/points", 0, 3), "do not fit into 4 along x"},
+        Spoilt{set("layer/points", 0, 3), "of 3 points on both sides does not fit into 4 points along x"},
         Spoilt{set("medium/c_s_m_s", 3, -1), "c_s_m_s is -1"},
         Spoilt{set("medium/c_p_m_s", 0, std::nan("")), "not finite"},
         Spoilt{[](Draft& d) {
