@@ -86,7 +86,9 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
 
 struct Interval {
     double low_m, high_m;
-    bool meets(const Interval& other) const { return low_m < other.high_m && high_m > other.low_m; }
+    bool overlaps(const Interval& other) const {
+        return low_m < other.high_m && high_m > other.low_m;
+    }
     bool holds(const Interval& other) const {
         return low_m <= other.low_m && high_m >= other.high_m;
     }
@@ -117,7 +119,7 @@ void check_map(const Case& c, std::vector<Remark>& remarks) {
             milli(map_x.low_m), milli(map_x.high_m), milli(map_y.low_m), milli(map_y.high_m),
             milli(map_z.low_m), milli(map_z.high_m));
     };
-    if (!map_x.meets(x) || !map_y.meets(y) || !map_z.meets(z))
+    if (!map_x.overlaps(x) || !map_y.overlaps(y) || !map_z.overlaps(z))
         remarks.push_back({Severity::error, "medium.map",
                            fmt::format("it covers {}, but no part of the domain, {:.4g} x {:.4g} "
                                        "mm about the origin: are its coordinates in m?",

@@ -14,7 +14,7 @@ namespace shearwake::pipeline {
 using EndAlone = std::function<void(const std::string& reason)>;
 
 /// Engines, recorder and files throw CaseFailure and UsageError on all ranks of a team together.
-/// Any other exception affects one rank, and the other ranks do not know of it. Unless the rank
+/// Any other exception affects one rank, and the other ranks cannot detect it. Unless the rank
 /// forms a team by itself, the program ends here. A file that the team has open must be owned
 /// outside `work`, since closing it during unwinding would wait for the other ranks forever. Not
 /// collective itself.
