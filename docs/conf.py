@@ -3,9 +3,6 @@
 import re
 from pathlib import Path
 
-from pygments.lexers.special import TextLexer
-from sphinx.highlighting import lexers
-
 _cmake = (Path(__file__).resolve().parent.parent / "CMakeLists.txt").read_text(encoding="utf-8")
 
 project = "shearwake"
@@ -23,6 +20,3 @@ html_theme = "furo"
 html_title = f"shearwake {release}"
 html_copy_source = False
 html_show_sphinx = False
-
-# Pygments has no lexer for Mermaid; the source of a diagram is shown as it is.
-lexers["mermaid"] = TextLexer()

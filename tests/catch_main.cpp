@@ -14,7 +14,8 @@ namespace {
 
 CATCH_REGISTER_LISTENER(ProgressListener)
 
-/// Rank 0 reports where it is asked to; the others say nothing, or write `<file>.<rank>` beside it.
+/// Rank 0 reports where it is asked to; the others print nothing, or write `<file>.<rank>` next to
+/// it.
 std::string report_of(int rank, const std::string& file) {
     if (rank == 0) return file;
     return file.empty() ? "/dev/null" : file + "." + std::to_string(rank);

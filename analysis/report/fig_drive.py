@@ -125,7 +125,7 @@ def caption(cases, columns, steady, name):
         elif draw is draw_force:
             parts.append("force of the complete footprint, averaged over a cycle of the carrier")
         else:
-            parts.append(f"lead of the focus over {name}")
+            parts.append(f"distance of the focus ahead of {name}")
     text = "; ".join(parts) + "."
     text = text[:1].upper() + text[1:]
     if steady and columns[-1][1] is not draw_force:

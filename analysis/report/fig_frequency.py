@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The dominant frequency at the centre and the share of its energy in bands against x."""
+"""The dominant frequency at the centre and the fraction of its energy in bands against x."""
 import math
 from dataclasses import dataclass
 
@@ -66,7 +66,7 @@ def draw_peaks(axes, sweep, curves, column, of):
 
 
 def draw_band(axes, sweep, curves, band):
-    """Draws the share of u with filled markers, and that of du/dt with open markers and dashed lines."""
+    """Draws the fraction of u with filled markers, and that of du/dt with open markers and dashed lines."""
     numeric = layout.is_numeric(sweep)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
         x = [layout.x_position(sweep, c) + aside for c in group.cases]

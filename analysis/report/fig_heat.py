@@ -32,7 +32,7 @@ MEASURES = [
     ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity at the centre",
      "frequency of du/dt (Hz)"),
 ]
-HELD = 0.5  # smallest share of cases with a value of a measure that is drawn
+HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
 def band_measures(sweep):
@@ -41,7 +41,7 @@ def band_measures(sweep):
                           if name.startswith("share_"))
     for name in found:
         low, high = name.split("_")[1:3]
-        yield (name, f"Share of the energy within {low} to {high} Hz", "share of the energy (1)")
+        yield (name, f"Fraction of the energy within {low} to {high} Hz", "fraction of the energy (1)")
 
 
 def plane(sweep):

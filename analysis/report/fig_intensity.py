@@ -57,6 +57,6 @@ def figures(sweep, folder):
     text = ("Root of the time-averaged intensity, the mean of u² over complete periods, on the same colour scale "
             "in all panels. Dashed lines or crosses: the shape that the focus draws.")
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
-        text += " Sharpness: the share of this energy within one FWHM of the shape."
+        text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity of the surface seen from above")]

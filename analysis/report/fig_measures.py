@@ -14,7 +14,7 @@ from words import number
 MEASURES = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
      "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
-     "caption": "η is the share of Σu² of the complete surface that lies within the focal disc. The larger η is, "
+     "caption": "η is the fraction of Σu² of the complete surface that lies within the focal disc. The larger η is, "
                 "the better the vibration is confined to the focus."},
     {"name": "ipr_abs", "title": "Spread of the vibration (IPR of |u|) against {x}",
      "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2", "label": "(Σ|u|)² / Σu² (mm²)",
@@ -25,10 +25,10 @@ MEASURES = [
      "label": "(Σu²)² / Σu⁴ (mm²)",
      "caption": "The area over which the energy is spread, (Σu²)²/Σu⁴ times the area of a cell. Spots of strong "
                 "vibration contribute most."},
-    {"name": "ipr", "title": "Literal inverse participation ratio against {x}",
+    {"name": "ipr", "title": "Inverse participation ratio of the thesis against {x}",
      "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "label": "(Σu)² / Σu² (mm²)",
      "log": True,
-     "caption": "The literal (Σu)²/Σu² measures compressibility, not spread: nearly incompressible tissue conserves "
+     "caption": "(Σu)²/Σu², as the thesis defines it, measures compressibility, not spread: nearly incompressible tissue conserves "
                 "its volume, so Σu is close to zero and the value is very small for any pattern. Use the two areas "
                 "above to compare the spread."},
 ]
@@ -37,7 +37,7 @@ MEASURES = [
 SHARPNESS = {
     "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
     "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
-    "caption": "The share of the time-averaged energy within one FWHM of the shape that the focus draws."}
+    "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
 def over_reference(sweep, group, column):
@@ -78,7 +78,7 @@ def gain_figure(sweep, folder):
     ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
     return Figure("gain", title, f"η over complete periods relative to that of {name} in the same time window and "
-                  "medium. Above 1, the modulation keeps a larger share of the energy at the focus.", title)
+                  "medium. Above 1, the modulation keeps a larger fraction of the energy at the focus.", title)
 
 
 def strength_figure(sweep, folder):

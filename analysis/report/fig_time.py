@@ -23,16 +23,16 @@ def in_mm2(case, name):
 MEASURES = [
     {"name": "eta_time", "title": "Reconstruction efficiency over time", "label": "η (1)",
      "value": lambda case: case.series["eta"], "needs": "eta",
-     "caption": "η(t), the share of Σu² within the focal disc."},
+     "caption": "η(t), the fraction of Σu² within the focal disc."},
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
      "needs": "ipr_abs",
      "caption": "The area over which the displacement is spread. It increases while waves propagate away from "
                 "the path."},
-    {"name": "ipr_time", "title": "Literal inverse participation ratio over time",
+    {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
-     "caption": "The literal ipr(t). In nearly incompressible tissue it measures compressibility, not spread, and "
+     "caption": "ipr(t) as the thesis defines it. In nearly incompressible tissue it measures compressibility, not spread, and "
                 "it drops whenever Σu changes its sign."},
 ]
 

@@ -44,6 +44,13 @@ void add_check(CLI::App& app, Action& action) {
     });
 }
 
+void add_ranks_per_case(CLI::App* command, int& ranks) {
+    command->add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
+        ->type_name("N|auto")
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}))
+        ->check(CLI::Range(0, 1000000));
+}
+
 void add_plan(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<PlanArguments>();
     CLI::App* command =
@@ -52,12 +59,10 @@ void add_plan(CLI::App& app, Action& action) {
     add_elsewhere(command, *arguments);
     command
         ->add_option("-n,--ranks", arguments->ranks,
-                     "plan for N ranks (default: those of this program)")
+                     "plan for N ranks (default: the number of ranks that run this command)")
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
-    command
-        ->add_option("--ranks-per-case", arguments->ranks_per_case, "ranks of a team (0: choose)")
-        ->check(CLI::Range(0, 1000000));
+    add_ranks_per_case(command, arguments->ranks_per_case);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return plan_command(*arguments, world); };
     });
@@ -69,10 +74,7 @@ void add_run(CLI::App& app, Action& action) {
         app.add_subcommand("run", "run a job, or resume it: complete cases are skipped");
     add_job(command, *arguments);
     command->add_option("--out", arguments->out, "output folder (default: out/<job name>)");
-    // "auto" stands for 0.
-    command->add_option("--ranks-per-case", arguments->ranks_per_case, "ranks of a team, or auto")
-        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}))
-        ->check(CLI::Range(0, 1000000));
+    add_ranks_per_case(command, arguments->ranks_per_case);
     command->add_option("--only", arguments->only, "only these cases, by id")
         ->type_name("ID[,ID]")
         ->delimiter(',');
@@ -228,7 +230,7 @@ void add_bench(CLI::App& app, Action& action) {
                  "memory bandwidth");
     command
         ->add_option(
-            "ENGINE", arguments->engine,
+            "NAME", arguments->engine,
             "layered (default), spectral, pstd or neural: the speed of an engine or of the "
             "receptors; sweep: overhead per case; machine: recalibrate the cost model of "
             "plan and run; estimates: compare estimates with measurements")
@@ -271,9 +273,8 @@ void add_respond(CLI::App& app, Action& action) {
         "compute the spikes of nerve fibres for a given motion of the skin, without a simulation");
     command->add_option(
         "MOTION", arguments->motion,
-        "CSV or HDF5 file of the displacement at points or, with "
-        "afferents.input=stress, of the stress at receptors; without it: a prescribed "
-        "carrier");
+        "CSV or HDF5 file with the displacement at points (with afferents.input=stress: the stress "
+        "at the receptors). If it is omitted, the carrier of afferents.carrier is used");
     command->add_option("--group", arguments->group,
                         "group of the HDF5 file (default: traces, or the root group)");
     command
@@ -320,7 +321,7 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
 void add_help(CLI::App& app, Action& action) {
     auto name = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("help", "print the help of a command");
-    command->add_option("COMMAND", *name, "the command (default: all of shearwake)");
+    command->add_option("COMMAND", *name, "command to describe (default: the program)");
     command->callback([=, &app, &action] {
         action = [=, &app](const Comm& world) {
             // App::help() of the program would print the help of this command, which was selected.
@@ -351,7 +352,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     Action action;
     CLI::App app("shearwake: parameter sweeps of mid-air ultrasound haptics on viscoelastic skin");
     app.require_subcommand(1);
-    app.footer(footer + exit_code_list());
+    app.footer("shearwake --help explains the exit codes."); // of each command
     app.set_version_flag("--version", pipeline::version_text());
     add_check(app, action);
     add_keys(app, action);
@@ -376,6 +377,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
              [&app] { return man_page(app); });
     add_text(app, action, "completion", "print a script that completes commands in bash",
              [&app] { return bash_completion(app); });
+    app.footer(footer + exit_code_list());
     // CLI11 would only report that a command is required.
     if (argc > 1 && argv[1][0] != '-') find_command(app, argv[1]);
     try {

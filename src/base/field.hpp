@@ -13,7 +13,7 @@
 
 namespace shearwake {
 
-// The description of an option struct stands beside it as
+// The description of an option struct is a function next to it,
 //
 //     template <class Walk, Is<SineGain> Gain>
 //     void walk_fields(Walk& walk, Gain& g) {
@@ -22,39 +22,39 @@ namespace shearwake {
 //         ...
 //     }
 //
-// and everything else follows from it: config reads the fields from a job (config/read_fields.hpp),
-// canonical_text writes them and case_id hashes that (case/text_walk.hpp), `shearwake keys` lists
-// them (config/key_table.hpp), and a test changes each one. A walk takes
+// Everything else is derived from it: config reads the fields from a job (config/read_fields.hpp),
+// canonical_text writes them and case_id hashes this text (case/text_walk.hpp), `shearwake keys`
+// lists them (config/key_table.hpp), and a test changes each of them. A walk provides
 //
 //     walk(field, {...})                a number, word, flag, enumerator, point or list of them
 //     walk.choice(variant, {...}, then) the name of the alternative, then its fields; a text walk
 //                                       calls then(walk) between them if it is given
 //     walk.each("table", list, {...})   one table [[table]] per element
 //     walk.maybe("table", optional)     a table that may be absent
-//     walk.section("table")             what follows stands in [table]
+//     walk.section("table")             the following fields are in [table]
 //     walk.key({...})                   a key of job files from which config derives other fields
 //
-// in the order of the canonical text. The order, the text keys and `in_text` decide the ids of
-// cases: they must not change. A new field gets `.in_text = value != default`, so that the ids of
-// cases without it stay.
+// in the order of the canonical text. The order, the text keys and `in_text` determine the ids of
+// cases and must not change. A new field gets `.in_text = value != default`, so that the ids of
+// cases that do not use it remain the same.
 
 /// Whether a job must give a key. `preset`: unless a preset does. `automatic`: a number or "auto".
-/// `by_hand`: the table's own reader in config/ asks for it, since it depends on other keys.
+/// `by_hand`: the reader of the table in config/ reads it, since it depends on other keys.
 enum class Given { optional, required, preset, automatic, by_hand };
 
-/// How one field stands in job files, in the canonical text and in the reference of keys.
+/// How one field appears in job files, in the canonical text and in the reference of keys.
 struct Field {
     const char* key = "";  // in job files, with its unit; empty: derived from other keys
     const char* text = ""; // in the canonical text; empty: the key in SI units
     Range range = {};      // of numbers, in the unit of the key
     Given given = Given::optional;
-    bool applies = true;        // to the values of the fields before it
-    const char* only_with = ""; // when it applies, in the words of a job; empty: config says it
+    bool applies = true;        // given the values of the preceding fields
+    const char* only_with = ""; // when it applies, as job text; empty: config states it
     bool in_text = true;
     bool flag_in_text = false; // an enumeration of two values is written as false or true
-    bool zero_in_text = false; // whatever the value: it means the same as 0
+    bool zero_in_text = false; // always written as 0, since all values have the same effect
     std::size_t most_in_text = static_cast<std::size_t>(-1); // a longer list is hashed
-    bool own_tables = false; // of a choice: its alternatives stand in tables of their names
+    bool own_tables = false; // of a choice: each alternative has a table with its name
     /// In job files, where it differs from the type of the field or there is none: "number",
     /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "point", "points", "point
     /// or triple", "path", "table".
@@ -85,7 +85,7 @@ const char* name_in_text(E value) {
     return names_of(std::type_identity<E>{})[static_cast<std::size_t>(value)];
 }
 
-/// The name of a variant's alternative, `T::name`; "" where its fields alone tell what it is.
+/// The name of a variant's alternative, `T::name`; "" if its fields alone identify it.
 template <class T>
 constexpr const char* alternative_name() {
     if constexpr (requires { T::name; })
@@ -94,7 +94,7 @@ constexpr const char* alternative_name() {
         return "";
 }
 
-/// The same in job files, where it may differ: `T::name_in_jobs`.
+/// The name in job files, which may differ: `T::name_in_jobs`.
 template <class T>
 constexpr const char* name_in_jobs() {
     if constexpr (requires { T::name_in_jobs; })

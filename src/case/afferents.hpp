@@ -215,19 +215,21 @@ void walk_fields(Walk& walk, Options& o) {
                      "`\"pins\"`: the simulated u_z at the pins; `\"stress\"`: the stress that "
                      "the engine computes at each receptor; `\"carrier\"`: pins move as "
                      "prescribed"});
-    walk(o.pins_m, {.key = "pins_mm",
-                    .text = "pins_{}_m",
-                    .given = Given::by_hand,
-                    .meaning = "`[[x, y], ...]`; or `pin_line = { from_mm, to_mm, count }`, or "
-                               "`pin_grid = { extent_mm, pitch_mm, center_mm }`; at most 1000"});
+    walk(o.pins_m,
+         {.key = "pins_mm",
+          .text = "pins_{}_m",
+          .given = Given::by_hand,
+          .meaning = "positions `[[x, y], ...]` of the pins, at most 1000 (see "
+                     "[receptors](../explanation/receptors.md)); or `pin_line` or `pin_grid`"});
     walk.key({.key = "pin_line",
               .type = "table",
               .fallback = "none",
-              .meaning = "instead of `pins_mm`: `{ from_mm, to_mm, count }`"});
-    walk.key({.key = "pin_grid",
-              .type = "table",
-              .fallback = "none",
-              .meaning = "instead of `pins_mm`: `{ extent_mm, pitch_mm, center_mm }`"});
+              .meaning = "instead of `pins_mm`: pins along a line, `{ from_mm, to_mm, count }`"});
+    walk.key(
+        {.key = "pin_grid",
+         .type = "table",
+         .fallback = "none",
+         .meaning = "instead of `pins_mm`: pins on a grid, `{ extent_mm, pitch_mm, center_mm }`"});
     walk(o.pin_radius_m, {.key = "pin_radius_mm",
                           .range = Range::above(0.0),
                           .meaning = "radius of the pins; if pins overlap, half of their smallest "

@@ -55,9 +55,11 @@ void walk_fields(Walk& walk, D& domain) {
           .meaning =
               "margin on each side that is excluded from the measures. Engine `\"spectral\"`: it "
               "absorbs waves that leave the domain, which can then be smaller; a width of four "
-              "FWHM absorbs 99 % of the energy of the longest waves at normal incidence, and six "
-              "to eight FWHM absorb 99 % of a pulse at all angles (`check` reports the energy that "
-              "returns; see docs/explanation/physics.md). Engine `\"pstd\"`: width of its "
+              "FWHM absorbs 99 % of the energy of the longest waves of the footprint at normal "
+              "incidence. To absorb 99 % of the energy of a pulse in all directions, about 7 FWHM "
+              "are needed at a viscosity of up to 0.1 Pa s, and 9 FWHM at 0.5 Pa s (`check` "
+              "reports the energy that returns; see "
+              "[edges](../explanation/engine-spectral.md#edges)). Engine `\"pstd\"`: width of its "
               "absorbing layer"});
 }
 
@@ -96,7 +98,7 @@ struct FrequencyBand {
 /// Position and time of the measurements.
 struct MeasureOptions {
     double at_s = 0.0; // the instant, and the end of the window of the `_period_` columns
-    double settled_after_s = 0.0; // the window begins after this time
+    double settled_after_s = 0.0; // the window begins no earlier than this
     double focal_radius_m = 0.0;
     std::vector<double> depths_m = {0.0};
     std::vector<FrequencyBand>
@@ -118,7 +120,7 @@ void walk_fields(Walk& walk, Options& o) {
           .range = Range::at_least(0.0),
           .given = Given::by_hand,
           .fallback = "a quarter of `at_ms`",
-          .meaning = "the window of the `_period_` columns begins after this time"});
+          .meaning = "the window of the `_period_` columns begins no earlier than this"});
     walk(o.focal_radius_m, {.key = "focal_radius_mm",
                             .range = Range::above(0.0),
                             .given = Given::by_hand,
@@ -138,8 +140,9 @@ void walk_fields(Walk& walk, Options& o) {
                    .in_text = !o.bands.empty(),
                    .type = "points",
                    .fallback = "none",
-                   .meaning = "bands `[[low, high], ...]`: for each, a column with its share of "
-                              "the spectral energy above 1/T at the centre"});
+                   .meaning = "frequency bands `[[low, high], ...]`. For each band the table has a "
+                              "column with the fraction of the spectral energy at the centre that "
+                              "lies in the band; frequencies up to 1/duration are left out"});
 }
 
 /// Data that are stored in addition to the measures.
@@ -178,7 +181,7 @@ void walk_fields(Walk& walk, Options& o) {
                            .only_with = "volumes_ms",
                            .fallback = "[\"u\"]",
                            .meaning = "fields that are stored at these times (`pstd`: only "
-                                      "`\"u\"`), see [results.md](results.md)"});
+                                      "`\"u\"`), see [case-files.md](case-files.md)"});
 }
 
 /// All parameters of one simulation in SI units, as a comparable value.

@@ -134,10 +134,10 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
     const auto* array = std::get_if<ArrayFootprint>(&c.scene().load.footprint);
     if (array && room_m >= margin_m && room_m < array->reach_m)
         notes.add(Severity::warning, "load.footprint",
-                  "side lobes of the array are computed up to {:.4g} mm from the focus, which "
-                  "comes within {:.4g} mm of the edge, so that they also act on the opposite side "
-                  "of the domain; use a larger domain or reach_mm = {:.0f}",
-                  milli(array->reach_m), milli(room_m), std::floor(milli(room_m)));
+                  "the focus comes within {:.4g} mm of the edge, but side lobes of the array are "
+                  "computed up to {:.4g} mm from the focus: they also act on the opposite side of "
+                  "the domain; use a larger domain or reach_mm = {:.0f}",
+                  milli(room_m), milli(array->reach_m), std::floor(milli(room_m)));
 }
 
 /// Shear waves cross the domain about as fast as in the fastest layer that is not a thin film.
@@ -172,10 +172,10 @@ void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
     const bool starts_outside = out_s < 0.0; // reported elsewhere
     if (starts_outside || back_s >= end_s * (1.0 - 1e-9)) return;
     notes.add(Severity::warning, "domain.extent_mm",
-              "waves of {:.4g} m/s that cross the edge at {:.3g} ms re-enter the measured region "
-              "from the opposite edge at {:.3g} ms, before the run ends at {:.4g} ms; a domain of "
+              "waves of {:.4g} m/s leave through one edge and return through the opposite one into "
+              "the measured region at {:.3g} ms, before the run ends at {:.4g} ms; a domain of "
               "{:.0f} x {:.0f} mm would prevent this",
-              speed_m_s, milli(out_s), milli(back_s), milli(end_s),
+              speed_m_s, milli(back_s), milli(end_s),
               std::ceil(milli(std::max(needed_x_m, c.domain.extent_x_m())) - 1e-6),
               std::ceil(milli(std::max(needed_y_m, c.domain.extent_y_m())) - 1e-6));
 }
@@ -215,18 +215,18 @@ void check_measured_times(const Case& c, Notes& notes) {
                   1e3 / *frequency_Hz, milli(c.measure.settled_after_s), milli(c.measure.at_s));
 }
 
-void check_focal_region(const Case& c, Notes& notes) {
+void check_focal_disc(const Case& c, Notes& notes) {
     const double radius_m = c.measure.focal_radius_m;
     const double shorter_m = std::min(c.domain.extent_x_m(), c.domain.extent_y_m());
     if (radius_m < c.domain.spacing_m)
         notes.add(Severity::warning, "measure.focal_radius_mm",
-                  "the focal region's radius of {:.3g} mm is below the spacing of {:.3g} mm: it "
-                  "contains only one or two samples",
+                  "the radius of the focal disc, {:.3g} mm, is below the spacing of {:.3g} mm: the "
+                  "disc contains only one or two samples",
                   milli(radius_m), milli(c.domain.spacing_m));
     else if (radius_m > 0.25 * shorter_m)
         notes.add(Severity::warning, "measure.focal_radius_mm",
-                  "the focal region's radius of {:.4g} mm is more than a quarter of the domain's "
-                  "shorter side, {:.4g} mm: eta is not informative",
+                  "the radius of the focal disc, {:.4g} mm, is more than a quarter of the shorter "
+                  "side of the domain, {:.4g} mm: eta is not informative",
                   milli(radius_m), milli(shorter_m));
 }
 
@@ -240,7 +240,7 @@ std::vector<Remark> check(const Case& c) {
     };
     if (c.study()) {
         add(engine->limits(c));
-        check_focal_region(c, notes);
+        check_focal_disc(c, notes);
         return notes.remarks;
     }
     check_focus_resolution(c, notes);
@@ -250,7 +250,7 @@ std::vector<Remark> check(const Case& c) {
     check_sponge(c, engine->edges(c), notes);
     add(engine->limits(c));
     check_measured_times(c, notes);
-    check_focal_region(c, notes);
+    check_focal_disc(c, notes);
     add(check_variation(c));
     return notes.remarks;
 }

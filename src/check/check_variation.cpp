@@ -26,8 +26,8 @@ void check_resolution(const Case& c, std::size_t i, std::vector<Remark>& remarks
         remarks.push_back(
             {Severity::warning, body_key(i, "shape"),
              fmt::format("it is {:.3g} mm wide along the surface and the spacing is {:.3g} mm, "
-                         "which gives {:.2g} points across: the grid resolves little more than its "
-                         "volume; use domain.spacing_mm = {:.3g}",
+                         "which gives {:.2g} points across: the grid represents the volume of the "
+                         "body but not its shape; use domain.spacing_mm = {:.3g}",
                          milli(width_m), milli(h_m), width_m / h_m, milli(0.5 * width_m))});
 }
 
@@ -76,9 +76,9 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
                              milli(beyond_m)));
         else if (beyond_m + sponge_m > 0.0)
             warn("center_mm",
-                 fmt::format("it reaches {:.4g} mm along {}, into the margin of {:.4g} mm at the "
-                             "edge of the domain at {:.4g} mm; the margin is not measured, and the "
-                             "domain continues periodically beyond its edge",
+                 fmt::format("it reaches {:.4g} mm along {} and thus into the margin "
+                             "domain.sponge_mm, {:.4g} mm wide, at the edge of the domain at "
+                             "{:.4g} mm; the margin is excluded from the measures",
                              milli(reach.furthest_m()), reach.axis, milli(sponge_m),
                              milli(reach.half_m)));
     }
@@ -86,7 +86,9 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
 
 struct Interval {
     double low_m, high_m;
-    bool meets(const Interval& other) const { return low_m < other.high_m && high_m > other.low_m; }
+    bool overlaps(const Interval& other) const {
+        return low_m < other.high_m && high_m > other.low_m;
+    }
     bool holds(const Interval& other) const {
         return low_m <= other.low_m && high_m >= other.high_m;
     }
@@ -117,7 +119,7 @@ void check_map(const Case& c, std::vector<Remark>& remarks) {
             milli(map_x.low_m), milli(map_x.high_m), milli(map_y.low_m), milli(map_y.high_m),
             milli(map_z.low_m), milli(map_z.high_m));
     };
-    if (!map_x.meets(x) || !map_y.meets(y) || !map_z.meets(z))
+    if (!map_x.overlaps(x) || !map_y.overlaps(y) || !map_z.overlaps(z))
         remarks.push_back({Severity::error, "medium.map",
                            fmt::format("it covers {}, but no part of the domain, {:.4g} x {:.4g} "
                                        "mm about the origin: are its coordinates in m?",

@@ -6,6 +6,7 @@
 #include "case/case.hpp"
 #include "config/key_types.hpp"
 
+#include <array>
 #include <cmath>
 #include <deque>
 #include <fmt/format.h>
@@ -19,6 +20,35 @@ struct Section {
     std::string heading;
     std::string prefix; // prefix of its keys, such as "footprint."
     std::string rows;
+};
+
+/// A key of a shape of paths that exists only in job files: config makes arcs and polylines of
+/// them.
+struct ShapeKey {
+    const char *shape, *key, *values, *fallback, *meaning;
+};
+constexpr std::array shape_keys = {
+    ShapeKey{"circle", "center_mm", "", "[0, 0]", "centre"},
+    ShapeKey{"circle", "radius_mm", "between 0.001 and 10000", "required",
+             "radius; as the pattern of STP, a circle may also have the radius 0"},
+    ShapeKey{"circle", "start_deg", "", "0", "angle of the starting point, from x towards y"},
+    ShapeKey{"circle", "clockwise", "true or false", "false", "direction of the motion"},
+    ShapeKey{"polygon", "corners_mm", "", "none",
+             "corners `[[x, y], ...]`, at least three; the last one is connected with the first. "
+             "The other keys of this table define a regular polygon instead"},
+    ShapeKey{"polygon", "sides", "between 3 and 1000", "required without `corners_mm`",
+             "number of sides of a regular polygon"},
+    ShapeKey{"polygon", "side_mm", "between 0.001 and 10000", "or `radius_mm`", "length of a side"},
+    ShapeKey{"polygon", "radius_mm", "between 0.001 and 10000", "or `side_mm`",
+             "distance of the corners from the centre"},
+    ShapeKey{"polygon", "center_mm", "", "[0, 0]", "centre"},
+    ShapeKey{"polygon", "start_deg", "", "the polygon stands on a side",
+             "angle of the first corner, from x towards y"},
+    ShapeKey{"csv", "file", "", "required",
+             "CSV file of points; its path is relative to the job file. It has the header "
+             "`x_mm,y_mm` and one point per line"},
+    ShapeKey{"csv", "closed", "true or false", "false",
+             "whether the path returns to its first point"},
 };
 
 /// A walk that lists keys. Alternatives and list elements get their own sections, which follow the
@@ -68,12 +98,14 @@ public:
                           .heading = fmt::format("`[{}.{}]`", before.name, name)});
                 else
                     open({.name = before.name,
-                          .heading = fmt::format("{} with `{}{} = \"{}\"`", before.heading,
+                          .heading = fmt::format("{} {} `{}{} = \"{}\"`", before.heading,
+                                                 before.heading.ends_with("]`") ? "with" : "and",
                                                  before.prefix, key, name),
                           .prefix = before.prefix + key.substr(0, key.rfind('.') + 1)});
                 walk_fields(*this, alternative);
                 close();
             });
+        if (key == "path.shape") list_shapes(sections_[at_].heading);
     }
 
     template <class T>
@@ -110,6 +142,17 @@ public:
     }
 
 private:
+    void list_shapes(const std::string& heading) {
+        std::string_view shape;
+        for (const ShapeKey& key : shape_keys) {
+            if (shape != key.shape)
+                sections_.push_back(
+                    {.heading = fmt::format("{} and `path.shape = \"{}\"`", heading, key.shape)});
+            shape = key.shape;
+            sections_.back().rows += fmt::format("| `path.{}` | {} | {} | {} |\n", key.key,
+                                                 key.values, key.fallback, key.meaning);
+        }
+    }
     void open(Section section) {
         opened_.push_back(at_);
         sections_.push_back(std::move(section));
@@ -132,6 +175,7 @@ private:
     template <class T>
     static std::string allowed(const T&, const Field& field) {
         if (!words_of(field).empty()) return words_or_range(field);
+        if (field.type == std::string_view("boolean")) return "true or false";
         if constexpr (Named<T>) return list_of(names_of(std::type_identity<T>{}));
         if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
             return *field.text ? "" : "true or false";

@@ -186,7 +186,7 @@ Patch ArrayField::pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const {
     const std::ptrdiff_t last_x = (array_.columns - 1) * per_pitch_,
                          last_y = (array_.rows - 1) * per_pitch_;
     if (std::min({i0 - last_x, j0 - last_y}) < -half_ || std::max(i0, j0) + 2 * reach_ > half_)
-        throw Error("an array's pattern further off than its table of offsets reaches");
+        throw Error("the pattern of an array was requested outside its table");
     Patch patch;
     patch.side = 2 * reach_ + 1;
     patch.spacing_m = spacing_m_;

@@ -130,7 +130,9 @@ struct WindowGain {
 
 template <class Walk, Is<WindowGain> G>
 void walk_fields(Walk& walk, G& g) {
-    walk(g.from_s, {.key = "from_ms", .range = Range::at_least(0.0), .meaning = "rise"});
+    walk(g.from_s, {.key = "from_ms",
+                    .range = Range::at_least(0.0),
+                    .meaning = "time at which the rise begins"});
     walk(g.to_s, {.key = "to_ms",
                   .range = Range::above(0.0),
                   .given = Given::required,

@@ -117,8 +117,8 @@ void walk_fields(Walk& walk, Footprint& array) {
           .range = Range::between(5.0, 500.0),
           .given = Given::by_hand,
           .fallback = "4 FWHM",
-          .meaning = "distance from the focus at which the pattern, whose side lobes have no end, "
-                     "is faded out: the factor is erfc(8 (r / reach - 1)) / 2"});
+          .meaning = "distance from the focus beyond which the side lobes of the pattern are faded "
+                     "out, by the factor erfc(8 (r / reach - 1)) / 2"});
     walk_pressure_keys(walk);
 }
 

@@ -112,9 +112,10 @@ void walk_fields(Walk& walk, M& modulation) {
     walk.key({.key = "path",
               .type = "path",
               .fallback = "required",
-              .meaning = "of STM, AM-STM, SM-STM, DTP and STP: `{ shape = ..., at_end = ... }` "
-                         "with the keys of `path` in `move = \"path\"` below. The keys of its "
-                         "speed and corners belong in this table"});
+              .meaning = "path of STM, AM-STM, SM-STM, DTP and STP: a table `{ shape = ..., at_end "
+                         "= ... }` with the `path.` keys listed under `move = \"path\"` below. "
+                         "`speed_m_s`, `corner_dwell_ms` and the other keys without `path.` belong "
+                         "directly in `[load.modulation]`"});
     walk_am_keys(walk);
     walk_lateral_keys(walk);
     walk(modulation.foci_m,
@@ -123,10 +124,11 @@ void walk_fields(Walk& walk, M& modulation) {
           .given = Given::by_hand,
           .in_text = !modulation.foci_m.empty(),
           .fallback = "one focus",
-          .meaning = "`[[x, y], ...]`: positions of simultaneous foci relative to the moving or "
-                     "resting point. They share the power of one focus: each of n Gaussian foci "
-                     "has 1/n of `peak_Pa`, and the pistons of an array radiate as much power as "
-                     "for one focus. The focal region of the measures includes all of them"});
+          .meaning =
+              "`[[x, y], ...]`: positions of simultaneous foci relative to the moving or "
+              "resting point. They share the power of one focus: each of n Gaussian foci "
+              "has 1/n of `peak_Pa`, and the pistons of an array radiate as much power as "
+              "for one focus. The focal disc of the measures is then a disc around each of them"});
     walk.key(
         {.key = "ramp_ms",
          .range = Range::above(0.0),
@@ -134,10 +136,13 @@ void walk_fields(Walk& walk, M& modulation) {
          .fallback = "none",
          .meaning =
              "duration over which the load rises smoothly; without it, the load starts abruptly"});
-    walk.each("load.modulation.trajectory", modulation.trajectory.parts,
-              {.key = "move", .text = "mover"});
+    walk.each(
+        "load.modulation.trajectory", modulation.trajectory.parts,
+        {.key = "move",
+         .text = "mover",
+         .meaning = "kind of the motion: a fixed point, an oscillation along a line, or a path"});
     walk.each("load.modulation.envelope", modulation.envelope.gains,
-              {.key = "shape", .text = "gain"});
+              {.key = "shape", .text = "gain", .meaning = "shape of the gain over time"});
 }
 
 /// Where the foci are at time t [m].

@@ -219,10 +219,9 @@ MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Ve
 
     const Fronts fronts = fronts_of(Surface(u, domain), wake);
     if (fronts.crooked)
-        return without("no straight front can be identified: the wake is weak, or interrupted by a "
-                       "modulation");
-    if (fronts.angles_deg.empty())
-        return without("no front of the wake is inside the measured region");
+        return without(
+            "no Mach cone can be identified: the wake is weak, or interrupted by a modulation");
+    if (fronts.angles_deg.empty()) return without("the Mach cone lies outside the measured region");
 
     MachFit fit;
     fit.points = fronts.points;
@@ -232,9 +231,9 @@ MachFit mach_angle(View2<const double> u, const Domain& domain, Vec2 focus_m, Ve
     for (const double angle : fronts.halves_deg)
         fit.residual_deg = std::max(fit.residual_deg, std::abs(angle - fit.angle_deg));
     if (fit.residual_deg > most_residual_deg)
-        return without(
-            fmt::format("the front is not a straight wedge: parts of it differ by {:.2g} degrees",
-                        fit.residual_deg));
+        return without(fmt::format("the sides or parts of the Mach cone have different angles: "
+                                   "they differ by {:.2g} degrees",
+                                   fit.residual_deg));
     return fit;
 }
 

@@ -11,19 +11,19 @@
 namespace shearwake::measures {
 namespace {
 
-// The literal ipr is based on sum u, in which most contributions cancel. Its root has an error of
-// 1e-12 of the root of ipr_abs, which at the c_p of the thesis is 1e6 times as large. The relative
-// error is therefore 1e-6, and twice that after squaring. A factor of 50 allows for compilers and
-// for other media.
+// ipr, as the thesis defines it, is based on sum u, in which most contributions cancel. Its root
+// has an error of 1e-12 of the root of ipr_abs, which at the c_p of the thesis is 1e6 times as
+// large. The relative error is therefore 1e-6, and twice that after squaring. A factor of 50 allows
+// for compilers and for other media.
 constexpr double of_cancelled_sums = 1e-4;
 
 // In the order of the report and of the short table.
 constexpr std::array measures = {
     Measure{"eta_at_1", "1",
-            "share of sum u_z^2 inside the focal disc[ of radius {radius} mm], at the instant",
+            "fraction of sum u_z^2 inside the focal disc[ of radius {radius} mm], at the instant",
             Shown::headlines},
     Measure{"eta_period_1", "1",
-            "share of sum u_z^2 inside the focal disc[ of radius {radius} mm], over whole "
+            "fraction of sum u_z^2 inside the focal disc[ of radius {radius} mm], over whole "
             "modulation periods",
             Shown::headlines},
     Measure{.name = "eta_period_over_reference_1",
@@ -73,27 +73,27 @@ constexpr std::array measures = {
             "rms over the run between 40 and 400 Hz, the range of perceptible vibration[, u_z at "
             "{place} mm]",
             Shown::headlines},
-    Measure{
-        "rms_5_300_um", "um",
-        "rms over the run between 5 and 300 Hz, the band of FA1 receptors[, u_z at {place} mm]"},
-    Measure{
-        "rms_5_800_um", "um",
-        "rms over the run between 5 and 800 Hz, the band of FA2 receptors[, u_z at {place} mm]"},
-    Measure{"mach_angle_deg", "degree", "half-angle of the wake, fitted to the surface",
+    Measure{"rms_5_300_um", "um",
+            "rms over the run between 5 and 300 Hz, the band of RA (FA1) receptors[, u_z at "
+            "{place} mm]"},
+    Measure{"rms_5_800_um", "um",
+            "rms over the run between 5 and 800 Hz, the band of PC (FA2) receptors[, u_z at "
+            "{place} mm]"},
+    Measure{"mach_angle_deg", "degree", "half-angle of the Mach cone, fitted to the surface",
             Shown::headlines},
     Measure{"mach_angle_theory_deg", "degree",
             "asin of the Rayleigh speed divided by the scan speed; the Rayleigh speed is that of "
             "the first layer thicker than a quarter of the footprint"},
     Measure{"share_{low}_{high}_1", "1",
-            "share of the spectral energy above 1/T, T the duration, that lies between {low} and "
-            "{high} Hz[, u_z at {place} mm]",
+            "fraction of the spectral energy above 1/T between {low} and {high} Hz, where T is the "
+            "duration[, u_z at {place} mm]",
             Shown::page},
     Measure{"velocity_share_{low}_{high}_1", "1",
-            "share of the spectral energy of du_z/dt above 1/T, T the duration, that lies between "
-            "{low} and {high} Hz[, u_z at {place} mm]",
+            "fraction of the spectral energy of du_z/dt above 1/T between {low} and {high} Hz, "
+            "where T is the duration[, u_z at {place} mm]",
             Shown::page},
     Measure{"sharpness_1", "1",
-            "share of the mean of u_z^2 within one FWHM[, {fwhm} mm,] of the drawn line",
+            "fraction of the mean of u_z^2 within one FWHM[, {fwhm} mm,] of the drawn shape",
             Shown::shapes},
     Measure{"periods", "1", "number of whole modulation periods in the window; 0: no modulation"},
     Measure{"{class}_spikes_1", "1", "number of spikes of all {class} afferents"},
@@ -110,7 +110,8 @@ constexpr std::array measures = {
 };
 
 constexpr std::array series = {
-    FrameMeasure{"eta", "1", "reconstruction efficiency: share of sum u_z^2 within the focal disc",
+    FrameMeasure{"eta", "1",
+                 "reconstruction efficiency: fraction of sum u_z^2 within the focal disc",
                  [](const SurfaceSums& s) { return reconstruction_efficiency(s); }},
     FrameMeasure{"ipr", "1", "inverse participation ratio (sum u_z)^2 / sum u_z^2, samples",
                  [](const SurfaceSums& s) { return ipr(s); }},

@@ -10,8 +10,9 @@ namespace shearwake::measures {
 // spacing^2, they are areas that do not depend on the grid. All increase with spread. NaN: nothing
 // has moved.
 
-/// (sum u)^2 / sum u^2: the literal inverse participation ratio. In nearly incompressible tissue
-/// sum u is almost 0 (volume is conserved): it measures compressibility rather than spread.
+/// (sum u)^2 / sum u^2: the inverse participation ratio as the thesis defines it. In nearly
+/// incompressible tissue sum u is almost 0 (volume is conserved): it measures compressibility
+/// rather than spread.
 inline double ipr(const SurfaceSums& sums) {
     return sums.u * sums.u / sums.u2;
 }

@@ -43,8 +43,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
     Readings r;
     const double at = c.measure.at_s, in_frames = at / time.interval_s;
     if (at > time.duration_s() * (1.0 + slack)) {
-        r.instant_note = fmt::format("{:g} ms is after the end of the run at {:g} ms", at * 1e3,
-                                     time.duration_s() * 1e3);
+        r.instant_note = fmt::format("the instant, {:g} ms, is after the end of the run at {:g} ms",
+                                     at * 1e3, time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
         r.instant_note = "nothing has moved at the start of the run";
     } else if (const std::string none = no_focus_reason(

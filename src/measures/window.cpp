@@ -44,9 +44,9 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
         return window;
     }
     if (!(at > settled)) {
-        window.reason =
-            fmt::format("there is no settled part: the instant, {:g} ms, is not after {:g} ms",
-                        at * 1e3, settled * 1e3);
+        window.reason = fmt::format("the period window is empty: measure.at_ms, {:g} ms, is not "
+                                    "after measure.settled_after_ms, {:g} ms",
+                                    at * 1e3, settled * 1e3);
         return window;
     }
     window.reason = no_focus_reason(measure, time, off_s);
@@ -56,7 +56,7 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
     const double periods = std::floor((at - settled) * frequency * (1.0 + slack));
     if (!(periods >= 1.0)) {
         window.reason = fmt::format(
-            "a period of {:g} Hz takes {:.3g} ms and does not fit into the settled {:g} to {:g} ms",
+            "a period of {:g} Hz takes {:.3g} ms and does not fit between {:g} and {:g} ms",
             frequency, 1e3 / frequency, settled * 1e3, at * 1e3);
         return window;
     }

@@ -112,7 +112,8 @@ void walk_fields(Walk& walk, L& layer) {
     walk.choice(layer.loss,
                 {.key = "loss.law",
                  .text = "loss",
-                 .meaning = "`{ law = \"fractional\", tau_us = 260.0, exponent = 0.27 }`, or "
+                 .meaning = "loss model of the layer, for example `{ law = \"fractional\", tau_us "
+                            "= 260.0, exponent = 0.27 }`, or "
                             "`\"none\"`; a Kelvin-Voigt layer can give `viscosity_Pa_s` instead"});
     walk.key({.key = "viscosity_Pa_s",
               .range = Range::at_least(0.0),
@@ -152,8 +153,8 @@ void walk_fields(Walk& walk, M& medium) {
           .given = Given::required,
           .meaning =
               "`\"rigid\"`: the last layer is bonded to a rigid base; `\"half-space\"`: the last "
-              "layer extends to infinity and has no thickness (exact for engine `\"layered\"`; "
-              "`\"spectral\"` and `\"pstd\"` end it with an absorbing layer)"});
+              "layer extends to infinity; omit its `thickness_mm`. Engine `\"layered\"` computes "
+              "this exactly; `\"spectral\"` and `\"pstd\"` end the layer with an absorber"});
     walk(medium.map,
          {.key = "map",
           .given = Given::by_hand,

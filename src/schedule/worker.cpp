@@ -22,11 +22,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// An estimate may be short by as much before a case is begun that will not end in time.
+/// Factor on the estimated time of a case, so that no case is started that cannot finish in time.
 constexpr double allowance = 1.2;
-/// Waits before a case is tried again that a file has ended.
+/// Waiting times before a case that failed because of a file is tried again.
 constexpr std::array waits_for_files = {1s, 5s};
-/// Whatever ended that many cases in a row ends the others as well.
+/// After this number of consecutive file errors, further cases would probably fail as well.
 constexpr int most_file_failures_in_a_row = 3;
 
 int engine_number(const Case& c) {
@@ -69,7 +69,7 @@ std::optional<CaseError> error_of(const Work& work) {
     return {};
 }
 
-/// This host's name where the journal of rank 0's host is another's. Collective.
+/// The name of this host if it differs from that of rank 0, otherwise empty. Collective.
 std::string further_host(const Comm& world) {
     const std::string mine = storage::host_name();
     return world.broadcast(mine) == mine ? "" : mine;
@@ -113,7 +113,7 @@ void Worker::work() {
     counters_.fetch_add(teams_ended, 1);
 }
 
-/// The next case for this team, on its root; -1 when there is none.
+/// The next case for this team; -1 if there is none. Called on the root of the team.
 long Worker::next() {
     while (true) {
         look_for_folder();
@@ -161,8 +161,8 @@ double Worker::estimated_s(const PlannedCase& planned) const {
     return shared + cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
 }
 
-/// Whether a case may begin now, by its estimate and by what cases have taken so far, less what a
-/// saved case has behind it.
+/// Whether a case may start now, according to its estimate corrected by measured times, minus the
+/// time that its checkpoint already contains.
 bool Worker::in_time(std::size_t index) {
     if (!list_.deadline.exists()) return true;
     const PlannedCase& planned = *list_.cases[index];
@@ -203,7 +203,7 @@ bool Worker::one_case(const PlannedCase& planned) {
     return is_done;
 }
 
-/// Whether it is done, and not saved to go on later.
+/// Returns whether the case is complete; otherwise a checkpoint has been saved.
 bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
     // What an engine shares between its cases is in the way of another engine's.
@@ -258,7 +258,7 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
         journal_.failed(planned.id, reason, blame);
         keep_failure(planned, reason);
     } catch (const std::exception& error) {
-        progress_.say(fmt::format("and that cannot be written down: {}", error.what()));
+        progress_.say(fmt::format("and this could not be recorded: {}", error.what()));
     }
     if (list_.arguments.fail_fast) give_up();
     if (blame != storage::Blame::files) return;
@@ -267,13 +267,14 @@ void Worker::record(const PlannedCase& planned, const std::string& reason, stora
     look_for_folder();
     if (counters_.read(folder_gone) == 0 &&
         ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
-        progress_.say(fmt::format("files have failed {} cases in a row: no more are begun",
+        progress_.say(fmt::format("file errors ended {} cases in a row; no further case is started",
                                   most_file_failures_in_a_row));
         give_up();
     }
 }
 
-/// A folder that is removed while files are written keeps some of them: only its plan tells.
+/// A folder that is removed while files are written keeps some of them: only a missing plan shows
+/// this.
 void Worker::look_for_folder() {
     const auto now = std::chrono::steady_clock::now();
     if (now - last_folder_ < 500ms) return;
@@ -288,7 +289,7 @@ void Worker::give_up() {
     counters_.fetch_add(stopping, 1);
 }
 
-/// All that is needed to look into the case: reason, log, inputs, and how to try it again.
+/// Keeps what is needed to examine the case: reason, log, inputs, and the command that retries it.
 void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
     storage::make_directory(list_.folder.failure(planned.id).parent_path());
     RunArguments again = list_.arguments;
@@ -296,7 +297,7 @@ void Worker::keep_failure(const PlannedCase& planned, const std::string& reason)
     again.shard.clear();
     std::string text =
         fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
-                    "again: {} --retry-failed\n\nlog:\n",
+                    "to retry: {} --retry-failed\n\nlog:\n",
                     planned.id, storage::timestamp(), storage::host_name(), team_.size(),
                     pipeline::program_git_id(), reason, run_command_line(again));
     for (const std::string& line : case_log_)
@@ -311,8 +312,9 @@ void Worker::say(const std::string& text) {
     progress_.say(text);
 }
 
-/// Whether a signal has come to any team's root, the time is up, or there is a STOP file. Called by
-/// roots between the steps of a case, so it asks rank 0's memory only now and then.
+/// Whether the root of any team has received a signal, the time limit is reached, or there is a
+/// STOP file. Roots call this between the steps of a case, so it reads the memory of rank 0 only
+/// every 50 ms.
 bool Worker::stop_asked() {
     if (!signal_told_ && (stop_requested() || list_.deadline.left_s() <= 0.0)) {
         signal_told_ = true;
@@ -339,7 +341,7 @@ void Worker::tick() {
     const auto now = std::chrono::steady_clock::now();
     if (now - last_tick_ < 50ms) return;
     last_tick_ = now;
-    stop_asked(); // the STOP file, for the other teams
+    stop_asked(); // looks for the STOP file on behalf of the other teams
     SweepCounts counts{.total = static_cast<long>(list_.cases.size()),
                        .done = counters_.read(done),
                        .failed = counters_.read(failed)};
@@ -357,7 +359,7 @@ WorkResult Worker::wait_for_others() {
         std::this_thread::sleep_for(20ms);
     }
     world_.barrier();
-    last_tick_ = {}; // the last word is said in any case
+    last_tick_ = {}; // so that the final progress is printed
     tick();
     const auto of = [&](Shared which) {
         return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);

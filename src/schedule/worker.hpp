@@ -23,43 +23,43 @@
 
 namespace shearwake::schedule {
 
-/// What a run has to do, and where. Refers to what its maker keeps.
+/// The cases that a run computes, and where. The references must outlive it.
 struct WorkList {
-    const std::vector<const PlannedCase*>& cases; // in the order in which they begin
-    const std::vector<std::size_t>& numbers;      // their places in the plan
+    const std::vector<const PlannedCase*>& cases; // in the order in which they start
+    const std::vector<std::size_t>& numbers;      // their positions in the plan
     const pipeline::JobFacts& facts;
     const OutputFolder& folder;
-    std::string part; // of the sweep: names journal, index and lock
+    std::string part; // of the sweep; in the names of journal, index and lock
     const RunArguments& arguments;
     cost::CaseCosts& costs;
     const Deadline& deadline;
     int teams = 1, ranks_per_case = 1;
 };
 
-/// What became of it. The same on all ranks.
+/// The outcome of a run. Identical on all ranks.
 struct WorkResult {
     long done = 0;
-    long failed = 0;            // all
-    long failed_files = 0;      // of them by files and disks
-    long put_off = 0;           // would not have ended in time
-    long elsewhere = 0;         // another run is at work on them, or has ended them meanwhile
-    bool asked_to_stop = false; // by a signal, the STOP file, or the time
-    bool given_up = false;      // after failures of files, or the first failure of all
+    long failed = 0;            // for any reason
+    long failed_files = 0;      // because of files or disks
+    long put_off = 0;           // would not have finished in time
+    long elsewhere = 0;         // computed by another run
+    bool asked_to_stop = false; // by a signal, the STOP file or the time limit
+    bool given_up = false;      // after file errors, or after any failure with --fail-fast
     bool folder_gone = false;
-    std::vector<std::size_t> computed; // places in the plan of the cases that are done; on rank 0
+    std::vector<std::size_t> computed; // positions in the plan; on rank 0 only
     storage::RunTimes times;
 };
 
-/// One team at work: takes cases from a counter that all teams share until there are none, until
-/// the time is up or a stop is asked for.
+/// Computes cases on one team. It takes them from a counter that all teams share until no case is
+/// left, the time limit is reached or a stop is requested.
 class Worker {
 public:
-    /// Collective over the world. `learned`: what earlier runs have taken.
+    /// Collective over the world. `learned`: the measured times of earlier runs.
     Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
            const Comm& team, Progress& progress);
 
     void work();
-    /// Rank 0 goes on telling while the other teams finish. Collective over the world.
+    /// Rank 0 prints the progress until the other teams have finished. Collective over the world.
     WorkResult wait_for_others();
 
 private:
@@ -85,13 +85,13 @@ private:
     long next();
     bool claim(std::size_t place);
     bool in_time(std::size_t index);
-    /// With what the team's last case does not share with it.
+    /// Includes shared work, unless the previous case of the team has already done it.
     double estimated_s(const PlannedCase& planned) const;
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
     void tell(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Blame blame);
-    void give_up(); // no further cases are begun
+    void give_up(); // no further case is started
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
     void say(const std::string& text);
     bool stop_asked();
@@ -102,19 +102,20 @@ private:
     const Comm& world_;
     const Comm& team_;
     Progress& progress_;
-    std::string host_; // empty: rank 0's
+    std::string host_; // empty: the host of rank 0
     storage::Journal journal_;
-    std::optional<storage::CaseClaims> claims_; // of the team's root
+    std::optional<storage::CaseClaims> claims_; // on the root of the team
     SharedCounters counters_;
     LearnedTimes times_;
-    std::size_t at_ = 0; // place in the list of the case at work
+    std::size_t at_ = 0; // position of the running case in the list
     std::unique_ptr<engines::Engine> engine_;
-    const Case* before_ = nullptr;      // the team's last case: shares with the next one
-    std::vector<std::string> case_log_; // what was said of the case at work
-    std::set<std::string> told_;        // notes of engines
+    const Case* before_ =
+        nullptr; // previous case of the team, which may share work with the next one
+    std::vector<std::string> case_log_; // messages about the running case
+    std::set<std::string> told_;        // each is reported once
     int file_failures_in_a_row_ = 0;
-    std::vector<double> computed_; // places in the plan; of the team's root
-    long worked_us_ = 0;           // this team, from its first look for a case to its last
+    std::vector<double> computed_; // positions in the plan; on the root of the team
+    long worked_us_ = 0;           // of this team, from its first search for a case to its last
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
         last_folder_{};
     bool signal_told_ = false, signal_seen_ = false;

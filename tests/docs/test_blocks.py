@@ -49,7 +49,11 @@ class Blocks(ProgramTest):
         reader = make_reader_folder(folder)
         session = {"python": "", "octave": ""}  # the blocks of one page share their variables
         for block in blocks(page):
-            if block.language not in EXECUTED or (block.language == "octave" and not shutil.which("octave-cli")):
+            if block.language not in EXECUTED:
+                continue
+            if block.language == "octave" and not shutil.which("octave-cli"):
+                with self.subTest(block=str(block)):
+                    self.skipTest("octave-cli is not installed: this block was not run")
                 continue
             text = block.text
             if block.language in session:

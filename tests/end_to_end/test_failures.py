@@ -48,7 +48,7 @@ class FailingCase(ProgramTest):
         self.says(said, "2 cases were not started: shearwake run job.toml computes them")
         bad, = (self.out / "failed").iterdir()
         self.says(bad.read_text(encoding="utf-8"),
-                  f"again: shearwake run job.toml --only {bad.stem} --retry-failed\n")
+                  f"to retry: shearwake run job.toml --only {bad.stem} --retry-failed\n")
 
     def test_a_case_larger_than_the_memory_is_rejected_before_it_allocates(self):
         self.write_job(ABSURD)

@@ -45,7 +45,7 @@ int fd_counts(int fd) {
     return counts(path);
 }
 
-/* 0: go on; 1: fail; 2: end here. */
+/* 0: continue; 1: fail; 2: end the process. */
 int fate(int relevant, const char* call) {
     static long seen = 0;
     const char* only = getenv("FAULT_CALL");

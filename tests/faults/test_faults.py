@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A system in a bad way: it stops runs, fails for a moment or for good, loses the folder or the time."""
+"""Runs under adverse conditions: stop requests, time limits, temporary and persistent file errors, refused memory, and a
+folder that is removed."""
 import errno
 import os
 import shutil
@@ -20,7 +21,7 @@ MANY = LONG.replace("1000, 12]", "1000, 400]")
 
 
 class Stops(FaultTest):
-    def test_a_stop_file_stops_it_until_it_is_removed(self):
+    def test_a_stop_file_stops_runs_until_it_is_removed(self):
         self.write_job(MANY)
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
@@ -37,7 +38,7 @@ class Stops(FaultTest):
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
         self.assertEqual(len(started(self.out)), 400)
 
-    def test_the_time_that_is_left_stops_it(self):
+    def test_a_run_stops_at_its_time_limit(self):
         self.write_job(MANY)
         self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
                   "must be seconds or days-hours:minutes:seconds", "1:30:00")
@@ -52,7 +53,7 @@ class Stops(FaultTest):
         self.assertGreater(len(case_files(self.out)), first)
         self.assertEqual(len(started(self.out)), len(case_files(self.out)))
 
-    def test_what_cases_take_stands_beside_what_was_expected(self):
+    def test_the_journal_records_measured_and_estimated_times(self):
         self.write_job(LONG)
         self.shearwake("run", "job.toml", "--shard", "1/12")
         times = [line for line in journal(self.out) if line["event"] == "finished"]
@@ -117,7 +118,7 @@ class Failing(FaultTest):
         self.shearwake("reduce", whole)
         return table_bytes(whole)
 
-    def test_files_that_fail_for_a_moment_are_tried_again(self):
+    def test_temporary_file_errors_are_retried(self):
         reference = self.reference()
         again = 0
         for at in (20, 50):
@@ -129,7 +130,7 @@ class Failing(FaultTest):
             self.assertEqual(table_bytes(self.out), reference)
         self.assertGreater(again, 0, "no case has met a failure")
 
-    def test_files_that_fail_for_good_are_told_and_gone_on_with(self):
+    def test_persistent_file_errors_are_reported_and_the_next_run_continues(self):
         reference = self.reference()
         done = self.run_with(PATH="/out/small/cases/", EIO_AT=3, EIO_COUNT=1000000,
                              words=("--fail-fast",))
@@ -138,11 +139,11 @@ class Failing(FaultTest):
         failed = sorted((self.out / "failed").iterdir())
         self.assertEqual(len(failed), 1)
         self.assertIn(failed[0].stem, plan_ids(self.out))
-        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "again:", "log:",
+        self.says(failed[0].read_text(encoding="utf-8"), "reason:", "Input/output error", "to retry:", "log:",
                   "is tried again", "settings:", "[medium]")
         self.assert_goes_on(reference)
 
-    def test_a_stop_after_a_case_was_lost_to_files_is_a_stop(self):
+    def test_a_requested_stop_after_a_file_error_exits_with_75(self):
         self.write_job(FEW)
         env = {**environment(), "LD_PRELOAD": str(self.library), "FAULT_PATH": "/out/small/cases/",
                "FAULT_EIO_AT": "3", "FAULT_ERRNO": str(errno.ENOSPC)}
@@ -178,10 +179,10 @@ class Failing(FaultTest):
             self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
         self.assertGreater(failures, 0, "no case has failed")
 
-    def test_memory_that_is_refused_at_any_place_ends_one_case_and_blocks_nobody(self):
+    def test_refused_memory_at_any_allocation_ends_one_case_without_deadlock(self):
         text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
         met = 0
-        # How much is allocated before the first case depends on what the cache holds.
+        # The number of allocations before the first case depends on the contents of the cache.
         for job, ranks, together, at in ((text, 2, 2, 520), (text, 2, 2, 600), (text, 2, 2, 700),
                                          (text, 2, 2, 1000), (JOB, 2, 2, 160), (JOB, 2, 2, 250),
                                          (JOB, 2, 2, 400), (JOB, 2, 2, 500), (JOB, 2, 2, 600),
@@ -196,9 +197,9 @@ class Failing(FaultTest):
                 rank = {"RANK": 1} if ranks > 1 else {}
                 done = self.run_with(ranks, ("--ranks-per-case", together), NEW_AT=at, **rank)
                 if done.returncode == 1 and not started(self.out):
-                    continue  # it has met the reading of the job or the calibration
+                    continue  # it failed while reading the job or during the calibration
                 if done.returncode == 0:
-                    continue  # so much is not allocated
+                    continue  # there are fewer allocations
                 met += 1
                 self.assertEqual(done.returncode, 4, done.said)
                 failed = [line for line in journal(self.out) if line["event"] == "failed"]
@@ -207,7 +208,7 @@ class Failing(FaultTest):
                 self.assertEqual(len(case_files(self.out)), 3, done.said)
         self.assertGreaterEqual(met, 4, "no case has met it")
 
-    def test_a_field_that_diverges_ends_with_its_step_its_time_and_what_may_help(self):
+    def test_a_diverging_field_is_reported_with_step_time_and_remedies(self):
         self.write_job(both_engines(1).replace('"solver.engine" = ["layered", "spectral"]',
                                                '"load.peak_Pa" = [1e200, 100.0]')
                        .replace('engine = "layered"', 'engine = "spectral"', 1))
@@ -223,7 +224,7 @@ class Failing(FaultTest):
         self.assertEqual((rows[bad]["status"], rows[bad]["note"]), ("failed", reason))
         self.assertEqual(rows[good]["status"], "complete")
 
-    def test_a_folder_that_goes_in_mid_run_is_told(self):
+    def test_removal_of_the_folder_during_a_run_is_reported(self):
         self.write_job(MANY)
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
@@ -239,7 +240,7 @@ class Failing(FaultTest):
         said = self.shearwake("status", self.out).said
         self.says(said, f"{there} done", "0 running")
 
-    def test_what_a_removal_in_mid_run_has_left_is_told_and_gone_on_with(self):
+    def test_removal_of_case_files_during_a_run_is_reported_and_the_next_run_continues(self):
         self.write_job(LONG)
         # A write that races `rm -rf` may leave folders, journal and index without the plan.
         for removed in (("plan.json", "cases/*"), ("cases",)):
@@ -260,7 +261,7 @@ class Failing(FaultTest):
                 self.shearwake("run", "job.toml")
                 self.assertEqual(len(case_files(self.out)), 12)
 
-    def test_a_clock_that_is_set_changes_nothing(self):
+    def test_changes_of_the_system_clock_have_no_effect(self):
         reference = self.reference()
         for seconds in (-90000, 90000):
             shutil.rmtree(self.out, ignore_errors=True)
@@ -272,7 +273,7 @@ class Failing(FaultTest):
 
 
 class Folders(FaultTest):
-    def test_a_shard_that_is_at_work_is_refused_and_others_are_not(self):
+    def test_a_shard_that_is_running_is_rejected_and_other_shards_are_not(self):
         self.write_job(FEW)
         first = self.start("run", "job.toml", "--shard", "1/3")
         self.wait_for(lambda: case_files(self.out), "the first case")
@@ -291,7 +292,7 @@ class Folders(FaultTest):
         self.says(self.shearwake("run", "job.toml", "--shard", "1/3").said, "10 already complete")
         self.assertEqual(len(started(self.out)), 10, "a case was computed twice")
 
-    def test_results_of_another_program_are_refused_unless_allowed(self):
+    def test_results_of_another_version_are_rejected_unless_allowed(self):
         self.write_job(LONG)
         self.shearwake("run", "job.toml", "--shard", "1/6")
         with h5py.File(case_files(self.out)[0], "r+") as file:
@@ -304,7 +305,7 @@ class Folders(FaultTest):
         self.assertTrue(starts[-1]["allow_mixed"])
         self.says(self.shearwake("reduce", self.out).said, "two versions of the program", "0123456")
 
-    def test_nobody_else_may_read_what_the_umask_forbids(self):
+    def test_files_respect_the_umask(self):
         self.write_job(both_engines(1))
         before = os.umask(0o077)
         self.addCleanup(os.umask, before)

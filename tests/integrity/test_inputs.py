@@ -14,7 +14,7 @@ import numpy
 from attacks import LEDGER
 from program import ProgramTest, changed, command, environment, without_reference
 
-# What any `check` or `plan` may take, of a core and of memory.
+# Limits of any `check` or `plan`: seconds of processor time, and memory.
 MOST_s, MOST_B = 2.0, 300e6
 
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')

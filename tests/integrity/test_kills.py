@@ -16,8 +16,8 @@ from attacks import LEDGER, times
 from faults import both_engines, failing_library, table_bytes
 from program import PATIENCE_s, ProgramTest, case_files, command, environment, journal
 
-# Phases that a write, flush or rename of a file marks: part of its path, the call (None: any), and
-# up to which of the calls.
+# Phases that are identified by a write, flush or rename of a file: part of its path, the call (None: any), and the
+# largest number of the call at which to kill.
 MARKED = {
     "plan": ("/plan.json", None, 3),
     "checkpoint": ("/checkpoints/", None, 60),

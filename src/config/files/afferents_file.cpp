@@ -49,9 +49,10 @@ AfferentsFile read_listed_afferents(std::string_view csv) {
         }
         const auto one = afferent(reader.cells());
         if (!one)
-            return refuse(reader.line(), fmt::format("must be two finite numbers, SA1, RA or PC, "
-                                                     "and a row from 0 to 3, 8 or 3, but is \"{}\"",
-                                                     excerpt(reader.text())));
+            return refuse(reader.line(),
+                          fmt::format("must be x_mm,y_mm,class,row with class SA1, RA or PC and "
+                                      "row 0 to 3 (SA1), 0 to 8 (RA) or 0 to 3 (PC), but is \"{}\"",
+                                      excerpt(reader.text())));
         if (file.afferents.size() == most_afferents)
             return refuse(reader.line(),
                           fmt::format("exceeds the limit of {} afferents", most_afferents));

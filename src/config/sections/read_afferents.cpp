@@ -25,7 +25,7 @@ AfferentPlaces read_list(Reader& reader, const TextLoader& load_text) {
     const std::string name = reader.word("file");
     if (name.empty()) return AfferentList{};
     if (!load_text) {
-        reader.error("file", "names a file, but no files can be read in this context");
+        reader.error("file", "names a file, but this job is read without access to files");
         return AfferentList{};
     }
     try {
@@ -58,8 +58,9 @@ AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
     refuse_unless(reader, "file", where == "csv", "where = \"csv\"");
     if (where == "csv" || where == "grid")
         refuse_unless(reader, "digit", false, "where = \"fingertip\"");
-    refuse_unless(reader, "classes", where != "csv",
-                  "a where other than \"csv\", whose file specifies the classes");
+    if (where == "csv" && reader.has("classes"))
+        reader.error("classes",
+                     "does not apply to where = \"csv\": the file specifies the classes");
     if (where == "csv") return read_list(reader, load_text);
     if (where == "grid") return read_grid(reader);
     HandAfferents part{.part = where};

@@ -92,7 +92,7 @@ std::shared_ptr<const MaterialMap> read_map(Reader& reader, const MapLoader& loa
     const auto file = reader.find_word("map");
     if (!file) return nullptr;
     if (!load_map) {
-        reader.error("map", "names a file, but no files can be read in this context");
+        reader.error("map", "names a file, but this job is read without access to files");
         return nullptr;
     }
     try {

@@ -127,7 +127,7 @@ Curve read_csv(Context& c) {
     const auto name = c.reader.find_word("file");
     if (!name) return {};
     if (!c.path.load_text) {
-        c.reader.error("file", "names a file, but no files can be read in this context");
+        c.reader.error("file", "names a file, but this job is read without access to files");
         return {};
     }
     try {

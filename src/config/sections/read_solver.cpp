@@ -29,7 +29,7 @@ std::shared_ptr<const StudyData> read_study(Reader& options, const StudyLoader& 
         if (std::ranges::find(effective, std::string_view(key)) == effective.end())
             options.error(key, "has no effect with a study; remove it");
     if (!load_study) {
-        options.error("study", "names a file, but no files can be read in this context");
+        options.error("study", "names a file, but this job is read without access to files");
         return nullptr;
     }
     try {

@@ -18,10 +18,9 @@ void check_corners(Reader& reader, const Travel& travel) {
     const CornerPace& pace = travel.corners;
     const char* key = pace.dwell_s > 0.0 ? "corner_dwell_ms" : "corner_slow_mm";
     if (reader.has("corner_slow_mm") != reader.has("corner_slow_to"))
-        reader.error(
-            reader.has("corner_slow_mm") ? "corner_slow_mm" : "corner_slow_to",
-            "is given alone: corner_slow_mm is the distance from a corner within which the focus "
-            "slows down, and corner_slow_to the fraction of its speed at the corner");
+        reader.error(reader.has("corner_slow_mm") ? "corner_slow_mm" : "corner_slow_to",
+                     "requires the other of corner_slow_mm (distance over which the focus slows "
+                     "down) and corner_slow_to (fraction of its speed at the corner)");
     if (pace == CornerPace{}) return;
     if (std::holds_alternative<OscillatingSpeed>(travel.motion))
         reader.error(key, "cannot be combined with an oscillating speed");

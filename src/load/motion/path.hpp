@@ -37,18 +37,17 @@ struct Arc {
 template <class Walk, Is<Arc> A>
 void walk_fields(Walk& walk, A& arc) {
     walk(arc.center_m, {.key = "center_mm", .meaning = "centre"});
-    walk(arc.radius_m, {.key = "radius_mm",
-                        .range = Range::between(1e-3, 1e4),
-                        .given = Given::required,
-                        .meaning = "radius; may be 0 for a pattern of STP"});
+    walk(arc.radius_m,
+         {.key = "radius_mm",
+          .range = Range::between(1e-3, 1e4),
+          .given = Given::required,
+          .meaning = "radius; as the pattern of STP, a circle or arc may also have the radius 0"});
     walk(arc.start_rad,
          {.key = "start_deg", .meaning = "angle of the starting point, from x towards y"});
-    walk(arc.sweep_rad,
-         {.key = "sweep_deg",
-          .range = Range::between(-360.0, 360.0),
-          .given = Given::required,
-          .meaning = "angle covered by the arc; negative: clockwise. `shape = \"circle\"`, a full "
-                     "turn, has `clockwise` (default false) instead"});
+    walk(arc.sweep_rad, {.key = "sweep_deg",
+                         .range = Range::between(-360.0, 360.0),
+                         .given = Given::required,
+                         .meaning = "angle covered by the arc; negative: clockwise"});
 }
 
 enum class Ends { open, closed };
@@ -103,19 +102,12 @@ void walk_fields(Walk& walk, P& polyline) {
                 .type = "boolean",
                 .fallback = "false",
                 .meaning = "whether the path returns to its first point"});
-    walk(
-        points_m,
-        {.key = "points_mm",
-         .text = "points_{}_m",
-         .given = Given::by_hand,
-         .most_in_text = 100,
-         .fallback = "required",
-         .meaning =
-             "points `[[x, y], ...]`. `shape = \"csv\"` has `file` instead, whose path is relative "
-             "to the job file; the file has the header `x_mm,y_mm` and one point per line. `shape "
-             "= \"polygon\"`, which is closed, has `corners_mm`; a regular polygon has `sides`, "
-             "`side_mm` or `radius_mm` (distance of its corners from the centre), `center_mm` and "
-             "`start_deg` (angle of the first corner; by default the polygon stands on a side)"});
+    walk(points_m, {.key = "points_mm",
+                    .text = "points_{}_m",
+                    .given = Given::by_hand,
+                    .most_in_text = 100,
+                    .fallback = "required",
+                    .meaning = "points `[[x, y], ...]`"});
     if constexpr (!std::is_const_v<P>) polyline = Polyline(std::move(points_m), ends);
 }
 

@@ -76,16 +76,21 @@ struct OscillatingSpeed {
 template <class Walk, Is<OscillatingSpeed> Speed>
 void walk_fields(Walk& walk, Speed& speed) {
     walk(speed.mean_m_s, {.text = "speed_mean_m_s"});
-    walk(speed.deviation_m_s, {.key = "speed_deviation_m_s",
-                               .range = Range::at_least(0.0),
-                               .given = Given::required,
-                               .meaning = "dv in v + dv sin(2 pi f t + phase)"});
+    walk(speed.deviation_m_s,
+         {.key = "speed_deviation_m_s",
+          .range = Range::at_least(0.0),
+          .given = Given::required,
+          .fallback = "required for SM-STM",
+          .meaning = "of SM-STM: dv in the speed v + dv sin(2 pi f t + phase)"});
     walk(speed.frequency_Hz, {.key = "sm_frequency_Hz",
                               .text = "speed_frequency_Hz",
                               .range = Range::between(1e-3, 1e5),
                               .given = Given::required,
-                              .meaning = "f"});
-    walk(speed.phase_rad, {.key = "sm_phase_deg", .text = "speed_phase_rad", .meaning = "phase"});
+                              .fallback = "required for SM-STM",
+                              .meaning = "of SM-STM: frequency f of the speed"});
+    walk(speed.phase_rad, {.key = "sm_phase_deg",
+                           .text = "speed_phase_rad",
+                           .meaning = "of SM-STM: phase of the speed"});
 }
 using Motion = std::variant<ConstantSpeed, OscillatingSpeed>;
 
@@ -122,12 +127,14 @@ void walk_fields(Walk& walk, Pace& pace) {
           .text = "corner_slow_within_m",
           .range = Range::at_least(0.0),
           .in_text = in_text,
-          .meaning = "distance before and after each corner within which the speed changes at a "
-                     "constant rate, to a fraction of itself at the corner and back"});
-    walk(pace.slow_to, {.key = "corner_slow_to",
-                        .range = Range::between(0.01, 1.0),
-                        .in_text = in_text,
-                        .meaning = "that fraction of the speed"});
+          .meaning = "distance before and after each corner over which the focus slows down, at a "
+                     "constant rate, to `corner_slow_to` times its speed and accelerates again"});
+    walk(pace.slow_to,
+         {.key = "corner_slow_to",
+          .range = Range::between(0.01, 1.0),
+          .in_text = in_text,
+          .meaning =
+              "speed at a corner, as a fraction of the speed elsewhere; see `corner_slow_mm`"});
 }
 
 /// The focus moves along a path.

@@ -157,10 +157,10 @@ void check_ends(const Traces& traces, double rate_Hz, double silence_s, const Ki
             largest = std::max(largest, std::abs(value));
     }
     if (silence_s > 0.0 && start > rounding * largest)
-        remarks.warning(
-            "trace",
-            "the trace begins at {:.3g} {}, a step after the silence that causes a response",
-            kind.shown * start, kind.unit);
+        remarks.warning("trace",
+                        "the trace begins at {:.3g} {} instead of 0; this step after the initial "
+                        "silence itself causes a response",
+                        kind.shown * start, kind.unit);
     if (!(silence_s > 0.0) && !is_neuron_rate(rate_Hz) && jump > rounding * largest)
         remarks.warning("silence_ms",
                         "without silence, the jump of {:.3g} {} between the last and the first "

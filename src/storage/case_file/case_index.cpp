@@ -126,8 +126,9 @@ bool can_be_kept(const CaseDigest& digest) {
 
 } // namespace
 
-CaseIndex::CaseIndex(fs::path folder, Trust trust, std::function<void(const VerifyProgress&)> tell)
-    : folder_(std::move(folder)), trust_(trust), tell_(std::move(tell)) {
+CaseIndex::CaseIndex(fs::path folder, Trust trust,
+                     std::function<void(const VerifyProgress&)> report)
+    : folder_(std::move(folder)), trust_(trust), report_(std::move(report)) {
     std::error_code missing;
     for (const auto& file : fs::directory_iterator(folder_, missing)) {
         const std::string name = file.path().filename().string();
@@ -200,7 +201,7 @@ void CaseIndex::read_missing() {
     std::vector<fs::path> files;
     for (const auto& [id, stamp] : missing)
         files.push_back(case_file(id));
-    const std::vector<VerifiedFile> verified = verify_files(files, tell_);
+    const std::vector<VerifiedFile> verified = verify_files(files, report_);
     for (std::size_t i = 0; i < missing.size(); ++i) {
         const auto& [id, stamp] = missing[i];
         const auto& [check, unreadable] = verified[i];

@@ -55,7 +55,7 @@ public:
 
     /// Reads the existing index; damaged lines are treated as missing.
     explicit CaseIndex(std::filesystem::path folder, Trust trust = Trust::size_and_time,
-                       std::function<void(const VerifyProgress&)> tell = {});
+                       std::function<void(const VerifyProgress&)> report = {});
 
     /// Null if there is no such file. The pointer stays valid.
     const CaseDigest* find(const std::string& id);
@@ -86,7 +86,7 @@ private:
 
     std::filesystem::path folder_;
     Trust trust_;
-    std::function<void(const VerifyProgress&)> tell_;
+    std::function<void(const VerifyProgress&)> report_;
     long lines_passed_over_ = 0;
     double verified_B_ = 0.0;
     std::map<std::string, Entry> known_; // according to the lines

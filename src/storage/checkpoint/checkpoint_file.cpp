@@ -224,8 +224,8 @@ void CheckpointFileReader::get(const std::string& name, const DistributedRows& r
         dataset = h5::open_dataset(file_.raw(), name).shared();
         const DistributedRows there = extent_of(dataset);
         if (there.total != rows.total || there.row_length != rows.row_length)
-            throw Error(fmt::format("{} holds {} rows of {} in {}, not {} of {}", path_.string(),
-                                    there.total, there.row_length, name, rows.total,
+            throw Error(fmt::format("{}: the array {} has the shape {} x {}, expected {} x {}",
+                                    path_.string(), name, there.total, there.row_length, rows.total,
                                     rows.row_length));
     });
     in_pieces(rows, team_, [&](std::ptrdiff_t start, std::ptrdiff_t count) {

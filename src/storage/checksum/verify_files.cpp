@@ -31,7 +31,7 @@ VerifiedFile verify(const std::filesystem::path& path) {
 } // namespace
 
 std::vector<VerifiedFile> verify_files(const std::vector<std::filesystem::path>& files,
-                                       const std::function<void(const VerifyProgress&)>& tell) {
+                                       const std::function<void(const VerifyProgress&)>& report) {
     std::vector<VerifiedFile> verified(files.size());
     VerifyProgress progress{.all_files = files.size()};
     for (const auto& file : files)
@@ -44,7 +44,7 @@ std::vector<VerifiedFile> verify_files(const std::vector<std::filesystem::path>&
             const std::scoped_lock lock(telling);
             ++progress.files;
             progress.bytes += static_cast<double>(verified[i].check.bytes);
-            if (tell) tell(progress);
+            if (report) report(progress);
         }
     };
     const std::size_t threads = std::min<std::size_t>(

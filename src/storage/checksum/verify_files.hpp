@@ -20,9 +20,9 @@ struct VerifiedFile {
     std::string unreadable;
 };
 
-/// Checks the files with a few threads. `tell` is called after each file, by one thread at a time.
-/// Not collective.
+/// Checks the files with a few threads. `report` is called after each file, by one thread at a
+/// time. Not collective.
 std::vector<VerifiedFile> verify_files(const std::vector<std::filesystem::path>& files,
-                                       const std::function<void(const VerifyProgress&)>& tell);
+                                       const std::function<void(const VerifyProgress&)>& report);
 
 } // namespace shearwake::storage

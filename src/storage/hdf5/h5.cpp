@@ -53,7 +53,7 @@ std::optional<std::string> system_reason(const std::string& message) {
 }
 
 /// Limit of the length of a text in user files.
-constexpr std::size_t longest_believed = std::size_t{1} << 24;
+constexpr std::size_t longest_plausible = std::size_t{1} << 24;
 
 /// User files may refer to any file on the machine: only the file itself is read.
 Id within_the_file(hid_t kind) {
@@ -301,7 +301,7 @@ std::string text_attribute(hid_t object, const std::string& name) {
         throw Error("attribute " + name + " is not a string of fixed length");
     must_be_single(attribute, name);
     const std::size_t size = H5Tget_size(type.raw());
-    if (size > longest_believed) throw Error("attribute " + name + " is implausibly long");
+    if (size > longest_plausible) throw Error("attribute " + name + " is implausibly long");
     std::string value(size, '\0');
     check(H5Aread(attribute.raw(), type.raw(), value.data()), "read attribute " + name);
     value.resize(std::min(size, value.find('\0')));

@@ -112,8 +112,8 @@ private:
         const std::string_view name = without_unit(cells[0]);
         if ((name != "x" && name != "y") || !times_s_.empty())
             throw UsageError(fmt::format(
-                "line {}: \"{:.40}\" is neither a time nor x_mm or y_mm below the header", line,
-                cells[0]));
+                "line {}: \"{:.40}\" must be a time, or x_mm or y_mm directly below the header",
+                line, cells[0]));
         std::vector<double>& to = name == "x" ? xs_m_ : ys_m_;
         const double to_m = unit(cells[0], "length", "x_mm,0,5", line);
         to.clear();
@@ -210,9 +210,9 @@ PointMotion motion_of(hid_t file, std::string group) {
     const std::string prefix = group.empty() ? "" : group + "/";
     if (holds(prefix + "trace_mm")) return of_traces(file, group);
     if (holds(prefix + "u_z")) return of_case_file(file, prefix);
-    throw UsageError(fmt::format(
-        "{} contains neither u_z nor trace_mm; specify the group that does with --group",
-        group.empty() ? "its root" : "the group " + group));
+    throw UsageError(fmt::format("{} contains neither u_z nor trace_mm; use --group to select the "
+                                 "group that contains one of them",
+                                 group.empty() ? "its root" : "the group " + group));
 }
 
 PointStress stress_of(hid_t file, const std::string& group) {
@@ -220,7 +220,7 @@ PointStress stress_of(hid_t file, const std::string& group) {
     const std::string name = "compression_Pa";
     if (H5Lexists(opened.raw(), name.c_str(), H5P_DEFAULT) <= 0)
         throw UsageError(fmt::format(
-            "{} does not contain compression_Pa; specify the group that does with --group",
+            "{} does not contain compression_Pa; use --group to select the group that contains it",
             group.empty() ? "its root" : "the group " + group));
     return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name), name, 1.0)};
 }

@@ -123,7 +123,8 @@ void read_grid(hid_t file, StudyData& study) {
     for (std::size_t axis = 0; axis < 3; ++axis)
         if (2 * study.layer_points[axis] > study.points[axis])
             layer.fail("points",
-                       fmt::format("{} on both sides do not fit into {} along {}",
+                       fmt::format("an absorbing layer of {} points on both sides does not fit "
+                                   "into {} points along {}",
                                    study.layer_points[axis], study.points[axis], "xyz"[axis]));
     study.layer_strength = layer.triple<double>("strength", 0.0, 1e3);
     study.layer_ratio = layer.number("ratio", 0.0, 10.0);
@@ -192,10 +193,10 @@ void read_sensor(hid_t file, StudyData& study) {
                           static_cast<double>(study.steps) *
                           static_cast<double>(study.sensor_fields.size());
     if (values > most_of_a_list)
-        sensor.fail("nodes",
-                    fmt::format("require {:.3g} values in memory, but at most {:.3g} are "
-                                "supported: use fewer nodes, or frames and volumes of the job",
-                                values, most_of_a_list));
+        sensor.fail("nodes", fmt::format("require {:.3g} values in memory, but at most {:.3g} are "
+                                         "supported: use fewer nodes, or record frames and volumes "
+                                         "of the job instead of a sensor",
+                                         values, most_of_a_list));
 }
 
 StudyData read_from(hid_t file) {

@@ -108,7 +108,8 @@ TEST_CASE("every change in a case changes its text", "[case]") {
         const std::string usual = canonical_text(c);
         c.solver = SpectralOptions{.accuracy = 1e-2};
         CHECK(canonical_text(c) != usual);
-        c.solver = SpectralOptions{.time_step_s = 1e-5, .accuracy = 1e-2}; // says nothing then
+        c.solver =
+            SpectralOptions{.time_step_s = 1e-5, .accuracy = 1e-2}; // has no effect in this case
         CHECK(canonical_text(c).find("accuracy") == std::string::npos);
     }
     SECTION("time step") {

@@ -15,15 +15,15 @@ TEST_CASE("the drag of a sponge is 0 outside the sponge", "[edge_absorption]") {
 
 TEST_CASE("the transmission of short waves through a sponge follows from the integral of the drag",
           "[edge_absorption]") {
-    // e^{-2 integral of gamma/(2c)}, energy, over both sponges: e^{-2 7.3 / 2.5}. What is
-    // reflected, and the next order of gamma/omega, are seen to be 2 % of that at a tenth of the
-    // width.
+    // e^{-2 integral of gamma/(2c)}, energy, over both sponges: e^{-2 7.3 / 2.5}. The
+    // reflected energy and the next order of gamma/omega are 2 % of this value at a tenth of the
+    // width (observed).
     CHECK(returned_energy(1e-3, 10e-3) == Approx(std::exp(-14.6 / 2.5)).epsilon(0.05));
 }
 
 TEST_CASE("the energy that a sponge returns increases with the wavelength", "[edge_absorption]") {
     CHECK(returned_energy(10e-3, 10e-3) < 0.005);
-    CHECK(returned_energy(16e-3, 10e-3) < 0.01); // what is said of it: 1 % at 1.65 widths
+    CHECK(returned_energy(16e-3, 10e-3) < 0.01); // documented: 1 % at 1.65 widths
     CHECK(returned_energy(17e-3, 10e-3) > 0.01);
     // To endless waves the drags of both sponges are one damper of 2 7.3/2.5 impedances.
     const double damper = 14.6 / 2.5;
@@ -40,7 +40,8 @@ TEST_CASE("the design speed of the edges is that of the layers down to a depth",
     Medium medium{{soft, stiff}, Base::rigid};
     CHECK(edge_speed_m_s(medium, 5e-3) == Approx(3.0));
     CHECK(edge_speed_m_s(medium, 10e-3) == Approx(std::sqrt(22.5)));
-    CHECK(edge_speed_m_s(medium, 1.0) == Approx(std::sqrt(22.5))); // no deeper than it is
+    CHECK(edge_speed_m_s(medium, 1.0) ==
+          Approx(std::sqrt(22.5))); // at most the depth of the medium
     medium.base = Base::half_space;
     medium.layers[1].thickness_m = 0.0;
     CHECK(edge_speed_m_s(medium, 20e-3) == Approx(std::sqrt(0.25 * 9.0 + 0.75 * 36.0)));

@@ -16,7 +16,7 @@ std::string name_of(const Field& field) {
     return std::string(field.key) + "/" + field.text;
 }
 
-/// A walk that changes the n-th thing it meets.
+/// A walk that changes the n-th field that it visits.
 class Change {
 public:
     explicit Change(int number) : left_(number) {}
@@ -274,7 +274,7 @@ auto members(auto& s) {
     }
 }
 
-/// A walk that notes where the things are that it meets.
+/// A walk that records the positions of the fields that it visits.
 class Places {
 public:
     template <class T>

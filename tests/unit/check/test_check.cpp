@@ -110,12 +110,13 @@ TEST_CASE("a focus near the edge gives a warning", "[check]") {
     CHECK(has(remark.message, "two focus widths, 6 mm"));
 }
 
-TEST_CASE("waves that re-enter within the run give a warning with the required extent", "[check]") {
+TEST_CASE("waves that return within the run give a warning with the required extent", "[check]") {
     Case c = good_case();
     c.domain.nx = 64; // 48 mm: the wave from -14 mm is at the edge after 10 mm, 2 ms
     const Remark remark = only_remark(c);
     CHECK(remark.key == "domain.extent_mm");
-    CHECK(has(remark.message, "waves of 5 m/s that cross the edge at 2 ms"));
+    CHECK(has(remark.message, "waves of 5 m/s leave through one edge and return through the "
+                              "opposite one into the measured region at 2 ms"));
     // 2 (14 mm + 5 m/s 4 ms) = 68 mm
     CHECK(has(remark.message, "a domain of 68 x 68 mm would prevent this"));
     c.domain.nx = 92; // 69 mm
@@ -123,7 +124,7 @@ TEST_CASE("waves that re-enter within the run give a warning with the required e
     CHECK(check(c).empty());
 }
 
-TEST_CASE("a thin top layer does not determine the speed of re-entering waves", "[check]") {
+TEST_CASE("a thin top layer does not determine the speed of returning waves", "[check]") {
     Case c = good_case();
     c.scene().medium.layers.insert(c.scene().medium.layers.begin(), Layer{.name = "film",
                                                                           .thickness_m = 1e-4,
@@ -169,19 +170,20 @@ TEST_CASE("a path that ends before the measurement gives a warning", "[check]") 
     CHECK(check(c).empty()); // within one frame of it
 }
 
-TEST_CASE("a period that does not fit into the settled window gives a warning", "[check]") {
+TEST_CASE("a period that does not fit into the period window gives a warning", "[check]") {
     Case c = good_case();
     c.scene().load.modulation.envelope.gains = {SineGain{200.0}};
     CHECK(only_remark(c).key == "measure.settled_after_ms");
     CHECK(has(only_remark(c).message, "lasts 5 ms and does not fit between 1.2 and 4 ms"));
 }
 
-TEST_CASE("a focal region that is too small or too large gives a warning", "[check]") {
+TEST_CASE("a focal disc that is too small or too large gives a warning", "[check]") {
     Case c = good_case();
     c.measure.focal_radius_m = 0.0005;
-    CHECK(has(only_remark(c).message, "radius of 0.5 mm is below the spacing of 0.75 mm"));
+    CHECK(has(only_remark(c).message,
+              "radius of the focal disc, 0.5 mm, is below the spacing of 0.75 mm"));
     c.measure.focal_radius_m = 0.02;
-    CHECK(has(only_remark(c).message, "radius of 20 mm is more than a quarter"));
+    CHECK(has(only_remark(c).message, "radius of the focal disc, 20 mm, is more than a quarter"));
 }
 
 TEST_CASE("volumes are rejected for engines that do not store them", "[check]") {

@@ -110,8 +110,8 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
         c.domain.sponge_m = 5e-3;
         c.scene().medium.bodies[0].centre_m.y = 30e-3;
         CHECK(has(only_remark(c).message,
-                  "it reaches 32 mm along y, into the margin of 5 mm at the edge of the domain "
-                  "at 33.75 mm"));
+                  "it reaches 32 mm along y and thus into the margin domain.sponge_mm, 5 mm wide, "
+                  "at the edge of the domain at 33.75 mm"));
     }
     SECTION("outside") {
         c.scene().medium.bodies[0].centre_m.y = 36e-3;

@@ -60,7 +60,7 @@ series = ["load.footprint.fwhm_mm"]
 reference = { kind = "STM" }
 )";
 
-/// Every value of `full_job` before its sweep, in SI and written down by hand.
+/// Every value of `full_job` before its sweep, in SI, written by hand.
 Case full_case() {
     Case c;
     c.scene().medium.base = Base::rigid;

@@ -237,10 +237,11 @@ TEST_CASE("a remark on several cases is reported once with a count", "[config][s
                 "spacing is 1.2 mm, which gives 2.5 points per width: the spectrum of the focus "
                 "still has 0.0038 of its peak at the shortest shear wave that the grid represents; "
                 "use 1 mm (and 2 more cases)"});
-    CHECK(diagnostics_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
-                                   "0.5\n")) ==
-          Texts{"job.toml:30:1: warning: measure.focal_radius_mm: the focal region's radius of 0.5 "
-                "mm is below the spacing of 0.75 mm: it contains only one or two samples"});
+    CHECK(
+        diagnostics_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
+                                 "0.5\n")) ==
+        Texts{"job.toml:30:1: warning: measure.focal_radius_mm: the radius of the focal disc, 0.5 "
+              "mm, is below the spacing of 0.75 mm: the disc contains only one or two samples"});
 }
 
 TEST_CASE("a sweep with too many keys is rejected without expansion", "[config][sweep]") {

@@ -31,7 +31,8 @@ Trajectory at(Vec2 place_m) {
     return {{Hold{place_m}}};
 }
 
-/// |p|^2 at `there` of pistons that meet at `focus`, over that straight below: piston by piston.
+/// |p|^2 at `there` of pistons focused at `focus`, relative to a focus straight below, summed
+/// piston by piston.
 double slow_twin(const ArrayFootprint& array, Vec2 focus, Vec2 there) {
     Complex p = 0.0;
     double peak = 0.0;
@@ -101,7 +102,7 @@ TEST_CASE("an array's samples and spectrum are a Fourier pair", "[array]") {
     const ArrayFootprint array = board();
     LoadPattern pattern(load_of(array, at(focus)), 0.0);
     // Back from the spectrum, between the samples: on a box in which the patch, 130 mm wide, does
-    // not meet its images.
+    // not overlap its images.
     const double box_m = 0.16, dk = 2.0 * std::numbers::pi / box_m;
     const auto last = static_cast<int>(pattern.band_rad_m() / dk);
     std::vector<double> kx;
@@ -139,7 +140,7 @@ TEST_CASE("an array's pattern straight below is the footprint", "[array]") {
     CHECK(k < 1100.0); // twice k sin(angle to the outermost piston) and a little
 }
 
-TEST_CASE("phases of few levels lose what theory says", "[array]") {
+TEST_CASE("rounding phases to few levels reduces the peak as predicted by theory", "[array]") {
     // Errors even over a step weaken the pressure by sin(pi / n) / (pi / n). 256 pistons of which
     // eight each have the same phase: within a tenth.
     const Vec2 focus = {0.0131, 0.0077};

@@ -90,19 +90,19 @@ TEST_CASE("where there is no wake there is a reason and no angle", "[mach_angle]
     refused(good.fit(rayleigh, 3e-3), "too short");
     Frame flat = good;
     std::fill(flat.u.begin(), flat.u.end(), 0.0);
-    refused(flat.fit(), "no front");
+    refused(flat.fit(), "outside the measured region");
     Frame noise = good;
     std::mt19937 random(6);
     std::normal_distribution<double> normal(0.0, 1e-9);
     for (double& u : noise.u)
         u = normal(random);
-    refused(noise.fit(), "no straight front");
+    refused(noise.fit(), "no Mach cone can be identified");
     Frame aside = good;
     aside.focus = {-80e-3, 0.0}; // its wake lies in the sponge
-    refused(aside.fit(), "no front");
+    refused(aside.fit(), "outside the measured region");
     Frame broken = good;
     std::fill(broken.u.begin(), broken.u.end(), std::nan(""));
-    refused(broken.fit(), "no front");
+    refused(broken.fit(), "outside the measured region");
 }
 
 TEST_CASE("the theoretical half-angle needs a supersonic focus", "[mach_angle]") {

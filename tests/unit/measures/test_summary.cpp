@@ -184,7 +184,7 @@ TEST_CASE("every empty cell has a reason", "[summary]") {
           "the focus does not move");
 }
 
-TEST_CASE("the instant is the nearest frame, and a note says so", "[summary]") {
+TEST_CASE("the instant is the nearest frame, and a note states this", "[summary]") {
     Case c = thesis_case();
     c.measure.at_s = 10.02e-3;
     measures::DepthSeries series = growing(0.0, 280);

@@ -136,7 +136,7 @@ TEST_CASE("a NaN in the frame shows in the sums", "[surface_sums]") {
     CHECK(std::isnan(sums_of_slabs(u, thesis_domain, {0, 100, 256}, {}).u2));
 }
 
-TEST_CASE("the focal region of several foci is that of each", "[surface_sums]") {
+TEST_CASE("several foci have one focal disc each", "[surface_sums]") {
     const Domain& d = thesis_domain;
     const std::vector<double> u = realistic_frame(d);
     const View2<const double> all(u.data(), d.nx, d.ny);

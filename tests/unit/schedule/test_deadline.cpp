@@ -36,7 +36,7 @@ TEST_CASE("a case that cannot finish in time is not started, unless no other cas
     const schedule::Deadline hour("1:00:00", Comm::world());
     CHECK(hour.lets_begin(600.0, 601.0));
     CHECK_FALSE(hour.lets_begin(600.0, 599.0));
-    CHECK(hour.lets_begin(7200.0, 3500.0));       // saved at the end, and gone on with
+    CHECK(hour.lets_begin(7200.0, 3500.0));       // saved at the end, then resumed
     CHECK_FALSE(hour.lets_begin(7200.0, 2000.0)); // the next run has more of it
     CHECK_FALSE(hour.lets_begin(3000.0, 2990.0)); // fits into a whole hour
     CHECK(hour.lets_begin(3300.0, 3310.0));

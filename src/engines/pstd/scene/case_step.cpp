@@ -142,8 +142,8 @@ std::vector<std::string> choice_notes(const Case& c, const PstdOptions& options,
                                     "{:.4g} us are stable",
                                     1e6 * step.step_s, step.per_frame, 1e6 * step.safe_s));
     if (!step.refused && step.step_s > step.safe_s)
-        notes.push_back(fmt::format("the time step is longer than the one that is certainly "
-                                    "stable, {:.4g} us; above {:.4g} us the scheme is unstable",
+        notes.push_back(fmt::format("the time step exceeds the safe limit of {:.4g} us; the scheme "
+                                    "is certainly unstable above {:.4g} us",
                                     1e6 * step.safe_s, 1e6 * step.alone_s));
     for (const Layer& layer : c.scene().medium.layers)
         if (layer.c_p_m_s > options.c_p_over_c_s * layer.c_s_m_s * (1.0 + 1e-12))

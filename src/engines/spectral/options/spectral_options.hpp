@@ -42,10 +42,9 @@ void walk_fields(Walk& walk, Options& o) {
           .applies = !o.time_step_s,
           .only_with = "time_step_us = \"auto\"",
           .meaning =
-              "relative L2 error of the surface field. It determines the time step and the "
-              "elements, together with the footprint, the speeds of the waves and of the focus, "
-              "the modulation, the losses, the duration and the bodies; for layers, it is tested "
-              "at 1e-2 and 1e-3"});
+              "largest relative L2 error of the surface field. The engine chooses the time step "
+              "and the elements so that this error is met; the choice also depends on the load, "
+              "the medium and the duration. For layers this is verified at 1e-2 and 1e-3"});
     walk(o.degree, {.key = "degree",
                     .range = Range::between(2, 16),
                     .meaning = "polynomial degree of the elements in z"});
@@ -61,14 +60,16 @@ void walk_fields(Walk& walk, Options& o) {
           .in_text = o.absorbing_depth_m > 0.0,
           .fallback = "0.8 times the wider extent, at least 1.5 times the longest wavelength",
           .meaning = "depth of the absorbing layer that ends a half-space"});
-    walk(o.method,
-         {.key = "method",
-          .meaning = "method where the medium varies laterally. `\"one-solve\"`: one solve per "
-                     "step, stable, but soft material next to stiff material is slightly too "
-                     "heavy; `\"iterative\"`: conjugate gradients with the exact operator; "
-                     "`\"auto\"`: one solve if this adds less than 2 % of inertia, or less than "
-                     "0.3 of `accuracy` where that determines the time step. Lateral variation of "
-                     "density, viscosity or c_p always requires iterations"});
+    walk(
+        o.method,
+        {.key = "method",
+         .meaning =
+             "method where the medium varies laterally. `\"one-solve\"`: one solve per "
+             "step, stable, but soft material next to stiff material is slightly too "
+             "heavy; `\"iterative\"`: conjugate gradients with the exact operator; "
+             "`\"auto\"`: one solve if it adds less than 2 % to the inertia (if `accuracy` "
+             "determines the time step: also less than 0.3 times `accuracy`). Lateral variation of "
+             "density, viscosity or c_p always requires iterations"});
     walk(o.residual,
          {.key = "residual",
           .range = Range::between(1e-13, 1e-2),
@@ -76,10 +77,11 @@ void walk_fields(Walk& walk, Options& o) {
     walk(o.contrast_cap,
          {.key = "contrast_cap",
           .range = Range::between(1.0, 1e6),
-          .meaning = "shear stiffness of bodies and maps is capped at this multiple of that of the "
-                     "surrounding layer. At 1000, 0.94 of the amplitude of a shear wave is "
-                     "reflected, compared with 1 for a rigid body; the number of iterations grows "
-                     "with the square root"});
+          .meaning =
+              "the shear modulus of bodies and maps is capped at this multiple of that of "
+              "the surrounding layer. At 1000 and equal density, 0.94 of the amplitude of a "
+              "shear wave is reflected (bone, which is denser: 0.955), compared with 1 for a "
+              "rigid body. The number of iterations grows with the square root of the cap"});
 }
 
 } // namespace shearwake

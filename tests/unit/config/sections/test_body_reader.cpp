@@ -205,8 +205,8 @@ TEST_CASE("a map is provided by the loader and is part of the case", "[config][b
     CHECK(asked == std::vector<std::string>{"a.h5"});
     CHECK(read.plan.cases.at(0).physics.scene().medium.map->c_s_m_s == std::vector{7.0});
     CHECK(read.plan.cases.at(0).id != case_id(only_case(job_with(""))));
-    CHECK(diagnostics_of(job) == Texts{"job.toml:7:7: error: medium.map names a file, but no files "
-                                       "can be read in this context"});
+    CHECK(diagnostics_of(job) == Texts{"job.toml:7:7: error: medium.map names a file, but this job "
+                                       "is read without access to files"});
 }
 
 TEST_CASE("an error in a map is reported together with other errors", "[config][body]") {

@@ -117,8 +117,8 @@ TEST_CASE("several foci are positions relative to the moving point", "[config][f
 
 namespace {
 
-/// Radiation pressure of the 249 elements, each of 1 Pa m, that meet below their middle: element by
-/// element, from the numbers of the preset as the manual prints them [Pa].
+/// Radiation pressure of the 249 elements, each of 1 Pa m, focused below their middle, summed
+/// element by element, from the numbers of the preset as the manual prints them [Pa].
 double pressure_of_249_Pa(double x_m, double y_m) {
     const double pitch_m = 10.16e-3, radius_m = 4.5e-3, distance_m = 0.2, c_m_s = 346.1;
     const double k = 2.0 * std::numbers::pi * 40e3 / c_m_s;

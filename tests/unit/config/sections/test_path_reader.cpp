@@ -226,7 +226,7 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
          "path.frequencies have the common factor 2, so the figure would be drawn 2 times; [2, 1] "
          "draws it once"},
         {"shape = \"csv\", file = \"a.csv\"", "speed_m_s = 7\n",
-         "path.file names a file, but no files can be read in this context"},
+         "path.file names a file, but this job is read without access to files"},
         {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ndraw_frequency_Hz = 9\n",
          "draw_frequency_Hz and a speed are both given; specify only one of them"},
         {"shape = \"circle\", radius_mm = 5", "speed_m_s = 7\ncorner_dwell_ms = 1\n",
@@ -237,8 +237,8 @@ TEST_CASE("an error in a path is reported with its location", "[config][path]") 
          "corner_slow_mm must be at most 10, half of the shortest distance between two corners "
          "along the path, but is 11"},
         {"shape = \"polygon\", sides = 4, side_mm = 20", "speed_m_s = 7\ncorner_slow_mm = 5\n",
-         "corner_slow_mm is given alone: corner_slow_mm is the distance from a corner within which "
-         "the focus slows down, and corner_slow_to the fraction of its speed at the corner"},
+         "corner_slow_mm requires the other of corner_slow_mm (distance over which the focus slows "
+         "down) and corner_slow_to (fraction of its speed at the corner)"},
         {"shape = \"polygon\", sides = 4, side_mm = 20",
          "draw_frequency_Hz = 100\ncorner_dwell_ms = 3\n",
          "draw_frequency_Hz leaves 10 ms per pass along the path, but the 4 corners take 3 ms "

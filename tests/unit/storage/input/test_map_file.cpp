@@ -40,7 +40,7 @@ Datasets good() {
             {"viscosity_Pa_s", {{2, 3, 2}, Values(12, 0.0)}}};
 }
 
-/// What the reader says about a file; empty if it takes it.
+/// The error that the reader reports for a file; empty if the file is valid.
 std::string complaint(const std::filesystem::path& path) {
     try {
         storage::read_map_file(path);

@@ -22,7 +22,7 @@ struct Dataset {
 /// A study of 4 x 3 x 2 nodes, to be spoilt before it is written.
 struct Draft {
     std::string schema = "shearwake grid study 1", field = "uz", mode = "additive",
-                heard = "uz sxx";
+                recorded = "uz sxx";
     double sources = 1.0, steps = 5.0, time_step_s = 1e-5, start = 1.0;
     std::map<std::string, Dataset> datasets = {
         {"grid/points", {{3}, {4, 3, 2}}},
@@ -53,7 +53,7 @@ void write(const Draft& draft, const std::filesystem::path& path) {
     h5::put_attribute(groups["layer"].raw(), "speed_m_s", 0.0);
     h5::put_attribute(groups["source_0"].raw(), "field", draft.field);
     h5::put_attribute(groups["source_0"].raw(), "mode", draft.mode);
-    h5::put_attribute(groups["sensor"].raw(), "fields", draft.heard);
+    h5::put_attribute(groups["sensor"].raw(), "fields", draft.recorded);
     h5::put_attribute(groups["sensor"].raw(), "start", draft.start);
     for (const auto& [name, dataset] : draft.datasets)
         h5::write_all(h5::create_dataset(file.raw(), name, dataset.shape), dataset.values);
@@ -101,7 +101,8 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
     const Spoilt spoilt = GENERATE_COPY(
         Spoilt{[](Draft& d) { d.schema = "other"; }, "scripts/import-kwave"},
         Spoilt{set("grid/points", 0, 4.5), "not a whole number"},
-        Spoilt{set("layer/points", 0, 3), "do not fit into 4 along x"},
+        Spoilt{set("layer/points", 0, 3),
+               "of 3 points on both sides does not fit into 4 points along x"},
         Spoilt{set("medium/c_s_m_s", 3, -1), "c_s_m_s is -1"},
         Spoilt{set("medium/c_p_m_s", 0, std::nan("")), "not finite"},
         Spoilt{[](Draft& d) {
@@ -120,7 +121,7 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
                "2 nodes"},
         Spoilt{[](Draft& d) { d.field = "uw"; }, "\"uw\""},
         Spoilt{[](Draft& d) { d.mode = "soft"; }, "additive or dirichlet"},
-        Spoilt{[](Draft& d) { d.heard = "p"; }, "\"p\""},
+        Spoilt{[](Draft& d) { d.recorded = "p"; }, "\"p\""},
         Spoilt{[](Draft& d) { d.start = 9.0; }, "between 1 and 5"},
         Spoilt{[](Draft& d) { d.steps = 0.0; }, "steps is 0"},
         Spoilt{[](Draft& d) { d.sources = 2.0; }, "source_1"},

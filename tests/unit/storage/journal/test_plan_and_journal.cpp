@@ -71,7 +71,7 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     journal.finished("a", {0.5, 0.25, "layered"});
     journal.started("b", 2);
     journal.failed("b", "a reason with \"quotes\",\na line break and \xff", storage::Blame::files);
-    journal.resumed("b", 20); // says nothing new of a case that has failed
+    journal.resumed("b", 20); // does not change the state of a case that has failed
     journal.started("c", 2);
     journal.checkpointed("c", 40);
     storage::append_line(folder / "journal.jsonl", "{\"event\": \"fini");
