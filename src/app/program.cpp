@@ -232,10 +232,11 @@ void add_bench(CLI::App& app, Action& action) {
         ->add_option(
             "NAME", arguments->engine,
             "layered (default), spectral, pstd or neural: the speed of an engine or of the "
-            "receptors; sweep: overhead per case; machine: recalibrate the cost model of "
-            "plan and run; estimates: compare estimates with measurements")
+            "receptors; sweep: overhead per case; files: writing and verifying 1 GB of frames; "
+            "machine: recalibrate the cost model of plan and run; estimates: compare estimates "
+            "with measurements")
         ->check(CLI::IsMember(
-            {"layered", "spectral", "pstd", "neural", "sweep", "machine", "estimates"}));
+            {"layered", "spectral", "pstd", "neural", "sweep", "files", "machine", "estimates"}));
     command
         ->add_option(
             "--grid", arguments->grid,

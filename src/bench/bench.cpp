@@ -117,6 +117,7 @@ ExitCode bench_engine(const BenchArguments& arguments, const Comm& world) {
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
     if (arguments.engine == "neural") return bench_neural(world);
     if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world);
+    if (arguments.engine == "files") return bench_files(world);
     if (arguments.engine == "machine") return bench_machine(world);
     if (arguments.engine == "estimates") return bench_estimates(world);
     ExitCode code = ExitCode::done;

@@ -65,6 +65,9 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
 /// Measures the steps of the pseudospectral scheme in single and double precision, with and without
 /// losses, and compares them with a lower bound.
 ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world);
+/// Measures writing, completing and verifying a case file with 1 GB of frames in the working
+/// directory.
+ExitCode bench_files(const Comm& world);
 /// Measures the response of the nerve fibres of a hand to moving pins and to a carrier.
 ExitCode bench_neural(const Comm& world);
 

@@ -25,6 +25,8 @@ sys.path.insert(0, str(HERE))
 
 from attacks import LEDGER  # noqa: E402
 
+sys.path.insert(0, str(HERE))  # in front of tests/faults, which has files with equal names
+
 PAGE = HERE.parent.parent / "docs" / "explanation" / "attacks.md"
 ABOUT = """\
 # Attacks

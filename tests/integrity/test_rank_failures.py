@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Memory refused to one rank at many places of a case. The test itself is tests/mpi/test_rank_failures.cpp, which
 `scripts/test` runs in a short form; this file runs it with more places."""
-import os
 import re
 import subprocess
 import unittest
