@@ -47,8 +47,8 @@ void add_check(CLI::App& app, Action& action) {
 void add_ranks_per_case(CLI::App* command, int& ranks) {
     command->add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
         ->type_name("N|auto")
-        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}))
-        ->check(CLI::Range(0, 1000000));
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}).description(""))
+        ->check(CLI::Range(0, 1000000).description(""));
 }
 
 void add_plan(CLI::App& app, Action& action) {

@@ -42,10 +42,11 @@ struct SineGain {
 
 template <class Walk, Is<SineGain> G>
 void walk_fields(Walk& walk, G& g) {
-    walk(g.frequency_Hz, {.key = "frequency_Hz",
-                          .range = modulation_range_Hz,
-                          .given = Given::required,
-                          .meaning = "f in 1 - depth/2 (1 + cos(2 pi f t + phase))"});
+    walk(g.frequency_Hz,
+         {.key = "frequency_Hz",
+          .range = modulation_range_Hz,
+          .given = Given::required,
+          .meaning = "frequency f in the gain 1 - depth/2 (1 + cos(2 pi f t + phase))"});
     walk(g.depth,
          {.key = "depth", .range = share_range, .meaning = "depth: the gain falls to 1 - depth"});
     walk(g.phase_rad, {.key = "phase_deg", .meaning = "phase"});
@@ -103,7 +104,7 @@ void walk_fields(Walk& walk, G& g) {
     walk(g.frequency_Hz, {.key = "frequency_Hz",
                           .range = modulation_range_Hz,
                           .given = Given::required,
-                          .meaning = "periods per second"});
+                          .meaning = "number of periods per second"});
     walk(g.duty, {.key = "duty",
                   .range = Range::inside(0.0, 1.0),
                   .meaning = "fraction of each period at full strength"});

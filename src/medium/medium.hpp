@@ -50,25 +50,28 @@ void walk_fields(Walk& walk, Loss& loss) {
 }
 template <class Walk, Is<FractionalKelvinVoigt> Loss>
 void walk_fields(Walk& walk, Loss& loss) {
-    walk(loss.tau_s, {.key = "tau_us",
-                      .range = Range::above(0.0),
-                      .given = Given::required,
-                      .meaning = "tau in mu0 (1 + (i omega tau)^n)"});
+    walk(loss.tau_s,
+         {.key = "tau_us",
+          .range = Range::above(0.0),
+          .given = Given::required,
+          .meaning = "relaxation time tau in the shear modulus mu0 (1 + (i omega tau)^n)"});
     walk(loss.exponent, {.key = "exponent",
                          .range = Range::inside(0.0, 1.0),
                          .given = Given::required,
-                         .meaning = "n"});
+                         .meaning = "exponent n in the same formula"});
 }
 template <class Walk, Is<StandardLinearSolid> Loss>
 void walk_fields(Walk& walk, Loss& loss) {
     walk(loss.tau_s, {.key = "tau_us",
                       .range = Range::above(0.0),
                       .given = Given::required,
-                      .meaning = "tau in mu0 (1 + strength i omega tau / (1 + i omega tau))"});
+                      .meaning = "relaxation time tau in the shear modulus mu0 (1 + strength i "
+                                 "omega tau / (1 + i omega tau))"});
     walk(loss.strength, {.key = "strength",
                          .range = Range::above(0.0),
                          .given = Given::required,
-                         .meaning = "high-frequency limit of mu divided by mu0, minus 1"});
+                         .meaning = "strength in the same formula: the high-frequency limit of mu, "
+                                    "divided by mu0, minus 1"});
 }
 using ShearLoss = std::variant<Lossless, KelvinVoigt, FractionalKelvinVoigt, StandardLinearSolid>;
 

@@ -43,11 +43,11 @@ template <class Walk, Is<Swing> S>
 void walk_fields(Walk& walk, S& swing) {
     walk(swing.amplitude_m, {.key = "amplitude_mm",
                              .given = Given::required,
-                             .meaning = "a in a sin(2 pi f t + phase)"});
+                             .meaning = "amplitude `[x, y]`: a in a sin(2 pi f t + phase)"});
     walk(swing.frequency_Hz, {.key = "frequency_Hz",
                               .range = Range::between(1e-3, 1e5),
                               .given = Given::required,
-                              .meaning = "f"});
+                              .meaning = "frequency f"});
     walk(swing.phase_rad, {.key = "phase_deg", .meaning = "phase"});
     walk(swing.wave,
          {.key = "wave",
@@ -127,8 +127,9 @@ void walk_fields(Walk& walk, Pace& pace) {
           .text = "corner_slow_within_m",
           .range = Range::at_least(0.0),
           .in_text = in_text,
-          .meaning = "distance before and after each corner over which the focus slows down, at a "
-                     "constant rate, to `corner_slow_to` times its speed and accelerates again"});
+          .meaning = "distance before each corner over which the focus slows down to "
+                     "`corner_slow_to` times its speed, and distance after the corner over which "
+                     "it accelerates again, both at a constant rate"});
     walk(pace.slow_to,
          {.key = "corner_slow_to",
           .range = Range::between(0.01, 1.0),
