@@ -4,7 +4,7 @@
 namespace shearwake::schedule {
 
 /// Installs handlers by which SIGINT, SIGTERM and SIGUSR1 request an orderly stop: running cases
-/// write a checkpoint, or are completed if their engine has none, and no further cases are started.
+/// write a checkpoint, or are abandoned if their engine has none, and no further cases are started.
 /// A second signal ends the program immediately, except for a SIGUSR1 within two seconds of the
 /// first.
 void watch_for_stop_signals();
