@@ -23,9 +23,9 @@ public:
     /// Whether the engine should return because a stop was requested: after a save, or after
     /// stop_asked().
     virtual bool stop() const = 0;
-    /// Whether a stop was requested, for engines that save nothing. Call it equally often on all
-    /// ranks, as often as convenient: the ranks communicate about every 0.1 s. Returns the same
-    /// value on all ranks.
+    /// Whether a stop was requested and the time for completing the case has expired, for engines
+    /// that save nothing. Call it equally often on all ranks, as often as convenient: the ranks
+    /// communicate about every 0.1 s. Returns the same value on all ranks.
     virtual bool stop_asked() { return false; }
 };
 

@@ -20,6 +20,9 @@ using Clock = std::chrono::steady_clock;
 /// Ranks that share cores lose milliseconds at every synchronisation, so this is not done at every
 /// step.
 constexpr double between_looks_s = 0.1;
+/// After a stop request, a case without checkpoints may compute for this time, so that short cases
+/// are completed.
+constexpr double grace_s = 10.0;
 
 double seconds_since(Clock::time_point then) {
     return std::chrono::duration<double>(Clock::now() - then).count();
@@ -158,7 +161,8 @@ bool CaseCheckpoints::stop_asked() {
     if (++asked_ < next_asked_) return false;
     long answer = 0, wait = 0;
     if (team_.is_root()) {
-        answer = hooks_.stop_asked() ? 1 : 0;
+        if (!stop_seen_ && hooks_.stop_asked()) stop_seen_ = Clock::now();
+        answer = stop_seen_ && seconds_since(*stop_seen_) > grace_s ? 1 : 0;
         // The calls may become slower: the number of calls to the next look at most doubles.
         const auto calls = static_cast<double>(std::max(1L, asked_ - last_asked_));
         const double call_s = std::max(seconds_since(asked_at_), 1e-9) / calls;

@@ -83,6 +83,7 @@ private:
     // Calls of stop_asked(); the ranks communicate in call next_asked_.
     long asked_ = 0, last_asked_ = 0, next_asked_ = 1;
     std::chrono::steady_clock::time_point asked_at_;
+    std::optional<std::chrono::steady_clock::time_point> stop_seen_; // on the root
 };
 
 /// Whether a case has a checkpoint from which a run can resume, according to its attributes. Not
