@@ -8,13 +8,14 @@ from pathlib import Path
 
 
 def is_running(pid):
+    """Whether the process exists. One that has ended, but whose parent has not asked for its exit code, is not running."""
     try:
         os.kill(pid, 0)
-    except ProcessLookupError:
+        return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] not in "ZX"
+    except (ProcessLookupError, FileNotFoundError):
         return False
     except PermissionError:
         return True
-    return True
 
 
 def remove_abandoned(parent, prefix):

@@ -50,7 +50,7 @@ def table_bytes(out):
 class Slurm(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="shearwake-slurm-")
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-slurm-", ignore_cleanup_errors=True)
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
         cls.folder.chmod(0o755)  # munge requires that others can reach its socket
