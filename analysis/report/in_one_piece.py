@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def is_running(pid):
-    """Whether the process exists. One that has ended, but whose parent has not asked for its exit code, is not running."""
+    """Whether the process is running. A process that has ended and was not reaped is not."""
     try:
         os.kill(pid, 0)
         return Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0] not in "ZX"
