@@ -229,7 +229,7 @@ bool Worker::compute(const PlannedCase& planned) {
         std::error_code none;
         std::filesystem::remove(list_.folder.failure(planned.id), none);
     });
-    tell(planned, outcome->solver);
+    report(planned, outcome->solver);
     if (!team_.is_root()) return true;
     times_.learn(at_, times.seconds, times.estimated_seconds);
     counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
@@ -238,7 +238,7 @@ bool Worker::compute(const PlannedCase& planned) {
 }
 
 /// Prints one line with the iterations of the case and the choices that no case before it made.
-void Worker::tell(const PlannedCase& planned, const engines::SolverReport& solver) try {
+void Worker::report(const PlannedCase& planned, const engines::SolverReport& solver) try {
     std::vector<std::string> news;
     if (solver.iterations > 0)
         news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,

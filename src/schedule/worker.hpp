@@ -89,7 +89,7 @@ private:
     double estimated_s(const PlannedCase& planned) const;
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
-    void tell(const PlannedCase& planned, const engines::SolverReport& solver);
+    void report(const PlannedCase& planned, const engines::SolverReport& solver);
     void record(const PlannedCase& planned, const std::string& reason, storage::Blame blame);
     void give_up(); // no further case is started
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
