@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, Folder, fixed  # noqa: E402
+from synthetic import AM, Folder, fixed  # noqa: E402
 
 import fig_afferents  # noqa: E402
 import fig_hand  # noqa: E402

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import browser  # noqa: E402
 from test_figures import grid  # noqa: E402
-from test_report import AM, Folder, case_id, sweep  # noqa: E402
+from synthetic import AM, Folder, case_id, sweep  # noqa: E402
 
 COLUMN = """Array.from(document.querySelectorAll("table.sortable tbody tr"),
     row => row.cells[{0}].textContent)"""

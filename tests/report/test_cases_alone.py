@@ -11,7 +11,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, FWHM, Folder, Page, case_id, reduce, sweep  # noqa: E402
+from synthetic import AM, FWHM, Folder, Page, case_id, reduce, sweep  # noqa: E402
 
 import load  # noqa: E402
 import report  # noqa: E402

@@ -14,7 +14,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from test_report import AM, FWHM, Folder, Page, case_id, draw  # noqa: E402
+from synthetic import AM, FWHM, Folder, Page, case_id, draw  # noqa: E402
 
 import fig_drive  # noqa: E402
 import fig_frequency  # noqa: E402
