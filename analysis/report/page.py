@@ -31,12 +31,17 @@ def counts(sweep):
     return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
+def warnings(figure):
+    """The warnings about the cases of a figure."""
+    return "".join(f'<p class="warning">{escape(w)}</p>' for w in figure.warnings)
+
+
 def picture(figure, folder):
     data = base64.b64encode((folder / (figure.name + ".png")).read_bytes()).decode("ascii")
     return (f'<h2 id="{escape(figure.name)}">{escape(figure.title)}</h2><figure>'
             f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
             f'src="data:image/png;base64,{data}"></div>'
-            f"<figcaption>{escape(figure.caption)}</figcaption>"
+            f"{warnings(figure)}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">{escape(figure.name)}.png, {escape(figure.name)}.pdf</p></figure>')
 
 

@@ -18,6 +18,7 @@ from PIL import Image
 import fig_surface
 import layout
 import load
+import references
 import style
 import wake
 from words import number
@@ -31,11 +32,7 @@ LEFT, RIGHT, TOP, BOTTOM, WIDTH = 44, 8, 26, 40, 400  # margins and width of a p
 
 def chosen(sweep):
     """The reference, then cases from the first to the last curve, with at least two times."""
-    found = layout.groups(sweep)
-    picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, CASES - 1)]
-    references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
-    cases = {c.id: c for c in references + layout.evenly(picks, CASES - len(references))}
-    return [c for c in cases.values() if len(load.surface_times(c)) > 1]
+    return [c for c in references.first_and_last(sweep, CASES) if len(load.surface_times(c)) > 1]
 
 
 def moments(case, most):
