@@ -4,6 +4,7 @@
 #include "base/printable.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/warnings_text.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -65,6 +66,10 @@ void print_case(const std::filesystem::path& path) {
                text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
                text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));
     print_solver(s);
+    if (s.texts.contains("warnings"))
+        for (const Remark& w : storage::warnings_in(s.texts.at("warnings")))
+            fmt::print("{}: {}: {}\n", w.severity == Severity::error ? "not valid" : "warning",
+                       w.key, w.message);
     fmt::print("\nmeasures:\n");
     for (const Variable& v : s.scalars) {
         const double value = v.values.at(0);

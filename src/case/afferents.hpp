@@ -219,6 +219,7 @@ void walk_fields(Walk& walk, Options& o) {
          {.key = "pins_mm",
           .text = "pins_{}_m",
           .given = Given::by_hand,
+          .fallback = "at the foci or along the path, one FWHM apart; `[[0, 0]]` for a carrier",
           .meaning = "positions `[[x, y], ...]` of the pins, at most 1000 (see "
                      "[receptors](../explanation/receptors.md)); or `pin_line` or `pin_grid`"});
     walk.key({.key = "pin_line",

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <numbers>
 
 namespace shearwake {
@@ -230,6 +231,23 @@ void check_focal_disc(const Case& c, Notes& notes) {
                   milli(radius_m), milli(shorter_m));
 }
 
+/// The afferents sense the motion of the skin only through the pins.
+void check_pins(const Case& c, Notes& notes) {
+    if (!c.afferents || !std::holds_alternative<PinInput>(c.afferents->input)) return;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    along_path(c, [&](double, Vec2 focus) {
+        for (const Vec2 pin_m : c.afferents->pins_m)
+            nearest_m = std::min(nearest_m, norm(focus - pin_m));
+    });
+    const double width_m = fwhm_m(c.scene().load.footprint);
+    if (nearest_m > width_m)
+        notes.add(Severity::warning, "afferents.pins_mm",
+                  "no pin is near the focus: the focus comes within {:.4g} mm of a pin at most, "
+                  "and is {:.4g} mm wide (FWHM), so that the afferents sense only the waves around "
+                  "it; move the pins, or omit afferents.pins_mm to place them on the path",
+                  milli(nearest_m), milli(width_m));
+}
+
 } // namespace
 
 std::vector<Remark> check(const Case& c) {
@@ -251,6 +269,7 @@ std::vector<Remark> check(const Case& c) {
     add(engine->limits(c));
     check_measured_times(c, notes);
     check_focal_disc(c, notes);
+    check_pins(c, notes);
     add(check_variation(c));
     return notes.remarks;
 }

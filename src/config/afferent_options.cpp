@@ -21,7 +21,8 @@ AfferentOptions read_afferent_options(std::string_view text, const std::string& 
         root.allow(case_tables());
         root.allow(std::array<std::string_view, 4>{"schema", "job", "sweep", "table"});
         Reader afferents = root.optional_table("afferents");
-        if (const auto read = read_afferents(afferents, Domain{}, load_text)) options = *read;
+        if (const auto read = read_afferents(afferents, Domain{}, nullptr, load_text))
+            options = *read;
         root.finish();
     }
     if (diagnostics.errors() > 0) throw BadJob(diagnostics.sorted());

@@ -60,6 +60,7 @@ struct SolverReport {
     // Work of the load, and the kinetic and elastic energy half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
     std::vector<SensorSeries> sensors = {}; // of a grid study; on rank 0 only
+    std::vector<Remark> warnings = {};      // those of the notes that reduce the accuracy
 };
 
 /// Receives the field of a case while the engine computes it. Called on every rank of the team in
@@ -125,11 +126,12 @@ public:
     virtual std::vector<Remark> limits(const Case& c) const = 0;
     /// How the engine treats waves at the edges for this case. Not collective.
     virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }
-    /// Whether the time step is determined by trial runs of about 0.1 s. Not collective.
+    /// Whether choosing the time step takes about 0.1 s or more, because it requires trial runs or
+    /// the materials of all nodes. Not collective.
     virtual bool probes_step(const Case& /*c*/) const { return false; }
-    /// The step [s] determined by trial runs, if probes_step(). Not collective.
+    /// The step [s] that `run` uses, if probes_step(). Not collective.
     virtual double probed_step_s(const Case& /*c*/) const { return 0.0; }
-    /// The case with this step specified, so that no trial runs are needed. Not collective.
+    /// The case with this step specified, so that it need not be chosen. Not collective.
     virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
     /// Computes the case and passes the results to the observer. With `checkpoints` it resumes from
     /// the newest checkpoint, and returns early after a save if a stop was requested; an engine

@@ -5,6 +5,7 @@
 #include "measures/spectrum.hpp"
 #include "pipeline/provenance.hpp"
 #include "storage/case_file/variable_group.hpp"
+#include "storage/case_file/warnings_text.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/journal/plan_file.hpp"
 
@@ -223,6 +224,7 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
     const engines::SolverReport& solver = facts.solver;
     if (!solver.notes.empty())
         attributes.push_back({"solver_notes", fmt::format("{}", fmt::join(solver.notes, "\n"))});
+    attributes.push_back({"warnings", storage::warnings_text(facts.warnings)});
     if (solver.steps > 0) {
         attributes.push_back({"solver_steps", static_cast<long>(solver.steps)});
         attributes.push_back({"solver_iterations", static_cast<long>(solver.iterations)});

@@ -36,6 +36,7 @@ struct RunFacts {
     double wall_s = 0.0;
     std::string started, ended; // UTC
     engines::SolverReport solver;
+    std::vector<Remark> warnings;
 };
 
 /// Root attributes that identify the case and its origin.

@@ -6,6 +6,7 @@
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/case_scope.hpp"
+#include "pipeline/case_warnings.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
@@ -137,6 +138,9 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
+    if (team.is_root())
+        facts.warnings =
+            case_warnings(c, recorder.solver().warnings, afferents.notes, recorder.mean_u2());
     facts.solver.notes.insert(facts.solver.notes.end(), afferents.notes.begin(),
                               afferents.notes.end());
     // The case file is written last: if it exists, all other files do.

@@ -5,6 +5,7 @@
 #include "base/text.hpp"
 #include "config/files/afferents_file.hpp"
 #include "config/sections/read_fields.hpp"
+#include "load/drawn_shape.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,6 +17,8 @@ namespace {
 
 const Range lengths = Range::between(1e-3, 1e4);
 constexpr double most_points = 1e5; // limit for a grid of pins or afferents
+/// Limit for pins that are placed along a long path; their spacing is increased accordingly.
+constexpr double most_default_pins = 100.0;
 
 void refuse_unless(Reader& reader, const char* key, bool has_use, const char* where) {
     if (!has_use && reader.has(key)) reader.error(key, fmt::format("applies only with {}", where));
@@ -146,9 +149,34 @@ std::vector<Vec2> read_pin_grid(Reader table) {
     return pins_m;
 }
 
-std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
+double length_of(const std::vector<std::vector<Vec2>>& lines) {
+    double length_m = 0.0;
+    for (const auto& line : lines)
+        for (std::size_t i = 1; i < line.size(); ++i)
+            length_m += norm(line[i] - line[i - 1]);
+    return length_m;
+}
+
+/// Pins at the foci, or along the drawn path about one FWHM apart, without overlap and within the
+/// domain.
+std::vector<Vec2> pins_on_path(const Load& load, const Domain& domain, double radius_m) {
+    const double wide_m = std::max(fwhm_m(load.footprint), 2.0 * radius_m);
+    if (!(wide_m > 0.0) || domain.nx == 0) return {{}}; // already reported
+    const double length_m = length_of(drawn_shape(load.modulation, wide_m));
+    const double step_m = std::max(wide_m, length_m / most_default_pins);
+    const double apart_m = std::max(0.5 * step_m, 2.0 * radius_m) * (1.0 - 1e-9);
+    std::vector<Vec2> pins_m;
+    for (const auto& line : drawn_shape(load.modulation, step_m))
+        for (const Vec2 point_m : line)
+            if (domain.holds(point_m) && std::ranges::none_of(pins_m, [&](Vec2 pin_m) {
+                    return norm(pin_m - point_m) < apart_m;
+                }))
+                pins_m.push_back(point_m);
+    return pins_m.empty() ? std::vector<Vec2>{{}} : pins_m;
+}
+
+std::vector<Vec2> read_pins(Reader& reader, const Domain& domain, std::vector<Vec2> pins_m) {
     const int given = reader.has("pins_mm") + reader.has("pin_line") + reader.has("pin_grid");
-    std::vector<Vec2> pins_m = {{}};
     const char* key = "pins_mm";
     if (given > 1)
         reader.error("pins_mm", "cannot be combined with pin_line or pin_grid, nor these with each "
@@ -179,7 +207,7 @@ std::vector<Vec2> read_pins(Reader& reader, const Domain& domain) {
 } // namespace
 
 std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
-                                              const TextLoader& load_text) {
+                                              const Load* load, const TextLoader& load_text) {
     if (reader.empty()) return std::nullopt;
     AfferentOptions options;
     options.places = read_places(reader, load_text);
@@ -191,7 +219,12 @@ std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& doma
                         ? SkinSheet::hand
                         : SkinSheet::flat;
     options.input = read_input(reader);
-    options.pins_m = read_pins(reader, domain);
+    // The motion of the simulated skin is felt where the focus is. Prescribed pins are independent
+    // of the load, and the input "stress" has none.
+    const bool follows = load && std::holds_alternative<PinInput>(options.input);
+    options.pins_m = read_pins(reader, domain,
+                               follows ? pins_on_path(*load, domain, options.pin_radius_m)
+                                       : std::vector<Vec2>{{}});
     reader.finish();
     return options;
 }

@@ -10,8 +10,9 @@
 namespace shearwake::config {
 
 /// Reads [afferents]; nothing if the table is absent. The pins must lie inside the domain, if that
-/// has an extent.
+/// has an extent. If the job lists no pins, they follow the path or the foci of `load`; without a
+/// load (null), there is one pin at the origin.
 std::optional<AfferentOptions> read_afferents(Reader& reader, const Domain& domain,
-                                              const TextLoader& load_text);
+                                              const Load* load, const TextLoader& load_text);
 
 } // namespace shearwake::config

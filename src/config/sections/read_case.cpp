@@ -276,7 +276,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     else
         c.problem = std::move(scene);
     c.record = read_record(record, c.domain, c.time, c.measure);
-    c.afferents = read_afferents(afferents, c.domain, files.load_text);
+    c.afferents = read_afferents(afferents, c.domain, &c.scene().load, files.load_text);
     check_receptor_depths(afferents, c);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }

@@ -42,8 +42,26 @@ FramePlaces frame_places(const Case& c, const PstdOptions& options, const CaseGr
     return places;
 }
 
-bool is_uneven(const Case& c) {
-    return !c.scene().medium.bodies.empty() || c.scene().medium.map;
+/// The step that `run` uses, with the limits of the grid. Not collective.
+StepChoice step_of(const Case& c, const PstdOptions& options) {
+    return choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options)));
+}
+
+/// Steps per frame. A specified step needs no limits of the grid.
+std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
+    return options.time_step_s ? choose_step(c, options, {}).per_frame
+                               : step_of(c, options).per_frame;
+}
+
+/// The notes and warnings of a run.
+engines::SolverReport report_of(const std::vector<Choice>& choices, std::ptrdiff_t steps) {
+    engines::SolverReport report{.notes = {}, .steps = steps};
+    for (const Choice& choice : choices) {
+        report.notes.push_back(choice.text);
+        if (!choice.key.empty())
+            report.warnings.push_back({Severity::warning, choice.key, choice.text});
+    }
+    return report;
 }
 
 template <class Real>
@@ -69,7 +87,7 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints) ==
         engines::MarchEnd::stopped)
         return;
-    observer.solved({.notes = choice_notes(c, options, step), .steps = stepper.steps()});
+    observer.solved(report_of(pstd::choices(c, options, step), stepper.steps()));
 }
 
 } // namespace
@@ -78,11 +96,10 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return estimate_study(c, ranks);
     const CaseGrid grid = case_grid(c, options);
-    const StepChoice step = choose_step(c, options, extremes_of_layers(c, options));
     const double points = static_cast<double>(grid.points[0]) *
                           static_cast<double>(grid.points[1]) * static_cast<double>(grid.points[2]);
     const bool lossy = is_lossy(c.scene().medium);
-    const double steps = static_cast<double>(c.time.frames * step.per_frame);
+    const double steps = static_cast<double>(c.time.frames * steps_per_frame(c, options));
     engines::Estimate e =
         estimate_steps({.points = points,
                         .steps = steps,
@@ -109,7 +126,21 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return {};
-    return choice_notes(c, options, choose_step(c, options, extremes_of_layers(c, options)));
+    return report_of(pstd::choices(c, options, step_of(c, options)), 0).notes;
+}
+
+bool PstdEngine::probes_step(const Case& c) const {
+    return !c.study() && is_uneven(c) && !std::get<PstdOptions>(c.solver).time_step_s;
+}
+
+double PstdEngine::probed_step_s(const Case& c) const {
+    return step_of(c, std::get<PstdOptions>(c.solver)).step_s;
+}
+
+Case PstdEngine::with_step(const Case& c, double step_s) const {
+    Case given = c;
+    std::get<PstdOptions>(given.solver).time_step_s = step_s;
+    return given;
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,

@@ -17,6 +17,11 @@ public:
     std::vector<std::string> choices(const Case& c) const override;
     std::vector<Remark> limits(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
+    /// The limits of the step follow from all nodes, which takes long where the medium varies
+    /// laterally.
+    bool probes_step(const Case& c) const override;
+    double probed_step_s(const Case& c) const override;
+    Case with_step(const Case& c, double step_s) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 };

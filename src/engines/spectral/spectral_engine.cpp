@@ -21,8 +21,13 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
     notes.insert(notes.end(), stepper.notes().begin(), stepper.notes().end());
     const StepStatistics& s = stepper.statistics();
     const EnergyBalance balance = stepper.energy(); // also checks for divergence a last time
-    return {std::move(notes),  s.steps,        s.iterations,
-            s.most_iterations, balance.work_J, balance.energy_J};
+    return {.notes = std::move(notes),
+            .steps = s.steps,
+            .iterations = s.iterations,
+            .most_iterations = s.most_iterations,
+            .work_J = balance.work_J,
+            .energy_J = balance.energy_J,
+            .warnings = stepper.warnings()};
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/guard.hpp"
 #include "storage/checksum/sealed_text.hpp"
@@ -58,6 +59,8 @@ CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity fo
         if (summary.texts.at("case_id") != id) throw Error("it contains another case");
         if (summary.texts.at("status") != "complete") throw Error("it is not complete");
         digest.status = summary.texts.at("status");
+        if (summary.texts.contains("warnings"))
+            digest.warnings = warnings_in(summary.texts.at("warnings"));
         if (summary.texts.contains("git_id")) digest.git_id = summary.texts.at("git_id");
         if (summary.numbers.contains("wall_s")) digest.wall_s = summary.numbers.at("wall_s");
         for (const Variable& v : summary.scalars)
@@ -94,6 +97,7 @@ std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
     line["has_checksum"] = digest.has_checksum;
     line["git_id"] = digest.git_id;
     line["wall_s"] = number(digest.wall_s);
+    line["warnings"] = warnings_text(digest.warnings);
     line["scalars"] = Json::array();
     for (const IndexedScalar& s : digest.scalars) {
         Json entry = Json::array({s.name, number(s.value)});
@@ -111,6 +115,7 @@ std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
     digest.has_checksum = line.at("has_checksum");
     digest.git_id = line.at("git_id");
     digest.wall_s = number_in(line.at("wall_s"));
+    digest.warnings = warnings_in(line.at("warnings"));
     for (const Json& s : line.at("scalars"))
         digest.scalars.push_back({s.at(0), number_in(s.at(1)), s.size() > 2 ? s.at(2) : Json("")});
     return {stamp, digest};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include "case/remark.hpp"
 #include "storage/checksum/verify_files.hpp"
 
 #include <filesystem>
@@ -29,6 +30,7 @@ struct CaseDigest {
     bool has_checksum = false; // false for files of earlier versions
     std::string git_id;        // git id of the program that computed it
     double wall_s = 0.0;
+    std::vector<Remark> warnings;       // severity error: the readings are not valid
     std::vector<IndexedScalar> scalars; // in the order of the file
 
     bool whole() const { return status == "complete"; }

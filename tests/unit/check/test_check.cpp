@@ -221,3 +221,17 @@ TEST_CASE("all of several foci must lie inside the domain", "[check]") {
         return remark.severity == Severity::error && has(remark.message, "leaves the domain");
     }));
 }
+
+TEST_CASE("pins that the focus never approaches give a warning", "[check]") {
+    Case c = good_case();
+    c.afferents = AfferentOptions{};
+    CHECK(check(c).empty());                            // the path of the focus crosses the origin
+    c.afferents->pins_m = {{0.0, 0.01}, {0.0, 0.0031}}; // the FWHM is 3 mm
+    CHECK(only_remark(c).key == "afferents.pins_mm");
+    CHECK(has(only_remark(c).message, "within 3.1 mm of a pin"));
+    c.afferents->pins_m.push_back({0.0, 0.0029});
+    CHECK(check(c).empty());
+    c.afferents->pins_m = {{0.0, 0.02}};
+    c.afferents->input = StressInput{}; // has no pins
+    CHECK(check(c).empty());
+}

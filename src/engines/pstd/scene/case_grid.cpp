@@ -156,6 +156,10 @@ NodeMaterial capped_material(const Layer& layer, const PstdOptions& options) {
     return capped(material_of(layer), options.c_p_over_c_s);
 }
 
+bool is_uneven(const Case& c) {
+    return !c.scene().medium.bodies.empty() || c.scene().medium.map;
+}
+
 bool is_lossy(const Medium& medium) {
     const auto viscous = [](const auto& of) { return of.viscosity_Pa_s.value_or(0.0) > 0.0; };
     bool lossy = medium.map != nullptr && !medium.map->viscosity_Pa_s.empty();

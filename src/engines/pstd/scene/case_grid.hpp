@@ -38,6 +38,9 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
 /// The material of a layer with its capped c_p.
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options);
 
+/// Whether the medium varies laterally.
+bool is_uneven(const Case& c);
+
 /// Whether a layer, a body or the map has viscosity.
 bool is_lossy(const Medium& medium);
 

@@ -71,40 +71,33 @@ double safe_step_s(const Extremes& e, double spacing_m) {
                          2.0 * k2 * e.p_viscosity_Pa_s / e.least_density_kg_m3);
 }
 
-Extremes extremes_of_layers(const Case& c, const PstdOptions& options) {
+namespace {
+
+/// Extremes of the nodes in `x_count` rows from `x_start`.
+Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseGrid& grid,
+                          std::ptrdiff_t x_start, std::ptrdiff_t x_count) {
     Extremes e;
-    const double d_m = c.domain.spacing_m;
-    for (const Layer& layer : c.scene().medium.layers) {
-        e.add(capped_material(layer, options), d_m);
-        for (const Body& body : c.scene().medium.bodies) {
-            Layer inside = layer;
-            inside.density_kg_m3 = body.density_kg_m3.value_or(layer.density_kg_m3);
-            inside.c_p_m_s = body.c_p_m_s.value_or(layer.c_p_m_s);
-            inside.c_s_m_s = body.c_s_m_s.value_or(layer.c_s_m_s);
-            if (body.viscosity_Pa_s) inside.loss = KelvinVoigt{*body.viscosity_Pa_s};
-            e.add(capped_material(inside, options), d_m);
-        }
-    }
-    if (options.top == PstdTop::fluid)
-        e.add(material_at(c, options, case_grid(c, options), {0, 0, 0}), d_m);
+    const std::ptrdiff_t nx = is_uneven(c) ? x_count : std::min<std::ptrdiff_t>(1, x_count),
+                         ny = is_uneven(c) ? grid.points[1] : 1;
+    for (std::ptrdiff_t x = 0; x < nx; ++x)
+        for (std::ptrdiff_t y = 0; y < ny; ++y)
+            for (std::ptrdiff_t z = 0; z < grid.points[2]; ++z)
+                e.add(material_at(c, options, grid, {x_start + x, y, z}), c.domain.spacing_m);
     return e;
+}
+
+} // namespace
+
+Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid) {
+    return extremes_of_rows(c, options, grid, 0, grid.points[0]);
 }
 
 Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                           const Comm& team) {
     const Slabs slabs = slabs_of({grid.points, {}, 0.0}, team.size(), team.rank());
     Extremes e;
-    together(team, [&] {
-        const bool lateral = !c.scene().medium.bodies.empty() || c.scene().medium.map;
-        const std::ptrdiff_t nx = lateral ? slabs.x_count()
-                                          : std::min<std::ptrdiff_t>(1, slabs.x_count()),
-                             ny = lateral ? slabs.ny() : 1;
-        for (std::ptrdiff_t x = 0; x < nx; ++x)
-            for (std::ptrdiff_t y = 0; y < ny; ++y)
-                for (std::ptrdiff_t z = 0; z < slabs.nz(); ++z)
-                    e.add(material_at(c, options, grid, {slabs.x_start() + x, y, z}),
-                          c.domain.spacing_m);
-    });
+    together(team,
+             [&] { e = extremes_of_rows(c, options, grid, slabs.x_start(), slabs.x_count()); });
     e.p_modulus_Pa = team.max(e.p_modulus_Pa);
     e.p_viscosity_Pa_s = team.max(e.p_viscosity_Pa_s);
     e.least_density_kg_m3 =
@@ -132,46 +125,55 @@ std::string refusal(const PstdOptions& options, const StepChoice& choice) {
         1e6 * choice.safe_s);
 }
 
-std::vector<std::string> choice_notes(const Case& c, const PstdOptions& options,
-                                      const StepChoice& step) {
-    std::vector<std::string> notes;
+std::vector<Choice> choices(const Case& c, const PstdOptions& options, const StepChoice& step) {
+    std::vector<Choice> notes;
     if (step.refused)
-        notes.push_back(refusal(options, step));
+        notes.push_back({"solver.pstd.time_step_us", refusal(options, step)});
     else
-        notes.push_back(fmt::format("pstd uses steps of {:.4g} us, {} per frame; steps up to "
-                                    "{:.4g} us are stable",
-                                    1e6 * step.step_s, step.per_frame, 1e6 * step.safe_s));
+        notes.push_back({"", fmt::format("pstd uses steps of {:.4g} us, {} per frame; steps up to "
+                                         "{:.4g} us are stable",
+                                         1e6 * step.step_s, step.per_frame, 1e6 * step.safe_s)});
     if (!step.refused && step.step_s > step.safe_s)
-        notes.push_back(fmt::format("the time step exceeds the safe limit of {:.4g} us; the scheme "
-                                    "is certainly unstable above {:.4g} us",
-                                    1e6 * step.safe_s, 1e6 * step.alone_s));
+        notes.push_back(
+            {"solver.pstd.time_step_us",
+             fmt::format("the time step exceeds the safe limit of {:.4g} us; the scheme "
+                         "is certainly unstable above {:.4g} us",
+                         1e6 * step.safe_s, 1e6 * step.alone_s)});
     for (const Layer& layer : c.scene().medium.layers)
         if (layer.c_p_m_s > options.c_p_over_c_s * layer.c_s_m_s * (1.0 + 1e-12))
-            notes.push_back(fmt::format(
-                "c_p of layer \"{}\" is capped at {:.4g} m/s, {:.4g} times c_s, instead of {:.4g} "
-                "m/s (solver.pstd.c_p_over_c_s); error of the surface field: {}",
-                layer.name, options.c_p_over_c_s * layer.c_s_m_s, options.c_p_over_c_s,
-                layer.c_p_m_s, percent_known(options.c_p_over_c_s)));
+            notes.push_back(
+                {"solver.pstd.c_p_over_c_s",
+                 fmt::format("c_p of layer \"{}\" is capped at {:.4g} m/s, {:.4g} times c_s, "
+                             "instead of {:.4g} "
+                             "m/s (solver.pstd.c_p_over_c_s); error of the surface field: {}",
+                             layer.name, options.c_p_over_c_s * layer.c_s_m_s, options.c_p_over_c_s,
+                             layer.c_p_m_s, percent_known(options.c_p_over_c_s))});
     if (options.top == PstdTop::nothing && options.load == PstdLoad::traction)
-        notes.push_back(fmt::format(
-            "the free surface of pstd causes an error of about 4 / 2 / 1 % of the surface field "
-            "at 3 / 4 / 6 points per focus width; this case has {:.3g}",
-            fwhm_m(c.scene().load.footprint) / c.domain.spacing_m));
+        notes.push_back({"domain.spacing_mm",
+                         fmt::format("the free surface of pstd causes an error of about 4 / 2 / 1 "
+                                     "% of the surface field "
+                                     "at 3 / 4 / 6 points per focus width; this case has {:.3g}",
+                                     fwhm_m(c.scene().load.footprint) / c.domain.spacing_m)});
     if (options.top == PstdTop::fluid)
-        notes.emplace_back(
-            "below a fluid the observed error of pstd is 4 to 7 % at 9 to 3 points per "
-            "focus width");
+        notes.push_back({"domain.spacing_mm",
+                         "below a fluid the observed error of pstd is 4 to 7 % at 9 to 3 points "
+                         "per focus width"});
     for (const Layer& layer : c.scene().medium.layers)
         if (layer.thickness_m > 0.0 && layer.thickness_m < resolved_points * c.domain.spacing_m)
-            notes.push_back(fmt::format(
-                "layer \"{}\" is {:.2g} points of pstd's grid thick; for a film of two points, "
-                "nine times as stiff as the medium below, the observed error of the surface "
-                "field is 15 %",
-                layer.name, layer.thickness_m / c.domain.spacing_m));
+            notes.push_back(
+                {"domain.spacing_mm",
+                 fmt::format(
+                     "layer \"{}\" is {:.2g} points of pstd's grid thick; for a film of two "
+                     "points, "
+                     "nine times as stiff as the medium below, the observed error of the surface "
+                     "field is 15 %",
+                     layer.name, layer.thickness_m / c.domain.spacing_m)});
     if (c.domain.sponge_m > 0.0 && options.edges == PstdEdges::periodic)
-        notes.push_back(fmt::format(
-            "the margin of {:.3g} mm is used as pstd's absorbing layer of {} points",
-            1e3 * c.domain.sponge_m, std::lround(c.domain.sponge_m / c.domain.spacing_m)));
+        notes.push_back(
+            {"",
+             fmt::format("the margin of {:.3g} mm is used as pstd's absorbing layer of {} points",
+                         1e3 * c.domain.sponge_m,
+                         std::lround(c.domain.sponge_m / c.domain.spacing_m))});
     return notes;
 }
 

@@ -27,9 +27,9 @@ double largest_step_s(const NodeMaterial& material, double spacing_m);
 /// of a product is at most the product of the norms.
 double safe_step_s(const Extremes& extremes, double spacing_m);
 
-/// Extremes of the layers, fluid and bodies as given, without evaluating the grid. Not collective.
-Extremes extremes_of_layers(const Case& c, const PstdOptions& options);
-/// Extremes of all nodes. Collective.
+/// Extremes of all nodes, evaluated by this rank alone. Not collective.
+Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid);
+/// The same extremes, with the rows of the grid divided among the ranks. Collective.
 Extremes extremes_of_grid(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                           const Comm& team);
 
@@ -44,8 +44,12 @@ StepChoice choose_step(const Case& c, const PstdOptions& options, const Extremes
 /// The message for a refused step.
 std::string refusal(const PstdOptions& options, const StepChoice& choice);
 
-/// Notes on the choices, one line each. Not collective.
-std::vector<std::string> choice_notes(const Case& c, const PstdOptions& options,
-                                      const StepChoice& step);
+/// A choice of the engine. `key` is empty, or the key to change where the choice reduces the
+/// accuracy.
+struct Choice {
+    std::string key, text;
+};
+/// The choices for a case, one line each. Not collective.
+std::vector<Choice> choices(const Case& c, const PstdOptions& options, const StepChoice& step);
 
 } // namespace shearwake::pstd

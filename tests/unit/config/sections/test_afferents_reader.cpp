@@ -30,8 +30,42 @@ TEST_CASE("a job without [afferents] keeps its case id", "[config][afferents]") 
     CHECK_THAT(canonical_text(only_case(plain_job)), !Catch::Contains("afferents"));
     const Case c = only_case(plain_and("[afferents]\n"));
     REQUIRE(c.afferents.has_value());
-    CHECK(*c.afferents == AfferentOptions{});
+    AfferentOptions defaults;
+    defaults.pins_m = c.afferents->pins_m; // on the path
+    CHECK(*c.afferents == defaults);
     CHECK(case_id(c) != case_id(only_case(plain_job)));
+}
+
+TEST_CASE("pins that are not given follow the path, or the foci, or lie at the origin",
+          "[config][afferents]") {
+    const auto pins_of = [](const std::string& job) { return only_case(job).afferents->pins_m; };
+    // A line of 28 mm and an FWHM of 3 mm: ten intervals, at most one FWHM long.
+    const auto line = pins_of(plain_and("[afferents]\n"));
+    REQUIRE(line.size() == 11);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        CHECK(line[i].x == Approx(-0.014 + 0.0028 * static_cast<double>(i)).margin(1e-12));
+        CHECK(line[i].y == Approx(0.0).margin(1e-12));
+    }
+    // A circle has no pin twice, although its path ends where it begins.
+    const std::string old_path =
+        R"(path = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] })";
+    std::string job = plain_and("[afferents]\n");
+    job.replace(job.find(old_path), old_path.size(),
+                R"(path = { shape = "circle", radius_mm = 10.0 })");
+    const auto circle = pins_of(job);
+    CHECK(circle.size() == 21); // 62.8 mm in steps of at most 3 mm
+    for (const Vec2 pin : circle)
+        CHECK(norm(pin) == Approx(0.01).epsilon(1e-9));
+    for (std::size_t i = 0; i < circle.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            CHECK(norm(circle[i] - circle[j]) > 0.002); // two radii of a pin
+    CHECK(pins_of(
+              plain_and("[afferents]\ncarrier = { amplitude_um = 10.0 }\ninput = \"carrier\"\n")) ==
+          std::vector<Vec2>{{}});
+    CHECK(pins_of(plain_and("[afferents]\ninput = \"stress\"\n[solver]\nengine = \"layered\"\n")) ==
+          std::vector<Vec2>{{}});
+    CHECK(pins_of(plain_and("[afferents]\npins_mm = [[3, 4]]\n")) ==
+          std::vector<Vec2>{{0.003, 0.004}});
 }
 
 TEST_CASE("afferents are read in millimetres", "[config][afferents]") {

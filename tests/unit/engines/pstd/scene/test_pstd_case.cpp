@@ -66,8 +66,8 @@ TEST_CASE("caps c_p with a note and rejects an unstable time step with its value
     CHECK(any_has(notes, "is capped at 50 m/s, 10 times c_s, instead of 1500 m/s"));
     CHECK(any_has(notes, "error of the surface field: 3.2 % for a focus"));
     CHECK(any_has(notes, "4 / 2 / 1 % of the surface field"));
-    const pstd::StepChoice free =
-        pstd::choose_step(c, options, pstd::extremes_of_layers(c, options));
+    const pstd::StepChoice free = pstd::choose_step(
+        c, options, pstd::extremes_of_grid(c, options, pstd::case_grid(c, options)));
     CHECK(free.step_s <= 0.95 * free.safe_s);
     CHECK(free.step_s * static_cast<double>(free.per_frame) == Approx(50e-6).epsilon(1e-14));
 
@@ -176,4 +176,35 @@ TEST_CASE("interpolates depths between planes and the oscillating surface from f
     const std::array ringing = {0.9255, 1.0148, 0.9943, 1.0035, 0.9974};
     CHECK(std::inner_product(surface.begin(), surface.end(), ringing.begin(), 0.0) ==
           Approx(1.0).margin(0.02));
+}
+
+TEST_CASE("the step that is planned is the one that is used, with bodies", "[pstd]") {
+    Case c = small_case();
+    // Stiff and only below the first layer: combined with the light film it would limit the step.
+    Layer film = c.scene().medium.layers[0];
+    film.thickness_m = 1.5e-3;
+    film.density_kg_m3 = 400.0;
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), film);
+    Body body;
+    body.shape = Ellipsoid{.semi_axes_m = {3e-3, 3e-3, 2e-3}};
+    body.centre_m = {0.0, 0.0, 5e-3};
+    body.c_s_m_s = 9.0;
+    c.scene().medium.bodies = {body};
+    const pstd::PstdEngine planned;
+    REQUIRE(planned.probes_step(c));
+    const double step_s = planned.probed_step_s(c);
+
+    struct : test::FrameStore {
+        engines::SolverReport report;
+        void solved(const engines::SolverReport& r) override { report = r; }
+    } store;
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    c.time.frames = 2;
+    pstd::PstdEngine().run(c, alone, store, nullptr);
+    CHECK(static_cast<double>(store.report.steps) * step_s ==
+          Approx(c.time.duration_s()).epsilon(1e-12));
+    CHECK(planned.choices(c) == store.report.notes);
+    // With the step specified, the estimate is that of the same number of steps.
+    CHECK(planned.estimate(planned.with_step(c, step_s), 1).work[0].amount ==
+          planned.estimate(c, 1).work[0].amount);
 }

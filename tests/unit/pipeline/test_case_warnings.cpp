@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/case_warnings.hpp"
+#include "storage/case_file/warnings_text.hpp"
+
+#include "support/cases.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+
+namespace {
+
+/// A focus over a domain so small that `check` expects waves to return.
+Case small_domain() {
+    Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    c.domain = {.nx = 20, .ny = 10, .spacing_m = 1e-3, .sponge_m = 0.0};
+    c.scene().load.footprint = GaussianFootprint{4e-3};
+    c.scene().load.modulation = {"AM", {{Hold{{0.0, 0.0}}}}, {{SineGain{200.0}}}};
+    c.time = {.frames = 200, .interval_s = 1e-4};
+    c.measure = {.at_s = 0.02, .settled_after_s = 0.005, .focal_radius_m = 4e-3};
+    return c;
+}
+
+/// A mean of u_z^2 of 1 in the middle and `edge` in the first column and row.
+std::vector<double> with_edges(const Domain& d, double edge) {
+    std::vector<double> mean_u2(static_cast<std::size_t>(d.nx * d.ny), 1.0);
+    for (std::ptrdiff_t i = 0; i < d.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < d.ny; ++j)
+            if (i == 0 || j == 0) mean_u2[static_cast<std::size_t>(i * d.ny + j)] = edge;
+    return mean_u2;
+}
+
+std::vector<Remark> of_extent(const std::vector<double>& mean_u2) {
+    auto warnings = pipeline::case_warnings(small_domain(), {}, {}, mean_u2);
+    std::erase_if(warnings, [](const Remark& w) { return w.key != "domain.extent_mm"; });
+    return warnings;
+}
+
+} // namespace
+
+TEST_CASE("the share of the energy on the edges relates their mean to that of the domain",
+          "[warnings]") {
+    const Domain d = small_domain().domain;
+    CHECK(pipeline::edge_share(d, with_edges(d, 1.0)) == Approx(1.0).epsilon(1e-14));
+    CHECK(pipeline::edge_share(d, with_edges(d, 0.0)) == 0.0);
+    // 29 of 200 points have 0.1, the others 1.
+    CHECK(pipeline::edge_share(d, with_edges(d, 0.1)) ==
+          Approx(0.1 / ((171 + 29 * 0.1) / 200)).epsilon(1e-14));
+    CHECK(pipeline::edge_share(d, std::vector<double>(200, 0.0)) == 0.0);
+}
+
+TEST_CASE("returning waves make the readings invalid only where they carry energy", "[warnings]") {
+    const Domain d = small_domain().domain;
+    const auto unknown = of_extent({});
+    REQUIRE(!unknown.empty());
+    CHECK(unknown[0].severity == Severity::warning);
+
+    const auto strong = of_extent(with_edges(d, 0.2));
+    REQUIRE(strong.size() == unknown.size());
+    CHECK(strong[0].severity == Severity::error);
+    CHECK_THAT(strong[0].message, Catch::Contains("the readings of this case are not valid"));
+
+    const auto weak = of_extent(with_edges(d, 0.01));
+    REQUIRE(weak.size() == unknown.size());
+    CHECK(weak[0].severity == Severity::warning);
+    CHECK_THAT(weak[0].message, Catch::Contains("expect errors of this order"));
+
+    CHECK(of_extent(with_edges(d, 1e-4)).empty());
+}
+
+TEST_CASE("warnings of the solver and of the receptors are kept with their keys", "[warnings]") {
+    const Remark capped{Severity::warning, "solver.spectral.contrast_cap", "capped at 1000 times"};
+    const auto warnings = pipeline::case_warnings(
+        small_domain(), {capped}, {"afferents.pins_mm: pins of radius 1 mm overlap: use 0.5"}, {});
+    CHECK(std::ranges::find(warnings, capped) != warnings.end());
+    CHECK(warnings.back() ==
+          Remark{Severity::warning, "afferents.pins_mm", "pins of radius 1 mm overlap: use 0.5"});
+    CHECK(storage::warnings_in(storage::warnings_text(warnings)) == warnings);
+    CHECK(storage::warnings_in("not JSON").empty());
+}
