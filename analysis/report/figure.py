@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A figure of the page."""
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass
@@ -9,3 +9,4 @@ class Figure:
     title: str
     caption: str
     alternative: str  # alternative text for readers who cannot see the picture
+    charts: list = field(default_factory=list)  # of chart.py; empty: the picture alone

@@ -3,23 +3,16 @@
 import math
 
 import layout
-from words import number, value_text
+from words import number
 
 
 def known(sweep, column):
     return [c for c in layout.ordinary(sweep) if not math.isnan(c.value(column))]
 
 
-def setting(sweep, case, key):
-    """'AM frequency 400 Hz', 'depth of body 1 = 8 mm'."""
-    name, _, place = layout.name(sweep, key).partition(", ")
-    value = value_text(key, case.settings[key]).removeprefix("cs ").removeprefix("cp ")
-    return f"{name} of {place} = {value}" if place else f"{name} {value}"
-
-
 def where(sweep, case):
     keys = [k for k in [sweep.x, *layout.group_keys(sweep)] if k and k in case.settings]
-    return ", ".join(setting(sweep, case, k) for k in keys)
+    return ", ".join(layout.setting_text(sweep, k, case.settings[k]) for k in keys)
 
 
 def subject(sweep, case):
