@@ -18,9 +18,9 @@ if(NOT SHEARWAKE_TEST_PYTHON)
         "one")
 endif()
 
-# add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses one core and may run
-# concurrently with any other group; groups that are ALONE use several cores and never run concurrently with
-# each other. There is no time limit: run_group.py ends groups that make no progress.
+# add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses about one core on average
+# and may run concurrently with any other group; groups that are ALONE use several cores and never run
+# concurrently with each other. There is no time limit: run_group.py ends groups that make no progress.
 function(add_group name label verdicts beside)
     if(NOT SHEARWAKE_TEST_PYTHON)
         return()

@@ -60,22 +60,25 @@ show_steps() {
     if [ -t 1 ]; then printf '\r\033[K'; fi
 }
 
-# build PRESET FOLDER [TARGET]: configures and builds, shows the progress, and prints the errors if the build
+# build PRESET FOLDER TARGET...: configures and builds, shows the progress, and prints the errors if the build
 # fails. SHEARWAKE_WERROR=ON in the environment turns warnings into errors; a folder that was built without
 # it is recompiled completely.
 build() {
-    mkdir -p "$2"
-    : >"$2/build.log"
+    preset=$1
+    folder=$2
+    shift 2
+    mkdir -p "$folder"
+    : >"$folder/build.log"
     {
-        if cmake --preset "$1" ${SHEARWAKE_WERROR:+"-DSHEARWAKE_WERROR=$SHEARWAKE_WERROR"} &&
-            cmake --build --preset "$1" --target "${3:-all}"; then
+        if cmake --preset "$preset" ${SHEARWAKE_WERROR:+"-DSHEARWAKE_WERROR=$SHEARWAKE_WERROR"} &&
+            cmake --build --preset "$preset" --target "$@"; then
             echo "the build is complete"
         fi
-    } 2>&1 | show_steps "$2/build.log"
-    if [ "$(tail -n 1 "$2/build.log")" = "the build is complete" ]; then
+    } 2>&1 | show_steps "$folder/build.log"
+    if [ "$(tail -n 1 "$folder/build.log")" = "the build is complete" ]; then
         return 0
     fi
-    grep -m 20 -A 5 -E 'error|FAILED' "$2/build.log" >&2 || tail -n 40 "$2/build.log" >&2
-    echo "the build failed; log: $PWD/$2/build.log" >&2
+    grep -m 20 -A 5 -E 'error|FAILED' "$folder/build.log" >&2 || tail -n 40 "$folder/build.log" >&2
+    echo "the build failed; log: $PWD/$folder/build.log" >&2
     return 1
 }

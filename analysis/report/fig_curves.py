@@ -9,6 +9,7 @@ from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
 
 import layout
 import style
+from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
 from words import SUPERSCRIPTS, number, value_text
 
@@ -179,17 +180,16 @@ def measure_figure(sweep, folder, measure):
         whole_periods = column == period
         for (group, colour, marker), aside in zip(curves, asides(sweep, curves)):
             x, y = points(sweep, group, column, aside)
+            draw_errors(axes, x, y, group.cases, column, colour)
             look = {"marker": marker, "color": colour, "markersize": 6,
                     "linestyle": "-" if numeric else "none"}
             if whole_periods:
                 axes.plot(x, y, **look, clip_on=False, zorder=3)
                 continue
             axes.plot(x, y, **{**look, "linewidth": 0.7}, markerfacecolor="white", zorder=3)
-            if numeric and period in rows:
-                axes.plot(*points(sweep, group, period), color=colour, linewidth=3.0, alpha=0.25)
         if measure.get("log") and spans_decades(sweep, column):
             axes.set_yscale("log")
-        labels = reference_lines(axes, sweep, curves, column, "--" if whole_periods else ":")
+        labels = reference_lines(axes, sweep, curves, column, "--")
         axes.margins(y=0.12)
         widen(axes)
         axes.set_ylabel(measure["label"])
@@ -203,31 +203,39 @@ def measure_figure(sweep, folder, measure):
         axes.grid(False, axis="x")
     legend_above(figure, sweep, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
-    return Figure(measure["name"], measure["title"].format(x=layout.name(sweep, sweep.x)),
-                  measure["caption"] + marker_caption(sweep, rows, period, instant, numeric),
-                  f"{measure['title'].format(x=layout.name(sweep, sweep.x))}: mean over periods and "
-                  "instant, with the reference as dashed lines")
+    title = measure["title"].format(x=layout.name(sweep, sweep.x))
+    charts = [curve_chart(sweep, column, measure["label"],
+                          "mean over periods" if column == period else instant_title(sweep),
+                          bool(measure.get("log") and spans_decades(sweep, column))) for column in rows]
+    return Figure(measure["name"], title,
+                  measure["caption"] + marker_caption(sweep, rows, period, instant)
+                  + error_caption(sweep, *rows),
+                  f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
+
+
+def is_modulated(sweep):
+    """Whether a case has a modulation; plain STM has none."""
+    return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(sweep))
 
 
 def period_words(sweep):
-    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
-    return "the settled part of the run" if kinds == {"STM"} else "complete modulation periods"
+    return "complete modulation periods" if is_modulated(sweep) else "the settled part of the run"
 
 
-def marker_caption(sweep, rows, period, instant, numeric):
+def marker_caption(sweep, rows, period, instant):
     """Explains the markers; in detail for eta, whose figure is the first."""
     if period != "eta_period_1":
-        return " Markers and lines as in the first figure."
+        return " Panels and lines as in the figure of the efficiency."
     sentences = []
     if period in rows:
-        sentences.append(f" Filled markers: energy-weighted mean over {period_words(sweep)}.")
+        sentences.append(f" Mean over periods: the energy-weighted mean over {period_words(sweep)}.")
     if instant in rows:
-        sentences.append(" Open markers with thin line: value at a single instant, which depends on the phase of "
-                         "the modulation at that instant; its variation is therefore not a trend.")
-        if numeric and period in rows:
-            sentences.append(" The pale band repeats the mean over periods.")
+        text = f" {instant_title(sweep)[:1].upper()}{instant_title(sweep)[1:]}: the value at a single instant"
+        if is_modulated(sweep):
+            text += ", which depends on the phase of the modulation at that instant; its variation is not a trend"
+        sentences.append(text + ".")
     if layout.all_references(sweep):
-        sentences.append(f" Dashed and dotted lines: {layout.reference_name(layout.all_references(sweep))}, "
+        sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}, "
                          "evaluated in the same way.")
     missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
     if missing:

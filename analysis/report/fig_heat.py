@@ -153,10 +153,8 @@ def heat_figure(sweep, folder, measure, plan):
                                 figsize=(style.WIDTH_in, 0.8 + height * rows))
     for axes, values, (grid, failed) in zip(made.flat, shown, every):
         draw(axes, grid, failed, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
-        words = [value_text(k, v) for k, v in zip(others, values)]
-        if len(others) == 1:
-            words[0] = f"{layout.name(sweep, others[0])} {words[0]}"
-        axes.set_title(", ".join(words), loc="left", fontsize=9)
+        settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, values))
+        axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
     for i in range(len(shown)):

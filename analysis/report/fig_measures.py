@@ -2,12 +2,11 @@
 """The measures that are drawn against the swept key, and their captions."""
 import math
 
-import numpy as np
-
 import layout
 import fig_curves as curves_module
 import style
 import wake
+from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
 from words import number
 
@@ -40,27 +39,29 @@ SHARPNESS = {
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
-def over_reference(sweep, group, column):
-    """A measure relative to that of the reference of each case; NaN without one."""
-    return np.array([case.value(sweep.ratio_of(column)) for case in group.cases])
+def draw_column(axes, sweep, curves, column):
+    """Draws one column of the table with its error bars, one line per curve."""
+    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
+        x, y = curves_module.points(sweep, group, column, aside)
+        axes.plot(x, y, marker=marker, color=colour, markersize=6, zorder=3,
+                  linestyle="-" if layout.is_numeric(sweep) else "none")
+        draw_errors(axes, x, y, group.cases, column, colour)
+    axes.margins(y=0.12)
+    curves_module.widen(axes)
 
 
 def ratio_curves(sweep, folder, column, name, label):
-    """One panel with a measure relative to the reference, which is a line at 1."""
+    """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
     curves = curves_module.curves_of(sweep)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
-        x, _ = curves_module.points(sweep, group, column, aside)
-        axes.plot(x, over_reference(sweep, group, column), marker=marker, color=colour,
-                  markersize=6, zorder=3, linestyle="-" if layout.is_numeric(sweep) else "none")
-    axes.margins(y=0.12)
-    curves_module.widen(axes)
+    draw_column(axes, sweep, curves, sweep.ratio_of(column))
     axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
     axes.set_ylabel(label)
     style.label_right(axes, [(1.0, layout.reference_name(layout.all_references(sweep)), style.INK)])
     finish(figure, axes, sweep, curves, folder / name)
+    return [curve_chart(sweep, sweep.ratio_of(column), label)]
 
 
 def finish(figure, axes, sweep, curves, path):
@@ -71,38 +72,53 @@ def finish(figure, axes, sweep, curves, path):
 
 def gain_figure(sweep, folder):
     """eta relative to that of the reference, both as means over periods."""
-    found = [over_reference(sweep, g, "eta_period_1") for g in layout.groups(sweep)]
-    if not sweep.x or not any(np.isfinite(r).any() for r in found):
+    if not sweep.x or not curves_module.has_any(sweep, sweep.ratio_of("eta_period_1")):
         return None
     name = layout.reference_name(layout.all_references(sweep))
-    ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
+    charts = ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
     return Figure("gain", title, f"η over complete periods relative to that of {name} in the same time window and "
-                  "medium. Above 1, the modulation keeps a larger fraction of the energy at the focus.", title)
+                  f"medium. Above 1, a case keeps a larger fraction of the energy at the focus than {name} does."
+                  + error_caption(sweep, sweep.ratio_of("eta_period_1")), title, charts)
 
 
 def strength_figure(sweep, folder):
-    """rms over the focal disc relative to the reference; in micrometres without a reference."""
-    if not sweep.x or not curves_module.has_any(sweep, "focal_rms_um"):
+    """rms over the focal disc relative to the reference; None without a reference."""
+    if not sweep.x or not layout.all_references(sweep) or not curves_module.has_any(sweep, "focal_rms_um"):
         return None
     title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
-    caption = f"The rms of u over the focal disc and {curves_module.period_words(sweep)}"
-    if layout.all_references(sweep):
-        name = layout.reference_name(layout.all_references(sweep))
-        ratio_curves(sweep, folder, "focal_rms_um", "strength.png", f"focal rms / {name} (1)")
-        caption += f", relative to {name}." + impulse_caption(sweep, name)
-        return Figure("strength", title, caption, title)
+    name = layout.reference_name(layout.all_references(sweep))
+    charts = ratio_curves(sweep, folder, "focal_rms_um", "strength.png", f"focal rms / {name} (1)")
+    caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}."
+               + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um")))
+    return Figure("strength", title, caption, title, charts)
+
+
+DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
+                ("peak_um", "peak (µm)", "largest displacement")]
+
+
+def displacement_figure(sweep, folder):
+    """The rms over the focal disc and the peak in micrometres."""
+    rows = [row for row in DISPLACEMENT if curves_module.has_any(sweep, row[0])]
+    if not sweep.x or not rows:
+        return None
     curves = curves_module.curves_of(sweep)
-    figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
-        axes.plot(*curves_module.points(sweep, group, "focal_rms_um", aside), marker=marker,
-                  color=colour, markersize=6, zorder=3,
-                  linestyle="-" if layout.is_numeric(sweep) else "none")
-    axes.margins(y=0.12)
-    curves_module.widen(axes)
-    axes.set_ylabel("focal rms (µm)")
-    finish(figure, axes, sweep, curves, folder / "strength.png")
-    return Figure("strength", title, caption + ".", title)
+    figure, made = curves_module.panels(len(rows), curves)
+    for axes, (column, label, title) in zip(made, rows):
+        draw_column(axes, sweep, curves, column)
+        style.label_right(axes, curves_module.reference_lines(axes, sweep, curves, column, "--"))
+        axes.set_ylabel(label)
+        axes.set_title(title, loc="left", color="#555555")
+    finish(figure, made[-1], sweep, curves, folder / "displacement.png")
+    title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
+    words = {"focal_rms_um": f"Above: the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
+             "peak_um": "Below: the largest |u| from the start of the run to the instant measure.at_ms."}
+    caption = " ".join(words[column] for column, _, _ in rows)
+    if layout.all_references(sweep):
+        caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
+    return Figure("displacement", title, caption + error_caption(sweep, *(row[0] for row in rows)), title,
+                  [curve_chart(sweep, *row) for row in rows])
 
 
 def impulse_caption(sweep, name):
@@ -122,7 +138,8 @@ def figures(sweep, folder):
     if len(layout.groups(sweep)) > style.CURVES:
         return []  # drawn as small multiples and heat maps instead
     made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
-    made += [gain_figure(sweep, folder), strength_figure(sweep, folder)]
+    made += [gain_figure(sweep, folder), strength_figure(sweep, folder),
+             displacement_figure(sweep, folder)]
     if not all(map(wake.runs_straight_on, layout.ordinary(sweep))):
         made.append(curves_module.measure_figure(sweep, folder, SHARPNESS))
     made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]

@@ -8,7 +8,7 @@ import fig_curves
 import layout
 import style
 from figure import Figure
-from words import listed, value_text
+from words import listed
 
 PANELS = 9
 COLUMNS = 3
@@ -84,10 +84,8 @@ def curve_figure(sweep, folder, measure, plan):
             axes.plot([layout.x_position(sweep, c) for c in cases],
                       [c.value(column) for c in cases], color=line, linewidth=1.3,
                       marker="o", markersize=2.5)
-        words = [value_text(k, v) for k, v in zip(others, panel)]
-        if len(others) == 1:
-            words[0] = f"{layout.name(sweep, others[0])} {words[0]}"
-        axes.set_title(", ".join(words), loc="left", fontsize=9)
+        settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, panel))
+        axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
     for i in range(len(shown)):
@@ -100,11 +98,11 @@ def curve_figure(sweep, folder, measure, plan):
         made[0, 0].set_xlabel("")
     figure.supxlabel(layout.axis_label(sweep, sweep.x), fontsize=9.5)
     figure.supylabel(label, fontsize=9.5)
-    handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=value_text(colour, v))
+    handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(sweep, colour, v))
                for v, c in zip(values, colours)]
-    figure.legend(handles=handles, title=layout.name(sweep, colour), loc="upper center",
-                  ncol=min(len(handles), 4))
-    strip = (0.3 + 0.2 * math.ceil(len(handles) / 4)) / figure.get_figheight()
+    across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
+    figure.legend(handles=handles, loc="upper center", ncol=across)
+    strip = (0.15 + 0.2 * math.ceil(len(handles) / across)) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
     name = "multiples_" + column
     style.save(figure, folder / (name + ".png"))

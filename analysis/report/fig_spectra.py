@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
 import math
+import re
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -10,6 +11,7 @@ import fig_time
 import layout
 import style
 import wake
+from chart import Chart, Line
 from figure import Figure
 from words import listed, number, split_unit
 
@@ -100,7 +102,7 @@ def highest(curves, own_Hz, end_Hz):
 
 def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
-    value. Returns whether the panels share their scale."""
+    value. Returns whether the panels share their scale, and the charts of the panels."""
     cases = [c for _, drawn, _ in rows for c in drawn]
     colours = fig_time.colours_by_x(sweep, cases)
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
@@ -133,7 +135,19 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
     style.save(figure, path)
-    return alike
+    return alike, [row_chart(sweep, row, colours, label, curve_of, end_Hz) for row in rows]
+
+
+def row_chart(sweep, row, colours, label, curve_of, end_Hz):
+    """The interactive version of one panel."""
+    title, drawn, reference = row
+    lines = []
+    for case in [*drawn, *([reference] if reference and reference.spectrum else [])]:
+        frequency, values = curve_of(case)
+        shown = frequency <= end_Hz
+        lines.append(Line(layout.case_label(sweep, case), frequency[shown], values[shown],
+                          "black" if case is reference else colours[case.id], case.id, dashed=case is reference))
+    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title)
 
 
 def bands(cases):
@@ -156,12 +170,12 @@ def relative_figure(sweep, folder, rows):
         frequency, amplitude = spectrum(case)
         return frequency, amplitude / largest(plain.get(case.id, case))
 
-    draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
-              folder / "spectra_relative.png")
+    _, charts = draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
+                          folder / "spectra_relative.png")
     text = (f"The spectra above, relative to the largest amplitude of {name} under the same conditions. They show "
-            "how much of the strength a modulation preserves, and at which frequencies.")
+            "how much of the strength each case preserves, and at which frequencies.")
     return Figure("spectra_relative", f"Spectra relative to {name}", text,
-                  f"Amplitude spectra relative to the largest amplitude of {name}, one line per case")
+                  f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
 
 
 def velocity_figure(sweep, folder, rows):
@@ -170,12 +184,12 @@ def velocity_figure(sweep, folder, rows):
         return None
     if not all(c.traces for _, cases, _ in rows for c in cases):
         return None
-    alike = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
+    alike, charts = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
                       folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
     text = ("Spectra of the velocity du/dt; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
     return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
-                  "Amplitude spectra of the velocity at one point, one line per case")
+                  "Amplitude spectra of the velocity at one point, one line per case", charts)
 
 
 def own_scale(alike):
@@ -195,12 +209,12 @@ def figures(sweep, folder):
         frequency, amplitude = spectrum(case)
         return frequency, factor * amplitude
 
-    alike = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    alike, charts = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
     some = len(layout.ordinary(sweep))
     text = caption(sweep, cases) + own_scale(alike)
     text += f" {some} of {every} cases are drawn." if some < every else ""
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
-                   "at one point, one line per case"),
+                   "at one point, one line per case", charts),
             velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
     return [f for f in made if f]
 

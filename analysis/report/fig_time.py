@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A measure over time for every case: one small panel per case, or a common panel for many cases."""
 import math
+import textwrap
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import layout
 import style
+from chart import Chart, Line
 from figure import Figure
 from words import number, value_text
 
@@ -94,10 +96,15 @@ def mark_times(axes, case):
 
 
 def draw(axes, case, measure, **look):
+    axes.plot(time_ms(case), positive(measure, case), **look)
+
+
+def positive(measure, case):
+    """The values of a measure over time; a logarithmic axis shows only positive values."""
     values = np.array(measure["value"](case), dtype=float)
     if measure.get("log"):
         values[values <= 0] = math.nan
-    axes.plot(time_ms(case), values, **look)
+    return values
 
 
 def frame(axes, cases, measure, y_limits):
@@ -184,11 +191,12 @@ def add_x_key(figure, all_axes, sweep, colours):
         return
     found = {c.settings[sweep.x]: colours[c.id] for c in layout.ordinary(sweep)}
     handles = [plt.Line2D([], [], color=found[v], label=value_text(sweep.x, v)) for v in values]
+    title = textwrap.fill(layout.name(sweep, sweep.x), 18)
     if any(reference for _, _, reference in layout.rows(sweep)):
         name = layout.reference_name(layout.all_references(sweep))
         handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.8, label=name))
-    all_axes[0].legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.03),
-                       handlelength=1.4)
+    all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
+                       bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
 
 
 def in_columns(sweep):
@@ -214,7 +222,17 @@ def time_figure(sweep, folder, measure):
     some = len(layout.ordinary(sweep))
     marks += f" {some} of {every} cases are drawn." if some < every else ""
     return Figure(measure["name"], measure["title"], measure["caption"] + marks,
-                  f"{measure['title']}, one line per case")
+                  f"{measure['title']}, one line per case", [time_chart(sweep, cases, colours, measure)])
+
+
+def time_chart(sweep, cases, colours, measure):
+    """One line per case and reference; the vertical axis shows the settled part."""
+    shown = cases + [r for r in layout.all_references(sweep) if measure["needs"] in r.series]
+    lines = [Line(layout.case_label(sweep, c), time_ms(c), positive(measure, c), colours.get(c.id, "black"), c.id,
+                  dashed=c.is_reference) for c in shown]
+    y_limits = limits(shown, measure)
+    return Chart("time (ms)", measure["label"], lines, y_log=bool(measure.get("log")) and y_limits is not None,
+                 y_limits=y_limits)
 
 
 def span(values):

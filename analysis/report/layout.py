@@ -44,7 +44,7 @@ def groups(sweep):
     keys, found = group_keys(sweep), {}
     for case in ordinary(sweep):
         values = [case.settings.get(k, "") for k in keys]
-        label = ", ".join(value_text(k, v) for k, v in zip(keys, values))
+        label = ", ".join(setting_text(sweep, k, v) for k, v in zip(keys, values) if v != "")
         found.setdefault(label, Group(label, [], tuple(values))).cases.append(case)
     if is_numeric(sweep):
         for group in found.values():
@@ -77,16 +77,23 @@ def is_logarithmic(values):
     return np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps)
 
 
+def setting_text(sweep, key, value):
+    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM'."""
+    title, _, place = name(sweep, key).partition(", ")
+    amount = value_text(key, value).removeprefix("cs ").removeprefix("cp ")
+    return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
+
+
 def case_label(sweep, case):
-    """The swept values of a case: '200 Hz, 3 mm'."""
+    """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
     if case.is_reference or not sweep.swept_keys:
         first = reference_name([case]) if case.is_reference else "this case"
         keys = axes(sweep) if case.is_reference else case.settings
-        own = [value_text(k, case.settings[k]) for k in keys
+        own = [setting_text(sweep, k, case.settings[k]) for k in keys
                if k in case.settings and not is_reading(k)]
         return ", ".join([first, *own])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
-    return ", ".join(value_text(k, case.settings[k]) for k in keys if k in case.settings)
+    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys if k in case.settings)
 
 
 CHARACTERS = 12  # of a title per inch

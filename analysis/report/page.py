@@ -2,17 +2,24 @@
 """Writes one HTML page that contains all figures, loads nothing from elsewhere, and escapes all text."""
 import base64
 import html
+import io
+import json
 from collections import Counter
 from datetime import datetime
 from pathlib import Path
 
+from PIL import Image
+
 import layout
 import table
+import warnings_of
+from chart import chart_data
 from summary import summary
-from words import counted, number, value_text
-
+from topics import headlines, topics
+from words import counted, number
 
 HERE = Path(__file__).resolve().parent
+COLOURS = 96  # of the pictures within the page; the files next to it have all
 FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
          ("build", "build_type"), ("MPI", "mpi_version"), ("FFTW", "fftw_version"),
          ("HDF5", "hdf5_version"), ("host", "host"), ("ranks per case", "ranks")]
@@ -31,18 +38,38 @@ def counts(sweep):
     return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
-def warnings(figure):
+def warnings(sentences):
     """The warnings about the cases of a figure."""
-    return "".join(f'<p class="warning">{escape(w)}</p>' for w in figure.warnings)
+    return "".join(f'<p class="warning">{escape(w)}</p>' for w in sentences)
 
 
-def picture(figure, folder):
-    data = base64.b64encode((folder / (figure.name + ".png")).read_bytes()).decode("ascii")
-    return (f'<h2 id="{escape(figure.name)}">{escape(figure.title)}</h2><figure>'
-            f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
-            f'src="data:image/png;base64,{data}"></div>'
-            f"{warnings(figure)}<figcaption>{escape(figure.caption)}</figcaption>"
-            f'<p class="files">{escape(figure.name)}.png, {escape(figure.name)}.pdf</p></figure>')
+def small_png(path):
+    """The picture with few colours as base64 text, a third of the size of the file."""
+    file = io.BytesIO()
+    Image.open(path).convert("RGB").quantize(COLOURS, method=Image.Quantize.FASTOCTREE,
+                                             dither=Image.Dither.NONE).save(file, format="PNG", optimize=True)
+    return base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def json_script(data):
+    """JSON within a page, in which no text can end the script."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/").replace("<!", "<\\u0021")
+    return f'<script type="application/json">{text}</script>'
+
+
+def picture(figure, folder, level):
+    """A figure with its heading: interactive if it has charts, else as picture."""
+    name = escape(figure.name)
+    still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
+             f'src="data:image/png;base64,{small_png(folder / (figure.name + ".png"))}"></div>')
+    shown = still
+    if figure.charts:
+        shown = (f'<div class="chart" id="chart-{name}">{json_script([chart_data(c) for c in figure.charts])}</div>'
+                 f"<noscript>{still}</noscript>")
+    return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
+            f"{warnings(figure.warnings)}<figcaption>{escape(figure.caption)}</figcaption>"
+            f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
+            f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
 
 
 def trouble(sweep, problems):
@@ -50,14 +77,14 @@ def trouble(sweep, problems):
     items = []
     for case in sweep.cases:
         if not case.whole:
-            settings = ", ".join(value_text(k, v) for k, v in case.settings.items())
+            settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in case.settings.items())
             label = f"{case.id}{' (reference)' if case.is_reference else ''} {settings}".strip()
             items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
                          f"{escape(case.reason)}</li>")
     items += [f"<li>{escape(p)}</li>" for p in problems]
     if not items:
         return ""
-    return f'<h2>Not in the figures</h2><div class="trouble"><ul>{"".join(items)}</ul></div>'
+    return f'<h2 id="missing">Not in the figures</h2><div class="trouble"><ul>{"".join(items)}</ul></div>'
 
 
 def moment(stamp):
@@ -80,6 +107,7 @@ def provenance(sweep):
         rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
     rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
     rows.append(("folder", sweep.folder.resolve().name))
+    rows.append(("interactive figures", f"uPlot {read('uplot/VERSION').strip()}, MIT licence"))
     cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
     return f"<details><summary>Provenance</summary><dl>{cells}</dl></details>"
 
@@ -95,36 +123,59 @@ def read(name):
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def body(figures, folder, moving):
-    """The figures, with the player of the surface before its snapshots."""
-    parts = [picture(f, folder) for f in figures]
-    names = [f.name for f in figures]
-    parts.insert(names.index("surface") if "surface" in names else len(parts), moving)
-    return parts
+def scripts():
+    """uPlot with its licence, and the scripts of the page."""
+    uplot = read("uplot/uPlot.iife.min.js").partition("*/")[2]  # without the comment with its address
+    licence = read("uplot/LICENSE").replace("*/", "")
+    own = "\n".join(read(name) for name in ("charts.js", "page.js", "player.js"))
+    return f"<script>/* uPlot {read('uplot/VERSION').strip()}\n{licence}*/{uplot}</script><script>{own}</script>"
 
 
-def contents(figures, moving):
-    """Links to all parts of the page."""
-    links = [(f.name, f.title) for f in figures]
+def anchor(title):
+    return "topic-" + "-".join(title.lower().split())
+
+
+def parts(sweep, figures, folder, problems, moving):
+    """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
+    made = []
+    if notice := trouble(sweep, problems):
+        made.append(("missing", "Not in the figures", notice, []))
     if moving:
-        links.append(("player", "The surface over time"))
-    links.append(("table", "All cases"))
-    items = "".join(f'<li><a href="#{escape(n)}">{escape(t)}</a></li>' for n, t in links)
-    return f"<details><summary>On this page</summary><ul>{items}</ul></details>"
+        notice = warnings(warnings_of.of_figure(sweep, "player"))
+        made.append(("player", "The surface over time", f'<h2 id="player">The surface over time</h2>{notice}{moving}',
+                     []))
+    made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
+    for title, members in topics(figures):
+        inner = "".join(picture(f, folder, "h3") for f in members)
+        made.append((anchor(title), title, f'<details class="topic" id="{anchor(title)}"><summary><h2>{escape(title)}'
+                     f'</h2> <span>{counted(len(members), "figure")}</span></summary>{inner}</details>',
+                     [(f.name, f.title) for f in members]))
+    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep)}', []))
+    return made
+
+
+def contents(made):
+    """Links to all parts of the page in its order; the links of a topic are folded."""
+    items = ""
+    for name, title, _, within in made:
+        items += f'<li><a href="#{escape(name)}">{escape(title)}</a>'
+        if within:
+            inner = "".join(f'<li><a href="#{escape(n)}">{escape(t)}</a></li>' for n, t in within)
+            items += f"<details><summary>{counted(len(within), 'figure')}</summary><ul>{inner}</ul></details>"
+        items += "</li>"
+    return f'<nav aria-label="contents"><p>On this page</p><ul>{items}</ul></nav>'
 
 
 def page(sweep, figures, folder, problems, moving=""):
     lone = "" if sweep.x or not layout.ordinary(sweep) else (
         "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
+    made = parts(sweep, figures, folder, problems, moving)
     return "\n".join([
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{escape(sweep.title)}</title><style>{read('page.css')}</style></head><body>",
-        f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>',
-        f'<p class="counts">{escape(counts(sweep))}</p>'
-        '<p class="hint">Figures and the table can be scrolled sideways.</p>',
-        contents(figures, moving), "</header><main>", lone,
-        trouble(sweep, problems), *body(figures, folder, moving),
-        '<h2 id="table">All cases</h2>', table.table(sweep), "</main><footer>",
-        job(sweep), provenance(sweep), "</footer>",
-        f'<script>{read("page.js")}</script></body></html>\n'])
+        f"<title>{escape(sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
+        "</head><body>",
+        f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>'
+        f'<p class="counts">{escape(counts(sweep))}</p></header>',
+        f'<div class="columns">{contents(made)}<main>', lone, *(content for _, _, content, _ in made),
+        "</main></div><footer>", job(sweep), provenance(sweep), "</footer>", scripts(), "</body></html>\n"])

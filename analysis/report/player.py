@@ -1,186 +1,194 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The surface over time: a slider over the recorded snapshots or frames of a few cases.
+"""The surface over time: a player of the recorded snapshots or frames of all cases, which player.js draws.
 
-Each time is a small indexed picture within the page; axes, focus and path are SVG. Without JavaScript the page
-shows the last time.
+Each time is a small picture within the page. Its grey levels are sign(u) sqrt(|u| / largest |u|), so that the page
+can show values and choose the colours.
 """
 import base64
 import html
 import io
 import json
 import math
+from dataclasses import dataclass
 
 import matplotlib
 import numpy as np
-from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
 import fig_surface
 import layout
 import load
-import references
 import style
 import wake
 from words import number
 
-CASES = 4
-MOMENTS = 60
+MOMENTS = 60             # largest number of times per case
 WIDEST_px = 240
-BUDGET_bytes = 5_000_000  # for all pictures; times are omitted until they fit
-LEFT, RIGHT, TOP, BOTTOM, WIDTH = 44, 8, 26, 40, 400  # margins and width of a panel in SVG units
+BUDGET_bytes = 1_500_000  # of all pictures; times are omitted and pictures reduced until they fit
+QUALITY = 85             # of the lossy pictures that are used if lossless ones do not fit
+PLAYED_s = 6.0           # duration of the run at the initial slow-down
+SLOW_DOWNS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
 
 
-def chosen(sweep):
-    """The reference, then cases from the first to the last curve, with at least two times."""
-    return [c for c in references.first_and_last(sweep, CASES) if len(load.surface_times(c)) > 1]
+@dataclass
+class Detail:
+    """How precisely the surfaces are stored."""
+    moments: int
+    widest_px: int = WIDEST_px
+    lossless: bool = True
 
 
-def moments(case, most):
-    """At most `most` snapshots of a case, spread evenly."""
-    numbers = layout.evenly(range(len(load.surface_times(case))), most)
-    found = [load.surface(case, n) for n in numbers]
-    return [fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u) for t, x, y, u in found]
+def cases_of(sweep):
+    """All cases with a recorded surface, those of the figures first and references last."""
+    references = [c for c in layout.all_references(sweep)]
+    return [c for c in [*layout.ordinary(sweep), *references] if len(load.surface_times(c))]
 
 
-def cut(shot, limits):
+def first_shown(sweep, cases):
+    """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
+    best = max(cases, key=lambda c: -math.inf if math.isnan(v := c.value("eta_period_1")) or c.is_reference or not c.is_valid
+               else v)
+    other = sweep.reference_of(best)
+    if other not in cases or other is best:
+        other = next((c for c in cases if c is not best), best)
+    return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [sweep.by_id(c)]]
+
+
+def shot_of(case, index):
+    t, x, y, u = load.surface(case, index)
+    return fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
+
+
+def cut(shot, limits, widest_px):
     """The part of a snapshot within the limits, at a resolution for the page: extent and u(x, y)."""
     x = np.flatnonzero((shot.x_mm >= limits[0]) & (shot.x_mm <= limits[1]))
     y = np.flatnonzero((shot.y_mm >= limits[2]) & (shot.y_mm <= limits[3]))
     u = shot.u_um[x[0]: x[-1] + 1, y[0]: y[-1] + 1]
     dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
-    extent = (shot.x_mm[x[0]] - dx, shot.x_mm[x[-1]] + dx,
-              shot.y_mm[y[0]] - dy, shot.y_mm[y[-1]] + dy)
-    step = math.ceil(max(u.shape) / WIDEST_px)
-    return extent, u[::step, ::step]
+    extent = (shot.x_mm[x[0]] - dx, shot.x_mm[x[-1]] + dx, shot.y_mm[y[0]] - dy, shot.y_mm[y[-1]] + dy)
+    step = math.ceil(max(u.shape) / widest_px)
+    return [round(float(v), 4) for v in extent], u[::step, ::step]
 
 
-def palette():
-    colours = matplotlib.colormaps[style.DIVERGING](np.linspace(0.0, 1.0, 128))
-    return (255 * colours[:, :3]).astype(np.uint8)
-
-
-def picture(u_um, end):
-    """A PNG as data URL with the colours of the figures, clipped at +- end."""
-    level = np.nan_to_num(np.clip(0.5 + 0.5 * u_um / end, 0.0, 1.0), nan=0.5)
-    image = Image.fromarray(np.round(127 * level).astype(np.uint8).T[::-1], mode="P")
-    image.putpalette(palette().tobytes())
+def picture(u_um, peak, lossless):
+    """A grey WebP picture as base64 text; its rows run from the largest y to the smallest."""
+    level = np.nan_to_num(u_um / peak) if peak else np.zeros_like(u_um)
+    level = np.round(127.5 + 127.5 * np.sign(level) * np.sqrt(np.abs(level))).astype(np.uint8)
     file = io.BytesIO()
-    image.save(file, format="PNG", optimize=True)
-    return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+    Image.fromarray(np.ascontiguousarray(level.T[::-1]), mode="L").save(
+        file, format="WEBP", lossless=lossless, quality=QUALITY, method=2)
+    return base64.b64encode(file.getvalue()).decode("ascii")
 
 
-class Panel:
-    """The panel of one case: its axes in SVG units and its pictures."""
-
-    def __init__(self, title, shots, end, limits):
-        self.title, self.shots = title, shots
-        parts = [cut(s, limits) for s in shots]
-        self.extent = parts[0][0]
-        self.pictures = [picture(u, end) for _, u in parts]
-        x0, x1, y0, y1 = self.extent
-        self.scale = (WIDTH - LEFT - RIGHT) / (x1 - x0)
-        self.height = TOP + BOTTOM + self.scale * (y1 - y0)
-
-    def place(self, x_mm, y_mm):
-        return (round(LEFT + self.scale * (x_mm - self.extent[0]), 2),
-                round(TOP + self.scale * (self.extent[3] - y_mm), 2))
-
-    def focus(self):
-        """Positions of the focus at all times, None after the end of the load; and the complete path."""
-        case = self.shots[0].case
-        at = [None if wake.is_over(case, s.t_s) else self.place(*wake.focus_at(case, s.t_s)[0])
-              for s in self.shots]
-        path = wake.focus_at(case, case.series["time"][-1])[2]
-        return at, [self.place(*p) for p in layout.evenly(path, 1500)]
-
-    def data(self):
-        at, _ = self.focus()
-        return {"pictures": self.pictures, "focus": at,
-                "times": [round(1e3 * s.t_s, 6) for s in self.shots]}
-
-    def svg(self):
-        x0, x1, y0, y1 = self.extent
-        (left, top), (right, bottom) = self.place(x0, y1), self.place(x1, y0)
-        at, path = self.focus()
-        radius = 1e3 * self.shots[0].case.setting("measure", "focal_radius_m") * self.scale
-        discs = "".join(f'<circle class="focus" r="{radius:.2f}" cx="{self.scale * x:.2f}" '
-                        f'cy="{-self.scale * y:.2f}"/>'
-                        for x, y in wake.offsets_mm(self.shots[0].case))
-        shown = ('visibility="hidden"' if at[-1] is None
-                 else f'transform="translate({at[-1][0]} {at[-1][1]})"')
-        marks = []
-        for x in MaxNLocator(6).tick_values(x0, x1):
-            if x0 <= x <= x1:
-                px = self.place(x, 0)[0]
-                marks.append(f'<path d="M{px} {bottom}v4"/><text x="{px}" y="{bottom + 16:.0f}" '
-                             f'text-anchor="middle">{number(x, 6)}</text>')
-        for y in MaxNLocator(5).tick_values(y0, y1):
-            if y0 <= y <= y1:
-                py = self.place(0, y)[1]
-                marks.append(f'<path d="M{left} {py}h-4"/><text x="{left - 7}" y="{py + 4:.1f}" '
-                             f'text-anchor="end">{number(y, 6)}</text>')
-        middle = (top + bottom) / 2
-        line = " ".join(f"{x},{y}" for x, y in path)
-        return (
-            f'<svg viewBox="0 0 {WIDTH} {self.height:.0f}" role="img" '
-            f'aria-label="{html.escape(self.title)}, the surface seen from above">'
-            f'<text class="name" x="{left}" y="17">{html.escape(self.title)}</text>'
-            f'<image x="{left}" y="{top}" width="{right - left:.2f}" height="{bottom - top:.2f}" '
-            f'preserveAspectRatio="none" href="{self.pictures[-1]}"/>'
-            f'<polyline class="path" points="{line}"/>'
-            f'<g class="foci" {shown}>{discs}</g>'
-            f'<rect class="frame" x="{left}" y="{top}" width="{right - left:.2f}" '
-            f'height="{bottom - top:.2f}"/><g class="axis">{"".join(marks)}'
-            f'<text x="{(left + right) / 2:.0f}" y="{bottom + 33:.0f}" text-anchor="middle">x (mm)'
-            f'</text><text transform="translate(11 {middle:.0f}) rotate(-90)" '
-            f'text-anchor="middle">y (mm)</text></g></svg>')
+def case_data(sweep, case, limits, detail):
+    """The pictures of a case, its path and the positions of its focus, in mm, ms and um."""
+    shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
+    parts = [cut(s, limits, detail.widest_px) for s in shots]
+    peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
+    path = wake.focus_at(case, case.series["time"][-1])[2]
+    focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
+    return {"label": layout.case_label(sweep, case), "times": [round(1e3 * s.t_s, 6) for s in shots],
+            "extent": parts[0][0], "peaks": peaks, "focus": focus,
+            "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
+            "radius": 1e3 * case.setting("measure", "focal_radius_m"),
+            "offsets": [rounded(o) for o in wake.offsets_mm(case)],
+            "path": [rounded(p) for p in layout.evenly(path, 300)] if np.ptp(path) > 0 else []}
 
 
-def colour_bar(end):
-    steps = ", ".join("#%02x%02x%02x" % tuple(c) for c in palette()[::8])
-    return (f'<div class="bar"><span>{number(-end, 2)}</span><i style="background:'
-            f'linear-gradient(to right, {steps})"></i><span>{number(end, 2)} µm</span></div>')
+def rounded(place):
+    return [round(float(v), 3) for v in place]
 
 
-def thinned(cases):
-    """Snapshots of each case, as many as fit on the page."""
-    most = MOMENTS
-    while True:
-        shots = [moments(c, most) for c in cases]
-        end = fig_surface.scale([s for every in shots for s in every[-3:]])
-        limits = fig_surface.window([every[n] for every in shots for n in (0, -1)], end)
-        some = [len(picture(cut(every[-1], limits)[1], end)) for every in shots]
-        if sum(n * len(every) for n, every in zip(some, shots)) <= BUDGET_bytes or most <= 4:
-            return shots, end, limits
-        most //= 2
+def common_view(cases):
+    """End of the colour scale of the wake, largest displacement, and the part of the surface that all cases show,
+    from the last times of at most 40 cases."""
+    shots = []
+    for case in layout.evenly(cases, 40):
+        count = len(load.surface_times(case))
+        shots += [shot_of(case, n) for n in sorted({0, count // 2, count - 1})]
+    shots = [s for s in shots if np.isfinite(s.u_um).any()]
+    end = fig_surface.scale(shots)
+    return end, max(float(np.nanmax(np.abs(s.u_um))) for s in shots), fig_surface.window(shots, end)
 
 
-def caption(cases, shots, end):
-    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Circle: focal "
-            f"disc. Dotted line: path of the focus. The colour scale ends at ±{number(end, 2)} µm, so that the "
-            "wake is visible; larger values are clipped.")
+def detail_that_fits(sweep, cases, limits):
+    """The best detail whose pictures are expected to fit on the page, estimated from a few cases."""
+    counts = [len(load.surface_times(c)) for c in cases]
+    choices = [Detail(MOMENTS), Detail(MOMENTS, lossless=False), Detail(30, lossless=False),
+               Detail(30, 160, False), Detail(20, 160, False), Detail(12, 120, False), Detail(6, 120, False),
+               Detail(3, 100, False), Detail(1, 80, False)]
+    for detail in choices:
+        sample = []
+        for case in layout.evenly(cases, 3):
+            u = [cut(shot_of(case, n), limits, detail.widest_px)[1] for n in (-1, 0)]
+            sample += [len(picture(v, float(np.nanmax(np.abs(v))), detail.lossless)) for v in u]
+        if max(sample) * sum(min(n, detail.moments) for n in counts) <= BUDGET_bytes:
+            return detail
+    return choices[-1]
+
+
+def colours():
+    table = matplotlib.colormaps[style.DIVERGING](np.linspace(0.0, 1.0, 129))
+    return (255 * table[:, :3]).round().astype(int).tolist()
+
+
+def slow_down_options(times):
+    """The slow-downs, of which that near PLAYED_s per run is selected."""
+    run_s = 1e-3 * (max(times) - min(times)) or 1.0
+    chosen = min(SLOW_DOWNS, key=lambda s: abs(math.log(s * run_s / PLAYED_s)))
+    return "".join(f'<option value="{s}"{" selected" if s == chosen else ""}>{s} times slower</option>'
+                   for s in SLOW_DOWNS)
+
+
+def controls(data, last):
+    wake_um, peak_um = (number(data[key], 3) for key in ("wake", "peak"))
+    times = [t for case in data["cases"] for t in case["times"]]
+    return (
+        '<div class="controls"><button type="button" class="play">Play</button>'
+        '<button type="button" class="back" aria-label="one frame back">◀|</button>'
+        '<button type="button" class="forward" aria-label="one frame forward">|▶</button>'
+        f'<input type="range" min="0" max="{last}" value="{last}" step="1" aria-label="time">'
+        '<output class="clock"></output></div><div class="controls">'
+        f'<label>Speed <select class="speed">{slow_down_options(times)}</select></label>'
+        '<label>Colours <select class="scaling">'
+        f'<option value="wake">wake, ±{wake_um} µm</option><option value="half">half of it</option>'
+        f'<option value="peak">peak, ±{peak_um} µm</option><option value="own">each picture by itself</option>'
+        '</select></label><button type="button" class="closer">Zoom in</button>'
+        '<button type="button" class="whole">Whole surface</button></div>')
+
+
+def caption(cases, data, detail):
     kept = max(len(load.surface_times(c)) for c in cases)
-    if max(map(len, shots)) < kept:
-        text += f" The page contains {max(map(len, shots))} of {kept} frames."
+    text = (f"Displacement of the surface seen from above, {len(cases)} "
+            f"{'case' if len(cases) == 1 else 'cases'}. Circle: focal disc. Dotted line: path of the focus. Choose "
+            "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
+            "rectangle to zoom. Values beyond the colour scale are clipped.")
+    shown = max(len(c["times"]) for c in data["cases"])
+    if shown < kept:
+        text += f" The page contains {shown} of {kept} frames."
+    if not detail.lossless:
+        text += " The pictures are compressed; values are accurate to about 3 % of the largest |u|."
     return text
 
 
 def player(sweep):
-    """HTML of the slider and its panels; '' if no case has two times."""
-    cases = chosen(sweep)
+    """HTML of the player; '' if no case has a recorded surface."""
+    cases = cases_of(sweep)
     if not cases:
         return ""
-    shots, end, limits = thinned(cases)
-    panels = [Panel(layout.case_label(sweep, c), every, end, limits)
-              for c, every in zip(cases, shots)]
-    times = sorted({t for p in panels for t in p.data()["times"]})
-    data = json.dumps({"times": times, "panels": [p.data() for p in panels]})
-    last = len(times) - 1
+    end, peak, limits = common_view(cases)
+    detail = detail_that_fits(sweep, cases, limits)
+    stored = [case_data(sweep, c, limits, detail) for c in cases]
+    view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
+    data = {"cases": stored, "first": first_shown(sweep, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
+            "palette": colours()}
+    steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
+    last = len({t for c in data["cases"] for t in c["times"]}) - 1
+    panel = ('<div class="player-panel"><select aria-label="case"></select><canvas role="img" '
+             'aria-label="the surface seen from above"></canvas><output></output></div>')
     return (
-        '<h2 id="player">The surface over time</h2><figure class="player">'
-        '<div class="controls"><button type="button" class="play">Play</button>'
-        f'<input type="range" min="0" max="{last}" value="{last}" step="1" '
-        'aria-label="time"><output>' + f"{number(times[-1])} ms</output></div>"
-        f'<div class="panels">{"".join(p.svg() for p in panels)}</div>{colour_bar(end)}'
-        f'<figcaption>{html.escape(caption(cases, shots, end))}</figcaption>'
-        f'<script type="application/json">{data}</script></figure>')
+        f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
+        f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'
+        '<span class="high"></span></div><noscript><p>The player needs JavaScript; the snapshots below do not.</p>'
+        f'</noscript><figcaption>{html.escape(caption(cases, data, detail))}</figcaption>'
+        f'<script type="application/json">{json.dumps(data).replace("</", "<" + chr(92) + "/")}</script></figure>')

@@ -5,19 +5,12 @@ import math
 import layout
 from numerical_error import (choices, is_numerical, known, numerical_variants, spread_of, uncertainty,
                              with_error)
-from words import counted, number, value_text
-
-
-def setting(sweep, case, key):
-    """'AM frequency 400 Hz', 'depth of body 1 = 8 mm'."""
-    name, _, place = layout.name(sweep, key).partition(", ")
-    value = value_text(key, case.settings[key]).removeprefix("cs ").removeprefix("cp ")
-    return f"{name} of {place} = {value}" if place else f"{name} {value}"
+from words import counted, number
 
 
 def where(sweep, case):
     keys = [k for k in [sweep.x, *layout.group_keys(sweep)] if k and k in case.settings]
-    return ", ".join(setting(sweep, case, k) for k in keys)
+    return ", ".join(layout.setting_text(sweep, k, case.settings[k]) for k in keys)
 
 
 def subject(sweep, case):

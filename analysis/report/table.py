@@ -38,6 +38,36 @@ def head(columns):
     return f"<thead><tr>{cells}</tr></thead>"
 
 
+def id_cell(case):
+    """The id with a box that shows or hides the lines of the case, linked to the case file."""
+    name = html.escape(case.id)
+    return (f'<td><label><input type="checkbox" checked aria-label="show {name} in the figures"></label> '
+            f'<a href="../cases/{name}.h5"><code>{name}</code></a></td>')
+
+
+def tools(sweep):
+    """The filter above the table and the links to the data."""
+    name = html.escape(sweep.name)
+    return ('<div class="tools"><label>Filter <input id="filter" type="search" '
+            'placeholder="for example: eta_period_1 &gt; 0.2, complete"></label>'
+            f'<output id="count">{len(sweep.cases)} of {len(sweep.cases)} cases</output>'
+            '<button type="button" id="csv">Save rows as CSV</button></div>'
+            '<p class="counts">Select a heading to sort by its column; select it again to reverse the order. Rows '
+            "that the filter removes and cases that are not ticked have no lines in the figures above. All columns, in "
+            f'the output folder of this page: <a href="../tables/{name}.csv">{name}.csv</a>, '
+            f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
+
+
+def row(case, keys, shown, followers, mark):
+    cells = [id_cell(case), f'<td>{"yes" if case.is_reference else ""}</td>']
+    cells += [setting_cell(case, k) for k in keys]
+    cells += [numeric_cell(case.value(m)) for m in shown]
+    cells += [setting_cell(case, k) for k in followers]
+    cells += [numeric_cell(case.wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
+    kind = ' class="reference"' if case.is_reference else ""
+    return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
+
+
 def table(sweep):
     """The table and, below it, the notes to which its last column refers."""
     keys = layout.axes(sweep)
@@ -45,23 +75,13 @@ def table(sweep):
     shown = measures(sweep)
     notes, rows = {}, []
     for case in sweep.cases:
-        words = case.reason
         mark = ""
-        if words:
-            n = notes.setdefault(words, len(notes) + 1)
+        if case.reason:
+            n = notes.setdefault(case.reason, len(notes) + 1)
             mark = f'<a href="#note-{n}">{n}</a>'
-        cells = [f'<td><code>{html.escape(case.id)}</code></td>',
-                 f'<td>{"yes" if case.is_reference else ""}</td>']
-        cells += [setting_cell(case, k) for k in keys]
-        cells += [numeric_cell(case.value(m)) for m in shown]
-        cells += [setting_cell(case, k) for k in followers]
-        cells += [numeric_cell(case.wall_s),
-                  f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
-        kind = ' class="reference"' if case.is_reference else ""
-        rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
+        rows.append(row(case, keys, shown, followers, mark))
     columns = ["id", "reference", *keys, *shown, *followers, "wall_s", "status", "note"]
-    body = ('<p class="counts">Select a heading to sort by its column; select it again to reverse the order.</p>'
-            f'<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
+    body = (f'{tools(sweep)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     return body + (f'<ol class="notes">{listed}</ol>' if notes else "")

@@ -67,7 +67,8 @@ class Compare(ProgramTest):
         self.says(self.shearwake("compare", path, path).said, "all columns are equal")
 
     def test_sweeps_without_common_cases_are_rejected(self):
-        self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]')), name="b.toml")
+        self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),
+                       name="b.toml")
         self.shearwake("run", "b.toml", "--out", "other", "--quiet")
         self.says(self.shearwake("compare", self.out, "other", expect=2).said, "have no complete case in common")
 

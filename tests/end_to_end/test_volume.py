@@ -18,6 +18,7 @@ KEPT = without_reference(
 TENSOR = ["xx", "yy", "zz", "yz", "xz", "xy"]
 NAMES = ["u_x", "u_y", "u_z", *(f"strain_{c}" for c in TENSOR), *(f"stress_{c}" for c in TENSOR)]
 UNITS = {"u": "m", "strain": "1", "stress": "Pa"}
+SHOWN = [name if name.startswith("strain") else f"{name} ({UNITS[name.split('_')[0]]})" for name in NAMES]
 
 
 def extents(item):
@@ -101,7 +102,9 @@ class Volume(ProgramTest):
                     self.assertEqual(name, path.name)
                     self.assertEqual(file[place].shape, extents(item))
                     self.assertEqual(file[place].dtype, numpy.float64)
-                for attribute in grid.findall("Attribute"):
+                *fields, vector = grid.findall("Attribute")
+                self.assertEqual((vector.get("Name"), vector.get("AttributeType")), ("u (m)", "Vector"))
+                for attribute in fields:
                     slab = attribute.find("DataItem")
                     self.assertEqual(slab.get("ItemType"), "HyperSlab")
                     self.assertEqual(extents(slab), shape)
@@ -110,7 +113,7 @@ class Volume(ProgramTest):
                     self.assertEqual(list(start), [step, 0, 0, 0])
                     self.assertEqual(list(stride), [1, 1, 1, 1])
                     self.assertEqual(list(count), [1, *shape])
-                self.assertEqual([a.get("Name") for a in grid.findall("Attribute")], NAMES)
+                self.assertEqual([field.get("Name") for field in fields], SHOWN)
 
     def test_the_error_of_engine_layered_names_engines_that_record_volumes(self):
         self.write_job(changed((FRAMES, "volumes_ms = [2.0]")))

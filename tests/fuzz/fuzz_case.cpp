@@ -3,12 +3,14 @@
 // crashes on some inputs: as in the program, a forked child reads them first, and this process
 // reads only inputs on which the child does not crash, with the sanitizers.
 #include "base/error.hpp"
-#include "support/scratch_file.hpp"
+#include "fuzz/processor_time.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/hdf5/guard.hpp"
 #include "storage/hdf5/h5.hpp"
+#include "support/scratch_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const shearwake::fuzz::ProcessorTimeLimit limit;
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
     const shearwake::fuzz::ScratchFile file(data, size, ".h5");

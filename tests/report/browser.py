@@ -126,6 +126,35 @@ class Page:
             self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key,
                       windowsVirtualKeyCode=code, **(text if kind == "keyDown" else {}))
 
+    def move(self, x, y):
+        """Moves the mouse to a point of the window."""
+        self.send("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+
+    def click(self, x, y):
+        for kind in ("mousePressed", "mouseReleased"):
+            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def drag(self, x, y, to_x, to_y):
+        """Presses the left button at the first point and releases it at the second."""
+        self.move(x, y)
+        self.send("Input.dispatchMouseEvent", type="mousePressed", x=x, y=y, button="left", clickCount=1)
+        for part in (0.5, 1.0):
+            self.send("Input.dispatchMouseEvent", type="mouseMoved", x=x + part * (to_x - x),
+                      y=y + part * (to_y - y), button="left", buttons=1)
+        self.send("Input.dispatchMouseEvent", type="mouseReleased", x=to_x, y=to_y, button="left", clickCount=1)
+
+    def type(self, text):
+        """Types into the element that has the focus."""
+        self.send("Input.insertText", text=text)
+
+    def wait(self, condition):
+        """Waits until an expression is true, at most a minute."""
+        return self.run(f"""new Promise(done => {{
+            const until = performance.now() + 60000;
+            const look = () => ({condition}) ? done(true)
+                : performance.now() > until ? done(false) : setTimeout(look, 20);
+            look(); }})""")
+
     def errors(self):
         """Exceptions of scripts and messages of console.error since the page was loaded."""
         self.run("1")  # all earlier events have arrived when this returns

@@ -159,7 +159,7 @@ class Page(HTMLParser):
 
     def __init__(self, text):
         super().__init__(convert_charrefs=True)
-        self.open, self.resources, self.images, self.rows, self.tags = [], [], [], [], []
+        self.open, self.resources, self.links, self.images, self.rows, self.tags = [], [], [], [], [], []
         self.data, self.titles = "", []
         self.feed(text)
         self.close()
@@ -170,7 +170,7 @@ class Page(HTMLParser):
         values = dict(attributes)
         for name in ("src", "href", "srcset", "data", "action"):
             if name in values:
-                self.resources.append(values[name])
+                (self.links if tag == "a" else self.resources).append(values[name])
         if tag == "img":
             self.images.append(values)
         if tag == "tr":

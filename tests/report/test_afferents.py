@@ -104,7 +104,7 @@ class AfferentsTest(unittest.TestCase):
         self.add(100.0, [3, 0, 2, 0, 1])
         self.add(200.0, [3, 0, 2, 0, 1])
         page = self.folder.report()
-        self.assertIn("Firing afferents on the hand: 200", page)
+        self.assertIn("Firing afferents on the hand: AM frequency 200", page)
         self.assertIn("PC afferents against AM frequency", page)
 
 

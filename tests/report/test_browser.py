@@ -129,37 +129,139 @@ class BrowserTest(unittest.TestCase):
         self.assertEqual(page.run(state), "descending")
         self.assertEqual(page.run(COLUMN.format(am))[0], "1000")
 
-    def test_the_slider_moves_every_panel(self):
+    def test_pointing_at_a_curve_shows_its_values(self):
         for width in (1280, 390):
             with self.subTest(width=width):
                 page = self.open(width)
-                self.assertEqual(page.run('document.querySelector("output").textContent'), "4 ms")
-                focus = """Array.from(document.querySelectorAll(".player circle"),
-                    c => c.getBoundingClientRect().left + scrollX)"""
-                picture = 'document.querySelector(".player image").getAttribute("href")'
-                late, shown = page.run(focus), page.run(picture)
-                page.run('document.querySelector(".player input").focus()')
-                page.press("ArrowLeft", 37)
-                self.assertEqual(page.run('document.querySelector("output").textContent'), "2 ms")
-                self.assertNotEqual(page.run(picture), shown)
-                early = page.run(focus)
-                self.assertEqual(len(early), 4)
-                for before, after in zip(early, late):
-                    self.assertLess(before, after)  # the focus moves along x
+                place = page.run("""(() => {
+                    const {plot, lines} = charts.find(chart => chart.holder.id === "chart-eta");
+                    plot.over.scrollIntoView({block: "center"});
+                    const box = plot.over.getBoundingClientRect();
+                    return [box.left + plot.valToPos(lines[0].x[1], "x"), box.top + plot.valToPos(lines[0].y[1], "y")];
+                })()""")
+                page.move(place[0] - 3, place[1])
+                page.move(*place)
+                output = 'document.querySelector("#chart-eta output").textContent'
+                self.assertTrue(page.wait(output + '.includes("200")'))
+                self.assertEqual(page.run(output), "efficiency η (1): AM frequency (Hz) 200, efficiency η (1) 0.26")
                 self.assertEqual(page.errors(), [])
 
-    def test_play_moves_the_slider_and_pause_stops_it(self):
+    def test_dragging_zooms_both_panels_of_a_figure_and_the_button_resets_them(self):
         page = self.open(1280)
-        page.run('document.querySelector(".play").click()')
-        self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")
-        moved = page.run("""new Promise(done => {
-            const slider = document.querySelector(".player input"), first = slider.value;
-            const look = () => slider.value !== first ? done(true) : setTimeout(look, 20);
-            setTimeout(() => done(false), 10000);
-            look(); })""")
-        self.assertTrue(moved)
-        page.run('document.querySelector(".play").click()')
-        self.assertEqual(page.run('document.querySelector(".play").textContent'), "Play")
+        limits = """charts.filter(chart => chart.holder.id === "chart-eta").map(
+            chart => [chart.plot.scales.x.min, chart.plot.scales.x.max])"""
+        before = page.run(limits)
+        self.assertEqual(len(before), 2)
+        left, top, wide = page.run("""(() => {
+            const over = charts.find(chart => chart.holder.id === "chart-eta").plot.over;
+            over.scrollIntoView({block: "center"});
+            const box = over.getBoundingClientRect();
+            return [box.left, box.top + 20, box.width]; })()""")
+        page.drag(left + 0.3 * wide, top, left + 0.6 * wide, top + 5)
+        self.assertTrue(page.wait(f"JSON.stringify({limits}) !== '{str(before).replace(' ', '')}'"))
+        for (low, high), (first, last) in zip(page.run(limits), before):
+            self.assertLess(high - low, 0.5 * (last - first))
+        page.run('document.querySelector("#chart-eta button").click()')
+        self.assertTrue(page.wait(f"JSON.stringify({limits}) === JSON.stringify({before})"))
+
+    def test_the_filter_selects_rows_and_lines(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.open(width)
+                page.run('document.querySelector("details:has(#eta_time)").open = true')
+                shown = """Array.from(document.querySelectorAll("table.sortable tbody tr")).filter(
+                    row => !row.hidden).map(row => row.dataset.id)"""
+                lines = """charts.find(chart => chart.holder.id === "chart-eta_time").plot.series.filter(
+                    (series, i) => i > 0 && series.show).length"""
+                self.assertTrue(page.wait('charts.some(chart => chart.holder.id === "chart-eta_time")'))
+                self.assertEqual(page.run(lines), 5)  # five complete cases, one of them the reference
+                page.run('document.querySelector("#filter").focus()')
+                page.type("am_frequency > 150, eta_period_1 >= 0.26")
+                self.assertEqual(page.run(shown), [case_id(2), case_id(3)])
+                self.assertEqual(page.run('document.querySelector("#count").textContent'), "2 of 6 cases")
+                self.assertEqual(page.run(lines), 2)
+                page.run(f"""document.querySelector("tr[data-id='{case_id(2)}'] input").click()""")
+                self.assertEqual(page.run(lines), 1)
+                self.assertEqual(page.errors(), [])
+
+    def test_the_contents_open_the_topic_of_a_figure(self):
+        page = self.open(1280)
+        self.assertFalse(page.run("""document.querySelector("details:has(#spectra)").open"""))
+        page.run("""document.querySelector("nav a[href='#spectra']").click()""")
+        self.assertTrue(page.wait("""document.querySelector("details:has(#spectra)").open"""))
+        self.assertTrue(page.wait('!!document.querySelector("#chart-spectra canvas")'))
+        links = page.run('Array.from(document.querySelectorAll("nav a"), link => link.hash.slice(1))')
+        tops = page.run(f"""{links}.map(id => document.getElementById(id)).map(
+            (part, i, all) => i === 0 || !!(all[i - 1].compareDocumentPosition(part) & 4))""")
+        self.assertTrue(all(tops), "the contents have the order of the page")
+
+    CLOCK = 'document.querySelector(".clock").textContent'
+    FRAMES = """Array.from(document.querySelectorAll(".player canvas"), canvas => canvas.dataset.frame)"""
+
+    def at_start(self, width):
+        """The page when the player has drawn its last time."""
+        page = self.open(width)
+        self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
+        self.assertEqual(page.run(self.CLOCK), "4 ms")
+        return page
+
+    def test_single_steps_and_the_slider_move_every_panel(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.at_start(width)
+                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
+                focus = """Array.from(document.querySelectorAll(".player canvas"),
+                    canvas => JSON.parse(canvas.dataset.focus)[0])"""
+                late = page.run(focus)
+                page.run('document.querySelector(".back").click()')
+                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/0"))'))
+                self.assertEqual(page.run(self.CLOCK), "2 ms")
+                for before, after in zip(page.run(focus), late):
+                    self.assertAlmostEqual(after - before, 14.0, places=2)  # 2 ms at 7 m/s
+                page.run('document.querySelector(".player input").focus()')
+                page.press("ArrowRight", 39)
+                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
+                self.assertEqual(page.errors(), [])
+
+    def test_pointing_at_the_surface_shows_u_in_both_panels(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.at_start(width)
+                x, y = page.run("""(() => {
+                    const panel = document.querySelector(".player").player.panels[0];
+                    panel.canvas.scrollIntoView({block: "center"});
+                    const [x, y] = panel.place(28.0, 0.0), box = panel.canvas.getBoundingClientRect();
+                    return [box.left + x, box.top + y]; })()""")
+                page.move(x, y)
+                texts = 'Array.from(document.querySelectorAll(".player-panel output"), o => o.textContent)'
+                self.assertTrue(page.wait(f'{texts}.every(text => text.startsWith("x "))'))
+                for text in page.run(texts):  # the centre of a spot of 3 um, within a pixel of 1 mm
+                    self.assertRegex(text, r"^x 2[78][0-9.]* mm, y .* mm: u (2\.[5-9][0-9]*|3) µm$")
+
+    def test_every_case_can_be_chosen_and_colours_follow_the_scale(self):
+        page = self.at_start(1280)
+        names = page.run('Array.from(document.querySelector(".player-panel select").options, o => o.text)')
+        self.assertEqual(len(names), 5)
+        self.assertIn("AM frequency 200\N{NO-BREAK SPACE}Hz", names)
+        page.run("""(() => { const choice = document.querySelector(".player-panel select");
+            choice.value = 1; choice.dispatchEvent(new Event("change")); })()""")
+        self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("1/")'))
+        before = page.run('document.querySelector(".high").textContent')
+        page.run("""(() => { const choice = document.querySelector(".scaling");
+            choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")
+        self.assertNotEqual(page.run('document.querySelector(".high").textContent'), before)
+
+    def test_play_moves_the_slider_and_pause_stops_it(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.at_start(width)
+                page.run('document.querySelector(".speed").value = "10"')
+                page.run('document.querySelector(".play").click()')
+                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")
+                self.assertTrue(page.wait(f'{self.CLOCK} === "2 ms"'))
+                page.run('document.querySelector(".play").click()')
+                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Play")
+                self.assertEqual(page.errors(), [])
 
 
 if __name__ == "__main__":

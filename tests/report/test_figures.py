@@ -3,6 +3,8 @@
 
 Run: python3 tests/report/test_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
+import base64
+import io
 import math
 import sys
 import tempfile
@@ -11,6 +13,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
@@ -204,11 +207,21 @@ class FolderTest(unittest.TestCase):
         folder.add({AM: 100.0}, frames=True)
         sweep = load.load(folder.save())
         self.addCleanup(setattr, player, "BUDGET_bytes", player.BUDGET_bytes)
-        player.BUDGET_bytes = 20_000
-        shots, _, _ = player.thinned(player.chosen(sweep))
-        self.assertLess(len(shots[0]), 40)
-        self.assertGreater(len(shots[0]), 1)
-        self.assertEqual((shots[0][0].t_s, shots[0][-1].t_s), (1e-4, 4e-3))  # the first and the last are kept
+        limits = player.common_view(sweep.cases)[2]
+        self.assertEqual(player.detail_that_fits(sweep, sweep.cases, limits), player.Detail(player.MOMENTS))
+        player.BUDGET_bytes = 1_500
+        detail = player.detail_that_fits(sweep, sweep.cases, limits)
+        data = player.case_data(sweep, sweep.cases[0], limits, detail)
+        self.assertLess(sum(map(len, data["pictures"])), player.BUDGET_bytes)
+        self.assertLess(len(data["times"]), 40)
+        self.assertEqual((data["times"][0], data["times"][-1]), (0.1, 4.0))  # the first and the last are kept
+
+    def test_a_picture_of_the_player_contains_the_displacement(self):
+        u_um = 3.0 * np.linspace(-1.0, 1.0, 60).reshape(6, 10)
+        image = Image.open(io.BytesIO(base64.b64decode(player.picture(u_um, 3.0, True)))).convert("L")
+        root = (np.asarray(image, dtype=float)[::-1].T - 127.5) / 127.5
+        # half a grey level of the root: 2 * 0.5 / 127.5 of the largest value
+        np.testing.assert_allclose(3.0 * root * np.abs(root), u_um, atol=3.0 * 1.0 / 127.5)
 
 
 class SpectrogramTest(unittest.TestCase):

@@ -15,7 +15,6 @@ import fig_drive
 import fig_surface
 import layout
 import load
-import player
 import references
 import warnings_of
 from summary import summary
@@ -108,7 +107,7 @@ class HeadlineTest(unittest.TestCase):
         folder.add({AM: 100.0}, warnings=[RETURNS, WINDOW])
         folder.add({AM: 200.0}, warnings=[{**RETURNS, "message": "waves return at 5.1 ms"}])
         page = Page(folder.report())
-        self.assertIn("Warning: waves return at 4.8 ms (100\N{NO-BREAK SPACE}Hz, and 1 more case).", page.data)
+        self.assertIn("Warning: waves return at 4.8 ms (AM frequency 100\N{NO-BREAK SPACE}Hz, and 1 more case).", page.data)
         sweep = load.load(folder.path)
         self.assertEqual([w["message"] for w in sweep.cases[0].warnings],
                          [RETURNS["message"], WINDOW["message"]])
@@ -135,8 +134,8 @@ class HeadlineTest(unittest.TestCase):
         cells, columns = fig_surface.cells(sweep)
         self.assertEqual(columns, 2)
         labels = [layout.case_label(sweep, c).replace("\N{NO-BREAK SPACE}", " ") for c in cells]
-        self.assertEqual(labels, ["plain STM, 50 Hz", "50 Hz", "plain STM, 75 Hz", "75 Hz",
-                                  "plain STM, 100 Hz", "100 Hz"])
+        self.assertEqual(labels, [first + f"draw frequency {f} Hz" for f in (50, 75, 100)
+                                  for first in ("plain STM, ", "")])
 
     def test_curves_with_other_references_have_their_own_column_of_references(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))
@@ -148,7 +147,7 @@ class HeadlineTest(unittest.TestCase):
 
     def test_figures_of_a_few_cases_pair_each_case_with_its_reference(self):
         sweep = self.with_own_references()
-        for chosen in (references.first_and_last(sweep, 4), fig_drive.chosen(sweep), player.chosen(sweep)):
+        for chosen in (references.first_and_last(sweep, 4), fig_drive.chosen(sweep)):
             self.assertEqual([c.is_reference for c in chosen], [True, False, True, False])
             for reference, case in zip(chosen[::2], chosen[1::2]):
                 self.assertIs(sweep.reference_of(case), reference)

@@ -42,7 +42,7 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_every_figure_is_a_file_and_part_of_the_page(self):
         names = {"eta", "gain", "strength", "ipr_abs", "participation", "ipr", "frequency",
-                 "drive", "eta_time", "ipr_abs_time", "ipr_time", "surface", "spectra",
+                 "drive", "eta_time", "displacement", "ipr_abs_time", "ipr_time", "surface", "spectra",
                  "spectra_relative", "spectrograms"}
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.png")}, names)
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.pdf")}, names)
@@ -54,12 +54,15 @@ class WholeSweepTest(unittest.TestCase):
     def test_the_page_loads_nothing_from_elsewhere(self):
         for resource in self.page.resources:
             self.assertTrue(resource.startswith(("data:", "#")), resource[:80])
+        for link in self.page.links:  # to files of the same output folder
+            self.assertRegex(link, r"^(#|[a-z0-9_]+\.(png|pdf)$|\.\./(tables|cases)/)")
         self.assertNotIn("http", re.sub(r"base64,[A-Za-z0-9+/=]*", "", self.text))
         self.assertNotIn("@import", self.text)
 
     def test_text_of_the_user_is_escaped(self):
         self.assertNotIn("<script>alert", self.text)
-        self.assertEqual(self.page.tags.count("script"), 2)  # pictures of the slider, and page.js
+        charts = self.text.count('class="chart"')
+        self.assertEqual(self.page.tags.count("script"), charts + 3)  # pictures of the player, uPlot, the page
         self.assertIn(self.TITLE, self.page.data)
         self.assertIn("# <& job>", self.page.data)
 
@@ -116,7 +119,7 @@ class ReportTest(unittest.TestCase):
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it contains another case", page.data)
         self.assertIn("not computed", page.data)
-        self.assertEqual(len(page.images), 15)
+        self.assertEqual(len(page.images), 16)
 
     def test_a_case_without_measures_has_a_page(self):
         folder = Folder(self.root)
@@ -135,7 +138,7 @@ class ReportTest(unittest.TestCase):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
-        self.assertEqual(len(Page(folder.report()).images), 15)
+        self.assertEqual(len(Page(folder.report()).images), 16)
 
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
@@ -148,7 +151,7 @@ class ReportTest(unittest.TestCase):
         groups = layout.groups(load.load(self.root))
         self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
-        self.assertEqual(len(page.images), 15)  # one snapshot per series
+        self.assertEqual(len(page.images), 16)  # one snapshot per series
 
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The data of an interactive figure: panels of lines that charts.js draws with uPlot."""
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.colors import to_hex
+
+MOST_POINTS = 600  # of a line; the pictures contain all points
+DIGITS = 4         # significant digits of stored values
+
+
+@dataclass
+class Line:
+    label: str
+    x: list
+    y: list
+    colour: object
+    case: str = ""      # id of the case, by which the table selects lines
+    error: list = None  # half the length of an error bar per point
+    dashed: bool = False
+    points: bool = False
+
+
+@dataclass
+class Chart:
+    """One panel. Lines of one figure share the x axis, so that zooming one panel zooms all."""
+    x_label: str
+    y_label: str
+    lines: list = field(default_factory=list)
+    title: str = ""
+    x_names: list = None  # of positions 0, 1, ... if x is a string
+    x_log: bool = False
+    y_log: bool = False
+    y_limits: tuple = None
+
+
+def rounded(values):
+    """Numbers for JSON with a few significant digits; None for NaN."""
+    return [None if v is None or not math.isfinite(v) else float(f"{v:.{DIGITS}g}") for v in np.asarray(values, float)]
+
+
+def places(values):
+    """Coordinates keep more digits than values, since neighbouring points must remain distinct."""
+    return [float(f"{v:.7g}") for v in np.asarray(values, float)]
+
+
+def line_data(line):
+    step = max(1, math.ceil(len(line.x) / MOST_POINTS))
+    data = {"label": line.label, "x": places(line.x[::step]), "y": rounded(line.y[::step]),
+            "colour": to_hex(line.colour)}
+    if line.case:
+        data["case"] = line.case
+    if line.error is not None and np.isfinite(line.error).any():
+        data["error"] = rounded(line.error[::step])
+    return data | {"dashed": line.dashed, "points": line.points}
+
+
+def chart_data(chart):
+    """A chart as JSON object for charts.js."""
+    limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
+    return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,
+            "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits,
+            "lines": [line_data(line) for line in chart.lines]}

@@ -1,0 +1,155 @@
+"use strict";
+// Draws the interactive figures with uPlot. Each .chart contains its panels as JSON, see chart.py.
+const charts = [];  // {plot, lines} of all panels drawn so far
+const hiddenCases = new Set();
+
+// Three significant digits more than the eye can read from a picture; true minus signs.
+function numberText(value) {
+  if (value === null || value === undefined || !isFinite(value)) return "–";
+  const size = Math.abs(value);
+  const text = size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3) : String(Number(value.toPrecision(4)));
+  return text.replace("-", "\u2212");
+}
+
+// Vertical bars of half length `error` at the points of each visible line.
+function drawErrors(plot, lines) {
+  const context = plot.ctx, pixel = devicePixelRatio, cap = 3 * pixel;
+  lines.forEach((line, i) => {
+    if (!line.error || !plot.series[i + 1].show) return;
+    context.save();
+    context.strokeStyle = line.colour;
+    context.lineWidth = 1.2 * pixel;
+    context.beginPath();
+    line.x.forEach((x, k) => {
+      if (line.y[k] === null || line.error[k] === null) return;
+      const at = plot.valToPos(x, "x", true);
+      const low = plot.valToPos(line.y[k] - line.error[k], "y", true);
+      const high = plot.valToPos(line.y[k] + line.error[k], "y", true);
+      context.moveTo(at, low); context.lineTo(at, high);
+      context.moveTo(at - cap, low); context.lineTo(at + cap, low);
+      context.moveTo(at - cap, high); context.lineTo(at + cap, high);
+    });
+    context.stroke();
+    context.restore();
+  });
+}
+
+// The point that is nearest to the pointer in pixels: [line, index] or null.
+function nearest(plot, lines) {
+  let best = null, least = 40 * 40;
+  lines.forEach((line, i) => {
+    if (!plot.series[i + 1].show) return;
+    line.x.forEach((x, k) => {
+      if (line.y[k] === null) return;
+      const dx = plot.valToPos(x, "x") - plot.cursor.left, dy = plot.valToPos(line.y[k], "y") - plot.cursor.top;
+      if (dx * dx + dy * dy < least) { least = dx * dx + dy * dy; best = [line, k]; }
+    });
+  });
+  return best;
+}
+
+function axes(panel) {
+  const look = {stroke: "#222", grid: {stroke: "#e6e6e6", width: 1}, ticks: {stroke: "#888", width: 1}, font: "12px sans-serif",
+    labelFont: "12px sans-serif"};
+  const x = {...look, label: panel.x_label}, y = {...look, label: panel.y_label, size: 62};
+  if (panel.x_names) {
+    x.splits = () => panel.x_names.map((_, i) => i);
+    x.values = (plot, splits) => splits.map(i => panel.x_names[i] ?? "");
+  } else {
+    const marked = [...new Set(panel.lines.filter(line => line.points).flatMap(line => line.x))].sort((a, b) => a - b);
+    if (marked.length && marked.length <= 12)  // ticks at the swept values
+      x.splits = (plot, axis, low, high) => {
+        const shown = marked.filter(v => v >= low && v <= high);
+        return shown.filter((v, i) => i === 0 || plot.valToPos(v, "x") - plot.valToPos(shown[i - 1], "x") > 34);
+      };
+    x.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
+  }
+  y.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
+  return [x, y];
+}
+
+// All points with a margin at first, exactly the selected part after zooming; uPlot would round to decades.
+function horizontalRange(panel) {
+  const x = panel.lines.flatMap(line => line.x), first = Math.min(...x), last = Math.max(...x);
+  const room = panel.x_names ? 0.5 : panel.lines.some(line => line.points) ? 0.04 * (last - first || 1) : 0;
+  const factor = (last / first || 1) ** 0.04 || 1;
+  return (plot, low, high) => low !== first || high !== last ? [low, high]
+    : panel.x_log ? [first / factor, last * factor] : [first - room, last + room];
+}
+
+function verticalRange(panel) {
+  if (panel.y_log) return {distr: 3, range: panel.y_limits ?? undefined};
+  const bars = panel.lines.flatMap(line => line.y.flatMap((v, k) =>
+    v === null ? [] : [v - (line.error?.[k] ?? 0), v + (line.error?.[k] ?? 0)]));
+  if (panel.y_limits) return {range: panel.y_limits};
+  const low = Math.min(...bars), high = Math.max(...bars), room = 0.06 * (high - low || Math.abs(high) || 1);
+  return {range: [low - room, high + room]};
+}
+
+function drawPanel(holder, panel, output, key) {
+  const box = document.createElement("div");
+  box.className = "panel";
+  holder.appendChild(box);
+  if (panel.title) box.insertAdjacentHTML("beforeend", "<p class='panel-title'></p>");
+  if (panel.title) box.lastChild.textContent = panel.title;
+  const name = panel.x_names ? v => panel.x_names[Math.round(v)] ?? "" : v => numberText(v);
+  const series = panel.lines.map(line => ({label: line.label, stroke: line.colour, width: 1.6,
+    dash: line.dashed ? [6, 4] : undefined, spanGaps: true, show: !hiddenCases.has(line.case),
+    paths: panel.x_names && !line.dashed ? () => null : undefined,
+    points: {show: line.points, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
+  const plot = new uPlot({
+    width: Math.max(260, holder.clientWidth), height: holder.clientWidth < 500 ? 260 : 320,
+    series: [{label: panel.x_label, value: (p, v) => v === null ? "–" : name(v)}, ...series], axes: axes(panel),
+    scales: {x: {time: false, distr: panel.x_log ? 3 : 1, range: horizontalRange(panel)},
+      y: verticalRange(panel)},
+    cursor: {sync: {key}, drag: {x: true, y: false}, focus: {prox: 30}}, focus: {alpha: 0.35},
+    legend: {show: true},
+    hooks: {draw: [p => drawErrors(p, panel.lines)], setCursor: [p => {
+      const found = p.cursor.left >= 0 ? nearest(p, panel.lines) : null;
+      if (!found) return;
+      const [line, k] = found;
+      const bar = line.error && line.error[k] !== null ? " ± " + numberText(line.error[k]) : "";
+      output.textContent = line.label + ": " + panel.x_label + " " + name(line.x[k]) + ", " + panel.y_label + " "
+        + numberText(line.y[k]) + bar;
+    }]}}, uPlot.join(panel.lines.map(line => [line.x, line.y])), box);
+  charts.push({plot, lines: panel.lines, holder});
+  return plot;
+}
+
+function drawCharts(holder) {
+  if (holder.dataset.drawn || !holder.clientWidth) return;
+  holder.dataset.drawn = "yes";
+  const panels = JSON.parse(holder.querySelector("script").textContent);
+  const output = document.createElement("output"), reset = document.createElement("button");
+  reset.type = "button";
+  reset.textContent = "Reset zoom";
+  const bar = document.createElement("div");
+  bar.className = "readout";
+  output.textContent = "Point at a line to read its values; drag to zoom; select names to hide lines.";
+  bar.append(output, reset);
+  holder.appendChild(bar);
+  const plots = panels.map(panel => drawPanel(holder, panel, output, holder.id));
+  reset.addEventListener("click", () => plots.forEach(plot =>
+    plot.setData(plot.data)));  // also restores the scales
+}
+
+// Shows or hides the lines of cases in all figures, as the table selects them.
+function showCases(hidden) {
+  hiddenCases.clear();
+  hidden.forEach(id => hiddenCases.add(id));
+  for (const {plot, lines} of charts)
+    lines.forEach((line, i) => {
+      const show = !hiddenCases.has(line.case);
+      if (line.case && plot.series[i + 1].show !== show) plot.setSeries(i + 1, {show});
+    });
+}
+
+const drawVisibleCharts = () => document.querySelectorAll(".chart").forEach(drawCharts);
+document.querySelectorAll("details").forEach(part => part.addEventListener("toggle", drawVisibleCharts));
+addEventListener("resize", () => {
+  drawVisibleCharts();
+  for (const {plot, holder} of charts)
+    if (holder.clientWidth && Math.abs(plot.width - holder.clientWidth) > 2)
+      plot.setSize({width: holder.clientWidth, height: plot.height});
+});
+drawVisibleCharts();

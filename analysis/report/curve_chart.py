@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Interactive versions of the curves against the swept key, with their error bars."""
+import numpy as np
+
+import layout
+import style
+from chart import Chart, Line
+from words import value_text
+
+
+def errors(cases, column):
+    """Half the lengths of the error bars, which `reduce` adds as columns; NaN without."""
+    return np.array([case.value(column + "_error") for case in cases])
+
+
+def draw_errors(axes, x, y, cases, column, colour):
+    """Adds error bars to a curve of a picture if a case has an error. Returns whether it did."""
+    half = errors(cases, column)
+    known = np.isfinite(half) & np.isfinite(y)
+    if known.any():
+        axes.errorbar(np.asarray(x)[known], np.asarray(y)[known], half[known], fmt="none", ecolor=colour,
+                      elinewidth=1.2, capsize=3.5, zorder=2.5)
+    return bool(known.any())
+
+
+def have_errors(sweep, column):
+    return bool(np.isfinite(errors(layout.ordinary(sweep), column)).any())
+
+
+def error_caption(sweep, *columns):
+    if any(have_errors(sweep, column) for column in columns):
+        return " Error bars: the estimated numerical error."
+    return ""
+
+
+def reference_line(sweep, group, column, name, colour):
+    """The value of the reference at each x of a curve; None without a reference."""
+    pairs = [(layout.x_position(sweep, c), r.value(column)) for c in group.cases if (r := sweep.reference_of(c))]
+    if not pairs or not np.isfinite([v for _, v in pairs]).any():
+        return None
+    label = f"{name}, {group.label}" if group.label and len(layout.all_references(sweep)) > 1 else name
+    return Line(label, *map(list, zip(*pairs)), colour, dashed=True)
+
+
+def curve_chart(sweep, column, y_label, title="", y_log=False):
+    """One line per curve, and dashed lines of the references; a ratio to the reference has no references."""
+    found = layout.groups(sweep)
+    name = layout.reference_name(layout.all_references(sweep))
+    lines, labels = [], set()
+    for group, colour in zip(found, style.distinct(len(found))):
+        x = [layout.x_position(sweep, c) for c in group.cases]
+        lines.append(Line(group.label or "all cases" if len(found) > 1 else y_label, x,
+                          [c.value(column) for c in group.cases], colour,
+                          error=errors(group.cases, column), points=True))
+        below = None if sweep.is_ratio(column) else reference_line(
+            sweep, group, column, name, style.INK if len(layout.all_references(sweep)) == 1 else colour)
+        if below and below.label not in labels:
+            labels.add(below.label)
+            lines.append(below)
+    lines.sort(key=lambda line: line.dashed)
+    values = layout.x_values(sweep)
+    names = None if layout.is_numeric(sweep) else [value_text(sweep.x, v) for v in values]
+    return Chart(layout.axis_label(sweep, sweep.x), y_label.replace("\n", " "), lines, title, names,
+                 names is None and bool(layout.is_logarithmic(values)), y_log)

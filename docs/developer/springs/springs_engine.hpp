@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/engine.hpp"
+
+#include <vector>
+
+namespace shearwake::springs {
+
+/// A Winkler foundation without mass: u_z = p / stiffness at each point of the surface.
+class SpringsEngine : public engines::Engine {
+public:
+    engines::Estimate estimate(const Case& c, int ranks) const override;
+    std::vector<engines::Calibration> calibrations() const override;
+    std::vector<Remark> limits(const Case& c) const override;
+    void run(const Case& c, const Comm& team, engines::Observer& observer,
+             engines::Checkpoints* checkpoints) override;
+};
+
+} // namespace shearwake::springs

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A new engine needs its own folder and two registrations, as docs/developer/extending.md says.
+
+The engine is docs/developer/springs. Every run of the tests compiles what refers to the registrations;
+SHEARWAKE_BUILD_NEW_ENGINE=yes also builds the complete program, which takes minutes, and runs a case."""
+import filecmp
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+BUILD = ROOT / "build"
+SPRINGS = Path("src/engines/springs")
+
+# file: (line, the line and the one to add), as in docs/developer/extending.md
+REGISTRATIONS = {
+    "src/case/solver_options.hpp": [
+        ('#include "engines/spectral/options/spectral_options.hpp"\n',
+         '#include "engines/spectral/options/spectral_options.hpp"\n'
+         '#include "engines/springs/options/springs_options.hpp"\n'),
+        ("SpectralOptions, PstdOptions>", "SpectralOptions, PstdOptions, SpringsOptions>")],
+    "src/engines/registry/make_engine.cpp": [
+        ('#include "engines/spectral/spectral_engine.hpp"\n',
+         '#include "engines/spectral/spectral_engine.hpp"\n#include "engines/springs/springs_engine.hpp"\n'),
+        ("                          [](const PstdOptions&)",
+         "                          [](const SpringsOptions&) -> std::unique_ptr<Engine> {\n"
+         "                              return std::make_unique<springs::SpringsEngine>();\n"
+         "                          },\n"
+         "                          [](const PstdOptions&)")],
+}
+# Each refers to the list of all engines or to the new one.
+COMPILED = ["src/engines/registry/make_engine.cpp", "src/engines/springs/springs_engine.cpp",
+            "src/config/sections/read_solver.cpp"]
+
+JOB = """schema = 1
+[job]
+name = "springs"
+[medium]
+base = "rigid"
+[[medium.layer]]
+preset = "thesis-tissue"
+[load]
+peak_Pa = 200.0
+footprint = { shape = "gaussian", fwhm_mm = 8.0 }
+[load.modulation]
+kind = "STM"
+path = { shape = "line", from_mm = [-6, 0], to_mm = [6, 0] }
+speed_m_s = 6.0
+[domain]
+extent_mm = [48, 48]
+spacing_mm = 1.0
+[time]
+duration_ms = 2.0
+output_interval_us = 100.0
+[measure]
+focal_radius_mm = 4.0
+[solver]
+engine = "springs"
+[solver.springs]
+stiffness_Pa_m = 4e7
+"""
+
+
+class NewEngine(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-test-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.tree = Path(folder.name) / "tree"
+        for part in ("src", "cmake", "scripts", "analysis"):
+            shutil.copytree(ROOT / part, cls.tree / part, ignore=shutil.ignore_patterns("__pycache__"))
+        for file in ("CMakeLists.txt", "CMakePresets.json"):
+            shutil.copy(ROOT / file, cls.tree)
+        shutil.copytree(ROOT / "docs/developer/springs", cls.tree / SPRINGS)
+        for name, changes in REGISTRATIONS.items():
+            text = (cls.tree / name).read_text(encoding="utf-8")
+            for old, new in changes:
+                assert text.count(old) == 1, f"{name} has changed: {old}"
+                text = text.replace(old, new)
+            (cls.tree / name).write_text(text, encoding="utf-8")
+
+    def test_the_registrations_are_the_only_other_files(self):
+        changed = [str(path.relative_to(self.tree)) for path in sorted(self.tree.rglob("*"))
+                   if path.is_file() and SPRINGS not in path.relative_to(self.tree).parents
+                   and not filecmp.cmp(path, ROOT / path.relative_to(self.tree), shallow=False)]
+        self.assertEqual(changed, sorted(REGISTRATIONS))
+
+    def test_the_layers_accept_it(self):
+        done = subprocess.run([sys.executable, ROOT / "scripts/check_layers.py", self.tree], capture_output=True,
+                              encoding="utf-8", check=False)
+        self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
+
+    def test_what_refers_to_the_registrations_compiles(self):
+        commands = {entry["file"]: entry for entry in
+                    json.loads((BUILD / "compile_commands.json").read_text(encoding="utf-8"))}
+        options = commands[str(ROOT / COMPILED[0])]
+        words = shlex.split(options["command"])
+        kept = [word for word in words[words.index("-I" + str(ROOT / "src")) - 1:]
+                if word.startswith(("-D", "-I", "-isystem", "-std", "/usr/"))]
+        kept = [word.replace(str(ROOT / "src"), str(self.tree / "src")) for word in kept]
+        for name in COMPILED:
+            with self.subTest(name):
+                done = subprocess.run(["c++", *kept, "-fsyntax-only", self.tree / name], capture_output=True,
+                                      encoding="utf-8", cwd=options["directory"], check=False)
+                self.assertEqual(done.returncode, 0, done.stderr)
+
+    @unittest.skipUnless(os.environ.get("SHEARWAKE_BUILD_NEW_ENGINE"), "builds the program, which takes minutes")
+    def test_the_program_computes_a_case_with_it(self):
+        build = self.tree.parent / "build"
+        for command in (["cmake", "--preset", "release", "-B", build, "-DSHEARWAKE_TESTS=OFF"],
+                        ["cmake", "--build", build, "--target", "shearwake"]):
+            done = subprocess.run(command, cwd=self.tree, capture_output=True, encoding="utf-8", check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        job = self.tree / "springs.toml"
+        job.write_text(JOB, encoding="utf-8")
+        for command in (["plan", job], ["run", job], ["reduce", "out/springs"]):
+            done = subprocess.run([build / "shearwake", *command], cwd=self.tree, capture_output=True,
+                                  encoding="utf-8", check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        table = (self.tree / "out/springs/tables/springs.csv").read_text(encoding="utf-8")
+        row = dict(zip(*(line.split(",") for line in table.splitlines()[-2:])))
+        print(row)
+        # 200 Pa / 4e7 Pa/m = 5 um; the peak lies within half a spacing of a point.
+        self.assertAlmostEqual(float(row["peak_um"]), 5.0, delta=0.01)
+
+
+if __name__ == "__main__":
+    unittest.main()
