@@ -50,6 +50,12 @@ constexpr double order_in_time = 2.0;
 /// The smallest `accuracy` that the engine `spectral` accepts.
 constexpr double least_accuracy = 1e-4;
 
+/// An engine without an own rule.
+template <class Options>
+void refine(Options&, Refinement& r) {
+    r.change = "half the frame interval";
+}
+
 void refine(LayeredOptions& o, Refinement& r) {
     // The solution is exact at the frames. Its interpolation has a tolerance.
     if (o.time_step_s) *o.time_step_s *= 0.5;
