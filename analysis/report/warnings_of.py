@@ -6,10 +6,10 @@
 import re
 
 import layout
+import topics
 from words import counted
 
 OF_DRIVE = ("drive",)  # shows the prescribed load alone
-OF_RECEPTORS = ("afferents", "hand", "receptors")
 OF_SURFACES = ("surface", "intensity", "player", "slices", "medium")  # show fields, not readings
 
 
@@ -17,14 +17,21 @@ def starts_with(name, beginnings):
     return any(name.startswith(b) for b in beginnings)
 
 
-def concerns(key, name):
-    """Whether a warning about this key concerns the figure of this name."""
+def is_of_receptors(name):
+    """Whether a figure belongs to the last topic, which has all figures that belong to no other."""
+    return name != "player" and not any(starts_with(name, beginnings) for _, beginnings in topics.TOPICS[:-1])
+
+
+def concerns(case, key, name):
+    """Whether a warning about this key of a case concerns the figure of this name."""
     if key.startswith("afferents."):
-        return starts_with(name, OF_RECEPTORS)
+        return is_of_receptors(name)
+    if is_of_receptors(name) and case.setting("afferents", "input", default="") == "carrier":
+        return False  # the pins move as prescribed, independently of the simulated skin
     if starts_with(name, OF_DRIVE):
         return False
-    if key.startswith("measure.") and key != "measure.at_ms":
-        return not starts_with(name, OF_SURFACES)
+    if key.startswith("measure."):  # at_ms is also the default time of the snapshots
+        return not is_of_receptors(name) and (key == "measure.at_ms" or not starts_with(name, OF_SURFACES))
     return True
 
 
@@ -38,7 +45,7 @@ def sentences(sweep, cases, name=None):
     found = {}
     for case in cases:
         for warning in case.warnings:
-            if name is None or concerns(warning["key"], name):
+            if name is None or concerns(case, warning["key"], name):
                 found.setdefault(kind(warning), []).append((case, warning))
     lines = []
     for (severity, _, _), entries in sorted(found.items(), key=lambda item: item[0][0] != "error"):

@@ -112,6 +112,10 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual([w["message"] for w in sweep.cases[0].warnings],
                          [RETURNS["message"], WINDOW["message"]])
         self.assertEqual(warnings_of.of_figure(sweep, "drive"), [])
+        self.assertEqual(len(warnings_of.of_figure(sweep, "raster_1")), 1)  # not that of the measures
+        for case in sweep.cases:
+            case.physics["afferents"] = {"input": "carrier"}
+        self.assertEqual(warnings_of.of_figure(sweep, "raster_1"), [])
         self.assertEqual(len(warnings_of.of_figure(sweep, "eta")), 2)
         table = (folder.path / "tables" / "s.csv").read_text()
         self.assertIn("warning: domain.extent_mm: waves return at 5.1 ms", table)
