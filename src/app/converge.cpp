@@ -65,19 +65,19 @@ std::string command_line(const ConvergeArguments& arguments) {
     return line;
 }
 
-/// Writes the result and prints it.
-void finish(const std::string& name, const converge::RefinedPlan& refined,
-            const schedule::OutputFolder& sweep, const schedule::OutputFolder& study) {
+/// Writes the result and returns it as text.
+std::string finish(const std::string& name, const converge::RefinedPlan& refined,
+                   const schedule::OutputFolder& sweep, const schedule::OutputFolder& study) {
     const auto changes =
         converge::changes_of(refined, values_in(study, refined.plan.swept_keys.size()));
     const std::string text = converge::markdown_text(changes, headlines());
     const std::filesystem::path table = study.root / "converge.md";
     storage::write_file(sweep.errors(), converge::json_text(name, changes));
     storage::write_file(table, "# " + refined.plan.title + "\n\n" + text);
-    fmt::print("\n{}\nconvergence: {}\n             {}\nnext: shearwake reduce --errors {} adds "
-               "the errors to the table, and shearwake report draws them\n",
-               text, sweep.errors().string(), table.string(),
-               schedule::shell_word(sweep.root.string()));
+    return fmt::format(
+        "\n{}\nconvergence: {}\n             {}\nnext: shearwake reduce --errors {} adds "
+        "the errors to the table, and shearwake report draws them\n",
+        text, sweep.errors().string(), table.string(), schedule::shell_word(sweep.root.string()));
 }
 
 } // namespace
@@ -106,7 +106,10 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
     run.resumed_by = command_line(arguments);
     const ExitCode code = schedule::run_job(job, run, world);
     if (code == ExitCode::stopped_early) return code;
-    on_root(world, [&] { finish(plan.name, refined, sweep, study); });
+    on_root(world, [&] {
+        const std::string text = finish(plan.name, refined, sweep, study);
+        if (!arguments.quiet) fmt::print("{}", text);
+    });
     return code;
 }
 
