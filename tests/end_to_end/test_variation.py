@@ -18,23 +18,25 @@ depth_mm = 12.0
 [load]""")
 
 
-class Variation(ProgramTest):
-    def make_map(self, *options, name="soft.h5"):
-        (self.folder / "maps").mkdir(exist_ok=True)
-        done = subprocess.run([ROOT / "scripts" / "make-map", self.folder / "maps" / name,
-                               "--extent_mm", "72", "48", *options], env=environment(), check=False,
-                              capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout
+def make_map(test, *options, name="soft.h5"):
+    """Writes a map for the job of a test and returns the output of scripts/make-map."""
+    (test.folder / "maps").mkdir(exist_ok=True)
+    done = subprocess.run([ROOT / "scripts" / "make-map", test.folder / "maps" / name,
+                           "--extent_mm", "72", "48", *options], env=environment(), check=False,
+                          capture_output=True, encoding="utf-8", timeout=PATIENCE_s)
+    test.assertEqual(done.returncode, 0, done.stderr)
+    return done.stdout
 
+
+class Variation(ProgramTest):
     def test_a_job_accepts_a_map_of_make_map(self):
-        self.says(self.make_map(), "97 x 65 x 28 points, c_s from 5 to 1", "m/s")
+        self.says(make_map(self), "97 x 65 x 28 points, c_s from 5 to 1", "m/s")
         self.write_job(changed(SPECTRAL, MAP))
         said = self.shearwake("check", "job.toml", ranks=2).said
         self.assertNotIn("medium.map", said)
 
     def test_the_path_of_a_map_is_relative_to_the_job(self):
-        self.make_map()
+        make_map(self)
         (self.folder / "elsewhere").mkdir()
         self.write_job(changed(SPECTRAL, MAP), name="elsewhere/job.toml")
         said = self.shearwake("check", "elsewhere/job.toml", ranks=2, expect=3).said
@@ -49,7 +51,7 @@ class Variation(ProgramTest):
                   "soft.h5")
 
     def test_the_error_of_engine_layered_names_a_suitable_engine(self):
-        self.make_map()
+        make_map(self)
         self.write_job(without_reference(MAP, BONE))
         said = self.shearwake("check", "job.toml", expect=3).said
         self.says(said, "medium.map: the engine", "medium.body: the engine", 'solver.engine = "spectral"')

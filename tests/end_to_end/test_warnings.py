@@ -9,6 +9,7 @@ import h5py
 
 from program import SWEEP, ProgramTest, case_files, without_reference
 from test_solver_notes import BONE, SHORT
+from test_variation import MAP, make_map
 
 # A focus that rests at the centre of a domain of 24 mm for 30 ms: waves cross it seven times.
 WAVES_RETURN = without_reference(
@@ -17,7 +18,7 @@ WAVES_RETURN = without_reference(
     ("extent_mm = [64.0, 48.0]", "extent_mm = [24.0, 24.0]"), ("duration_ms = 4.0", "duration_ms = 30.0"),
     ("at_ms = 4.0", "at_ms = 30.0"), ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true", ""),
     (SWEEP, SWEEP.replace("400, 500, 1000", "200")))
-MAP = ("[load]", """[[medium.body]]
+BODY = ("[load]", """[[medium.body]]
 shape = "box"
 size_mm = [4.0, 4.0, 3.0]
 center_mm = [0.0, 0.0, 12.0]
@@ -64,21 +65,22 @@ class Warnings(ProgramTest):
             self.says(capped[0], "is capped at 1000 times")
 
     def test_plan_and_run_agree_on_the_time_step(self):
-        for engine in ("pstd", "spectral"):
-            for more in ([], [MAP]):
-                with self.subTest(engine=engine, body=bool(more)):
-                    self.write_job(without_reference(('engine = "layered"', f'engine = "{engine}"'), *more, *SHORT,
-                                                     ("1000]", "1000]\n# " + engine)))
-                    planned = self.shearwake("plan", "job.toml").said
-                    out = f"out/{engine}{len(more)}"
-                    self.shearwake("run", "job.toml", "--out", out)
-                    for path in case_files(self.folder / out):
-                        with h5py.File(path) as file:
-                            step_us = 1.2e3 / file.attrs["solver_steps"]
-                            note = file.attrs["solver_notes"].decode().split("\n")[0]
-                        self.assertIn(note, planned)
-                        stated = float(re.search(r"([0-9.]+) us", note)[1])
-                        self.assertAlmostEqual(stated / step_us, 1.0, delta=1e-3)  # four digits are printed
+        make_map(self)
+        for engine, medium, more in (("spectral", "layer", []), ("pstd", "layer", []), ("pstd", "body", [BODY]),
+                                     ("pstd", "map", [MAP])):
+            with self.subTest(engine=engine, medium=medium):
+                self.write_job(without_reference(('engine = "layered"', f'engine = "{engine}"'), *more,
+                                                 *SHORT[:2], (SWEEP, SWEEP.replace("400, 500, ", ""))))
+                planned = self.shearwake("plan", "job.toml").said
+                out = f"out/{engine}-{medium}"
+                self.shearwake("run", "job.toml", "--out", out)
+                [path] = case_files(self.folder / out)
+                with h5py.File(path) as file:
+                    step_us = 1.2e3 / file.attrs["solver_steps"]
+                    note = file.attrs["solver_notes"].decode().split("\n")[0]
+                self.assertIn(note, planned)
+                stated = float(re.search(r"([0-9.]+) us", note)[1])
+                self.assertAlmostEqual(stated / step_us, 1.0, delta=1e-3)  # four digits are printed
 
 
 if __name__ == "__main__":
