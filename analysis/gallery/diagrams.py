@@ -26,7 +26,7 @@ PATH_OF_A_CASE = {
 }
 COMPONENTS = {
     "boxes": {
-        "app": (2, 0, "app"), "bench": (1, 1, "bench"), "reduce": (3, 1, "reduce"), "schedule": (1, 2, "schedule"),
+        "app": (2, 0, "app"), "bench": (1, 1, "bench"), "reduce": (3, 1, "reduce"), "converge": (2, 1, "converge"), "schedule": (1, 2, "schedule"),
         "cost": (1, 3, "cost"), "config": (3, 3, "config"), "pipeline": (1, 4, "pipeline"), "check": (3, 4, "check"),
         "measures": (0, 6, "measures"), "neural": (1, 5.3, "neural"), "storage": (2, 5, "storage"),
         "engines": (3, 5, "engines: interface, layered,\nspectral, pstd, registry"),
@@ -37,7 +37,8 @@ COMPONENTS = {
         "simd": "base", "parallel": "simd", "fft": "parallel", "medium": "base", "load": "base", "case": "medium load",
         "engines": "case fft", "measures": "case simd", "neural": "case fft", "storage": "case parallel",
         "check": "engines", "config": "check", "pipeline": "engines measures neural storage", "cost": "pipeline",
-        "schedule": "cost config", "reduce": "storage config", "bench": "schedule", "app": "bench reduce",
+        "schedule": "cost config", "reduce": "storage config", "converge": "engines measures", "bench": "schedule",
+        "app": "bench reduce converge",
     }.items() for b in others.split()],
     "spacing": (2.3, 0.86), "box": (1.25, 0.46),
 }

@@ -4,6 +4,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import layout
+import references
 import style
 import wake
 from figure import Figure
@@ -22,9 +23,7 @@ def chosen(sweep):
     else:
         each = CASES - 1 if len(found) == 1 else 2
         picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, each)]
-    references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
-    cases = {c.id: c for c in references + layout.evenly(picks, CASES - len(references))}
-    return [c for c in cases.values() if "force" in c.series]
+    return [c for c in references.with_references(sweep, picks, CASES) if "force" in c.series]
 
 
 def is_moving(case):

@@ -6,6 +6,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import layout
+import references
 import style
 from figure import Figure
 from words import number
@@ -35,11 +36,7 @@ def spectrogram(u, interval_s, window):
 
 def chosen(sweep):
     """The reference, then cases from the first to the last curve."""
-    found = layout.groups(sweep)
-    picks = [c for g in layout.evenly(found, 2) for c in layout.evenly(g.cases, CASES - 1)]
-    references = [r for g in found[:1] for r in layout.references(sweep, g)[:1]]
-    cases = {c.id: c for c in references + layout.evenly(picks, CASES - len(references))}
-    return [c for c in cases.values() if c.traces and len(c.series["time"]) >= LEAST]
+    return [c for c in references.first_and_last(sweep, CASES) if c.traces and len(c.series["time"]) >= LEAST]
 
 
 def points(case):

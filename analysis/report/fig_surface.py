@@ -8,6 +8,7 @@ import numpy as np
 
 import layout
 import load
+import references
 import style
 import wake
 from figure import Figure
@@ -46,22 +47,19 @@ def some_rows(cases, columns):
 
 
 def cells(sweep):
-    """The cases of the panels row by row (None: empty panel) and the number of columns. A single curve fills
-    two columns; several curves have one column each."""
-    found = layout.evenly(layout.groups(sweep), COLUMNS)
-    if len(found) == 1:
-        first = layout.motions(layout.references(sweep, found[0]))[:1]
-        cases = first + some_rows(found[0].cases, 1)
+    """The cases of the panels row by row (None: empty panel) and the number of columns. A single curve with one
+    reference fills two columns; other curves have one column each, and references that depend on x another."""
+    groups = layout.groups(sweep)
+    depend_on_x = any(len(references.of_cases(sweep, g.cases)) > 1 for g in groups)
+    found = layout.evenly(groups, COLUMNS // 2 if depend_on_x else COLUMNS)
+    if len(found) == 1 and not depend_on_x:
+        cases = references.of_cases(sweep, found[0].cases) + some_rows(found[0].cases, 1)
         return cases, min(2, len(cases))
-    columns = []
-    shared = len(layout.motions(layout.all_references(sweep))) == 1
-    for i, group in enumerate(found):
-        first = layout.motions(layout.references(sweep, group))[:1]
-        top = ([None] if shared and i else first) if first else []
-        columns.append(top + some_rows(group.cases, len(found)))
+    width = len(found) + depend_on_x
+    columns = references.columns_of(sweep, found, lambda cases: some_rows(cases, width))
     rows = max(map(len, columns), default=0)
     columns = [column + [None] * (rows - len(column)) for column in columns]
-    return [column[row] for row in range(rows) for column in columns], len(found)
+    return [column[row] for row in range(rows) for column in columns], len(columns)
 
 
 def scale(shots):

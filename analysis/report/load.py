@@ -34,6 +34,7 @@ class Case:
     wall_s: float = math.nan
     scalars: dict = field(default_factory=dict)  # column -> value; NaN: empty
     notes: dict = field(default_factory=dict)  # column -> why it is empty
+    warnings: list = field(default_factory=list)  # {severity, key, message}; severity error: not valid
     series: dict = field(default_factory=dict)  # name -> values over time, at the surface
     spectrum: tuple = ()  # frequency_Hz, amplitude_m at the trace nearest to the centre
     trace_at_m: tuple = (math.nan, math.nan)
@@ -42,6 +43,11 @@ class Case:
     @property
     def whole(self):
         return self.status == "complete"
+
+    @property
+    def is_valid(self):
+        """Whether no warning states that the readings are not valid."""
+        return all(w["severity"] != "error" for w in self.warnings)
 
     def value(self, name):
         return self.scalars.get(name, math.nan)
@@ -198,6 +204,7 @@ def fill(case, row):
     case.wall_s = number(row["wall_s"])
     case.scalars = {name: number(value) for name, value in row["values"].items()}
     case.notes = row["notes"]
+    case.warnings = row["warnings"]
 
 
 def load(folder):

@@ -12,6 +12,7 @@ from PIL import Image
 
 import layout
 import table
+import warnings_of
 from chart import chart_data
 from summary import summary
 from topics import headlines, topics
@@ -35,6 +36,11 @@ def counts(sweep):
     parts = [f"{n} {status}" for status, n in by_status.most_common()]
     kinds = f" (of them {counted(references, 'reference')})" if references else ""
     return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
+
+
+def warnings(sentences):
+    """The warnings about the cases of a figure."""
+    return "".join(f'<p class="warning">{escape(w)}</p>' for w in sentences)
 
 
 def small_png(path):
@@ -61,7 +67,7 @@ def picture(figure, folder, level):
         shown = (f'<div class="chart" id="chart-{name}">{json_script([chart_data(c) for c in figure.charts])}</div>'
                  f"<noscript>{still}</noscript>")
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
-            f"<figcaption>{escape(figure.caption)}</figcaption>"
+            f"{warnings(figure.warnings)}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
             f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
 
@@ -135,7 +141,9 @@ def parts(sweep, figures, folder, problems, moving):
     if notice := trouble(sweep, problems):
         made.append(("missing", "Not in the figures", notice, []))
     if moving:
-        made.append(("player", "The surface over time", f'<h2 id="player">The surface over time</h2>{moving}', []))
+        notice = warnings(warnings_of.of_figure(sweep, "player"))
+        made.append(("player", "The surface over time", f'<h2 id="player">The surface over time</h2>{notice}{moving}',
+                     []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
     for title, members in topics(figures):
         inner = "".join(picture(f, folder, "h3") for f in members)

@@ -46,7 +46,8 @@ def cases_of(sweep):
 
 def first_shown(sweep, cases):
     """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
-    best = max(cases, key=lambda c: -math.inf if math.isnan(v := c.value("eta_period_1")) or c.is_reference else v)
+    best = max(cases, key=lambda c: -math.inf if math.isnan(v := c.value("eta_period_1")) or c.is_reference or not c.is_valid
+               else v)
     other = sweep.reference_of(best)
     if other not in cases or other is best:
         other = next((c for c in cases if c is not best), best)

@@ -25,6 +25,7 @@ import fig_surface
 import fig_time
 import layout
 import style
+import warnings_of
 from in_one_piece import in_one_piece
 from load import NoPlan, load
 from page import page
@@ -86,6 +87,8 @@ def draw_all(sweep, folder):
                 figure.caption += (f" The figure shows {drawn} of {every} cases, spread evenly over the sweep; "
                                    "the table lists all.")
             figures.append(figure)
+    for figure in figures:
+        figure.warnings = warnings_of.of_figure(sweep, figure.name)
     return figures, attempt("surface over time", problems, player, some) or "", problems
 
 

@@ -3,11 +3,9 @@
 import math
 
 import layout
-from words import number
-
-
-def known(sweep, column):
-    return [c for c in layout.ordinary(sweep) if not math.isnan(c.value(column))]
+from numerical_error import (choices, is_numerical, known, numerical_variants, spread_of, uncertainty,
+                             with_error)
+from words import counted, number
 
 
 def where(sweep, case):
@@ -40,23 +38,100 @@ def comparison(value, reference, name):
     return f"{percent} than the {number(reference, 3)} of {name}"
 
 
+def caveats(sweep):
+    """Why no case may be called the best: cases without a result, and readings that are not valid."""
+    missing = [c for c in sweep.cases if not c.whole]
+    invalid = [c for c in known(sweep, "eta_period_1") if not c.is_valid]
+    text = ""
+    if missing:
+        has = "has" if len(missing) == 1 else "have"
+        text += f" {counted(len(missing), 'case')} of {len(sweep.cases)} {has} no result yet."
+    if invalid:
+        text += (f" The readings of {counted(len(invalid), 'case')} are not valid and are not used: "
+                 f"{reason_of(invalid[0])}.")
+    return text
+
+
+def reason_of(case):
+    return next(w["message"] for w in case.warnings if w["severity"] == "error")
+
+
+def only_numerical(cases):
+    """For a sweep over numerical parameters alone."""
+    low, high = (f(c.value("eta_period_1") for c in cases) for f in (min, max))
+    if len(cases) == 1:
+        return f"The efficiency η (eta_period_1) is {number(high, 3)}."
+    return (f"The efficiency η (eta_period_1) is {span(low, high)}. The cases differ only in numerical parameters, so "
+            f"the range of {number(200 * spread_of(cases), 2)} % is a numerical error.")
+
+
+def without_best(sweep, cases):
+    """For a sweep in which no case may be called the best."""
+    low, high = (f(c.value("eta_period_1") for c in cases) for f in (min, max))
+    return (f"The efficiency η (eta_period_1) of {counted(len(cases), 'complete case')} is {span(low, high)}; no case "
+            "is called the best until all are complete.")
+
+
+def indistinct(sweep, best, cases, column):
+    """States the numerical error of a column, and how many cases differ from the best by no more than it."""
+    relative = uncertainty(sweep, best, column)
+    if math.isnan(relative):
+        return " The numerical error has not been estimated: shearwake converge does so."
+    variants = numerical_variants(sweep, best)
+    near = [c for c in cases if c not in variants
+            and abs(c.value(column) - best.value(column)) <= 2 * relative * abs(best.value(column))]
+    of_what = "of the ratio" if "over_reference" in column else "of η"
+    if not near:
+        return f" The numerical error {of_what} is {number(100 * relative, 2)} %."
+    differ = "differs" if len(near) == 1 else "differ"
+    return (f" {counted(len(near), 'further case')} {differ} from it by no more than the numerical error of both, "
+            f"{number(100 * relative, 2)} % {of_what} each.")
+
+
 def efficiency(sweep):
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
-    cases = known(sweep, "eta_period_1")
-    if not cases:
+    every = known(sweep, "eta_period_1")
+    cases = [c for c in every if c.is_valid]
+    if not every:
         return "No case has an efficiency η over complete periods (eta_period_1)."
+    if not cases:
+        return f"No efficiency is stated, because no case has valid readings: {reason_of(every[0])}."
+    notes = caveats(sweep)
+    swept = [k for k in layout.axes(sweep) if not is_numerical(k)]
+    if not swept and layout.axes(sweep):
+        return only_numerical(cases) + notes
+    if sweep.x and any(not c.whole for c in sweep.cases):
+        return without_best(sweep, cases) + notes
     compared = [c for c in cases if not math.isnan(gain(sweep, c))]
     if not compared:
-        best = max(cases, key=lambda c: c.value("eta_period_1"))
-        value = number(best.value("eta_period_1"), 3)
-        if not sweep.x:
-            return f"The efficiency η (eta_period_1) is {value}."
-        return f"The efficiency η (eta_period_1) is highest, {value}, at {where(sweep, best)}."
+        return highest(sweep, cases) + notes
     best = max(compared, key=lambda c: gain(sweep, c))
+    text = against_reference(choices(sweep), best)
+    if sweep.x:
+        text += indistinct(sweep, best, compared, "eta_period_over_reference_1")
+    return text + notes
+
+
+def highest(sweep, cases):
+    """The case with the largest efficiency, of cases without references."""
+    best = max(cases, key=lambda c: c.value("eta_period_1"))
+    value = with_error(sweep, best, "eta_period_1")
+    if not sweep.x:
+        return f"The efficiency η (eta_period_1) is {value}."
+    return (f"The efficiency η (eta_period_1) is highest, {value}, at {where(choices(sweep), best)}."
+            + indistinct(sweep, best, cases, "eta_period_1"))
+
+
+def against_reference(sweep, best):
+    """The best case compared with its reference."""
     value = best.value("eta_period_1")
     reference = sweep.reference_of(best).value("eta_period_1")
     name = layout.reference_name(layout.all_references(sweep))
-    versus = f"its efficiency η (eta_period_1) is {number(value, 3)}, {comparison(value, reference, name)}."
+    versus = (f"its efficiency η (eta_period_1) is {with_error(sweep, best, 'eta_period_1')}, "
+              f"{comparison(value, reference, name)}.")
+    ratio = uncertainty(sweep, best, "eta_period_over_reference_1")
+    if abs(value / reference - 1.0) <= ratio:
+        versus += f" This difference does not exceed its numerical error of {number(100 * ratio, 2)} %."
     if not sweep.x:
         return f"{subject(sweep, best)}: {versus}"
     if value < reference:
@@ -66,15 +141,19 @@ def efficiency(sweep):
     return f"{subject(sweep, best)} focuses best: {versus}"
 
 
+def valid(sweep, column):
+    return [c for c in known(sweep, column) if c.is_valid]
+
+
 def strength(sweep):
     ratio = {}
-    for case in known(sweep, "focal_rms_um"):
+    for case in valid(sweep, "focal_rms_um"):
         reference = sweep.reference_of(case)
         if reference and reference is not case and reference.value("focal_rms_um"):
             ratio[case.id] = case.value("focal_rms_um") / reference.value("focal_rms_um")
     ratio = {k: v for k, v in ratio.items() if not math.isnan(v)}
     if not ratio:
-        cases = known(sweep, "focal_rms_um")
+        cases = valid(sweep, "focal_rms_um")
         if not cases:
             return ""
         low, high = (f(c.value("focal_rms_um") for c in cases) for f in (min, max))
@@ -96,4 +175,4 @@ def span(low, high):
 def summary(sweep):
     if not layout.ordinary(sweep):
         return "No case is complete yet, so there is nothing to draw."
-    return efficiency(sweep) + strength(sweep)
+    return efficiency(sweep) + strength(choices(sweep))

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
+#include "reduce/reduce.hpp"
 #include "schedule/run_arguments.hpp"
 
 #include <filesystem>
@@ -35,6 +36,22 @@ struct DiffArguments {
     std::filesystem::path json;           // where to write the differences; empty: nowhere
 };
 
+struct ReduceArguments {
+    std::filesystem::path folder;
+    reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
+};
+
+/// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.
+struct ConvergeArguments : schedule::RunArguments {
+    std::size_t cases = 3; // without `only`: number of cases to study
+};
+
+struct CompareArguments {
+    std::filesystem::path first, second; // case files or output folders
+    std::filesystem::path picture;       // empty: none
+    bool json = false;
+};
+
 struct StatusArguments {
     std::filesystem::path folder;
     bool verify = false; // read the case files and check their checksums
@@ -63,7 +80,11 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 ExitCode status_command(const StatusArguments& arguments, const Comm& world);
 /// Checks every case file, the plan, the journals and the index against their checksums.
 ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);
-ExitCode reduce_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world);
+/// Computes refined cases in the subfolder `converge` and estimates the errors of all columns.
+ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world);
+/// Compares two cases or sweeps by a script of analysis/report.
+ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
 ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);

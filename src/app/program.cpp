@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/command_line_text.hpp"
 #include "app/commands.hpp"
+#include "app/study_commands.hpp"
 
 #include "base/text.hpp"
 #include "bench/bench.hpp"
@@ -17,9 +18,6 @@
 
 namespace shearwake::app {
 namespace {
-
-/// Runs the command that the command line names; set by the callback of its subcommand.
-using Action = std::function<ExitCode(const Comm&)>;
 
 void add_job(CLI::App* command, schedule::JobArguments& arguments) {
     command->add_option("JOB", arguments.job, "job file (TOML)")->required();
@@ -363,11 +361,12 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     const std::string folder = "output folder of a run";
     add_status(app, action, folder);
     add_verify(app, action, folder);
-    add_path_command(app, action, "reduce", "write tables (CSV, Markdown) from the case files",
-                     "DIR", folder, reduce_command);
+    add_reduce(app, action);
     add_path_command(app, action, "report", "draw figures and write one HTML page", "DIR", folder,
                      report_command);
     add_diff(app, action);
+    add_compare(app, action);
+    add_converge(app, action);
     add_show(app, action);
     add_respond(app, action);
     add_bench(app, action);

@@ -10,11 +10,12 @@
 
 namespace shearwake::app {
 
-ExitCode reduce_command(const std::filesystem::path& path, const Comm& world) {
+ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
+    const std::filesystem::path& path = arguments.folder;
     const schedule::OutputFolder folder{path};
     long damaged = 0;
     on_root(world, [&] {
-        const reduce::ReducedTables written = reduce_folder(folder);
+        const reduce::ReducedTables written = reduce_folder(folder, arguments.errors);
         fmt::print("{} cases: {} complete, {} failed or missing\n", written.rows, written.whole,
                    written.rows - written.whole);
         if (written.programs.size() > 1)

@@ -29,9 +29,13 @@ std::filesystem::path plan_of(const schedule::OutputFolder& folder) {
 
 } // namespace
 
-reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder) {
-    return reduce::reduce(
-        {.folder = folder.root, .plan = plan_of(folder), .tables = folder.tables()});
+reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder,
+                                    reduce::ErrorColumns errors) {
+    return reduce::reduce({.folder = folder.root,
+                           .plan = plan_of(folder),
+                           .tables = folder.tables(),
+                           .errors = folder.errors(),
+                           .error_columns = errors});
 }
 
 } // namespace shearwake::app

@@ -80,7 +80,7 @@ void check_focus_resolution(const Case& c, Notes& notes) {
                   "{:.2g} points per width: the grid does not resolve the focus; use a spacing of "
                   "at most {:.3g} mm",
                   milli(width_m), milli(spacing_m), points, wanted_mm);
-    else if (points < good_points_per_fwhm || share > aliased_share)
+    else if (points < good_points_per_fwhm * (1.0 - 1e-9) || share > aliased_share)
         notes.add(Severity::warning, "domain.spacing_mm",
                   "the focus is {:.3g} mm wide (FWHM) and the spacing is {:.3g} mm, which gives "
                   "{:.2g} points per width: the spectrum of the focus still has {:.2g} of its peak "

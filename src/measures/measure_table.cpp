@@ -180,6 +180,11 @@ std::span<const FrameMeasure> frame_measures() {
     return series;
 }
 
+bool counts_samples(std::string_view column) {
+    const Measure* measure = find_measure(column);
+    return measure && std::string_view(measure->meaning).ends_with("in samples");
+}
+
 const Measure* find_measure(std::string_view column) {
     for (const std::string_view name : {column, without_depth(column)})
         for (const Measure& measure : measures)

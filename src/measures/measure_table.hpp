@@ -44,6 +44,10 @@ std::span<const Measure> all_measures();
 /// The entry of a column; for "focal_rms_um_z1.5mm", that of "focal_rms_um". Null if there is none.
 const Measure* find_measure(std::string_view column);
 
+/// Whether a column counts samples of the grid, so that its values on different grids cannot be
+/// compared.
+bool counts_samples(std::string_view column);
+
 /// The value of a name in braces, such as {"radius", "3"}.
 using Detail = std::pair<std::string_view, std::string>;
 /// `text` with its details substituted.

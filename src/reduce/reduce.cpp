@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/reduce.hpp"
 
+#include "base/error.hpp"
 #include "measures/measure_table.hpp"
+#include "reduce/errors.hpp"
 #include "storage/case_file/case_index.hpp"
+#include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -46,6 +50,19 @@ const char* name_of(measures::Shown shown) {
     return "page";
 }
 
+nlohmann::ordered_json json_of_column(const std::string& name) {
+    const std::string of = column_of_error(name);
+    const measures::Measure* measure = measures::find_measure(of.empty() ? name : of);
+    const std::string meaning = measure ? measures::with_details(measure->meaning, {}) : "";
+    const bool is_value = measure && of.empty();
+    return {{"name", name},
+            {"unit", measure ? measure->unit : ""},
+            {"meaning", of.empty() ? meaning : "estimated numerical error of " + of},
+            {"shown", name_of(is_value ? measure->shown : measures::Shown::csv)},
+            {"over_reference_of", is_value ? measure->over_reference_of : ""},
+            {"counts_samples", measures::counts_samples(name)}};
+}
+
 /// The table as JSON: every column with its unit and description, every case with its values (null:
 /// none) and the reasons for empty cells.
 std::string json_text(const storage::PlanIndex& plan, const Table& table,
@@ -56,33 +73,32 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table,
     std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
                                    table.columns.begin() + static_cast<std::ptrdiff_t>(end));
     const auto place = [](const std::string& name) {
-        const measures::Measure* measure = measures::find_measure(name);
+        const std::string of = column_of_error(name);
+        const measures::Measure* measure = measures::find_measure(of.empty() ? name : of);
         return measure ? measure - measures::all_measures().data()
                        : std::ssize(measures::all_measures());
     };
     std::ranges::stable_sort(names, {}, place);
-    for (const std::string& name : names) {
-        const measures::Measure* measure = measures::find_measure(name);
-        columns.push_back({{"name", name},
-                           {"unit", measure ? measure->unit : ""},
-                           {"meaning", measure ? measures::with_details(measure->meaning, {}) : ""},
-                           {"shown", name_of(measure ? measure->shown : measures::Shown::csv)},
-                           {"over_reference_of", measure ? measure->over_reference_of : ""}});
-    }
+    for (const std::string& name : names)
+        columns.push_back(json_of_column(name));
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto& cells = table.rows[row];
         ordered_json values = ordered_json::object(), notes = ordered_json::object();
         for (std::size_t i = first; i < end; ++i)
             values[table.columns[i]] = std::get<double>(cells[i]);
-        if (const storage::CaseDigest* digest = index.find(plan.cases[row].id))
+        ordered_json warnings = ordered_json::array();
+        if (const storage::CaseDigest* digest = index.find(plan.cases[row].id)) {
+            warnings = ordered_json::parse(storage::warnings_text(digest->warnings));
             for (const storage::IndexedScalar& scalar : digest->scalars)
                 if (!scalar.note.empty()) notes[scalar.name] = scalar.note;
+        }
         cases.push_back({{"id", plan.cases[row].id},
                          {"status", std::get<std::string>(cells[end + 1])},
                          {"note", std::get<std::string>(cells[end + 2])},
                          {"wall_s", std::get<double>(cells[end])},
                          {"values", values},
-                         {"notes", notes}});
+                         {"notes", notes},
+                         {"warnings", warnings}});
     }
     return ordered_json({{"columns", columns}, {"cases", cases}}).dump(1) + "\n";
 }
@@ -105,13 +121,28 @@ std::string notes_of(const std::vector<storage::IndexedScalar>& scalars) {
     return text;
 }
 
+/// The warnings of the case, with their severity and key.
+std::string warnings_of(const storage::CaseDigest& digest) {
+    std::string text;
+    for (const Remark& w : digest.warnings)
+        text +=
+            fmt::format("{}{}: {}: {}", text.empty() ? "" : "; ",
+                        w.severity == Severity::error ? "not valid" : "warning", w.key, w.message);
+    return text;
+}
+
+std::string joined(const std::string& first, const std::string& second) {
+    return first + (first.empty() || second.empty() ? "" : "; ") + second;
+}
+
 CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& journal,
                  storage::CaseIndex& index) {
     CaseRow row;
     if (const storage::CaseDigest* digest = index.find(c.id)) {
         row.status = digest->status;
         row.scalars = digest->scalars;
-        row.note = digest->whole() ? notes_of(row.scalars) : digest->damage;
+        row.note =
+            digest->whole() ? joined(warnings_of(*digest), notes_of(row.scalars)) : digest->damage;
         row.wall_s = digest->wall_s;
         return row;
     }
@@ -136,6 +167,12 @@ std::vector<measures::Measure> ratios() {
     for (const measures::Measure& measure : measures::all_measures())
         if (*measure.over_reference_of) found.push_back(measure);
     return found;
+}
+
+/// The columns of measures: all between the swept keys and wall_s.
+std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const Table& table) {
+    return {table.columns.begin() + static_cast<std::ptrdiff_t>(2 + plan.swept_keys.size()),
+            table.columns.end() - 3};
 }
 
 Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
@@ -194,7 +231,15 @@ Table table_of(const ReduceInput& input) {
 ReducedTables reduce(const ReduceInput& input) {
     const storage::PlanIndex plan = storage::read_plan(input.plan);
     storage::CaseIndex index(input.folder, storage::CaseIndex::Trust::checksum);
-    const Table table = build_table(input, plan, index);
+    const Table plain = build_table(input, plan, index);
+    const Errors errors = input.errors.empty() ? Errors{} : read_errors(input.errors);
+    const Table extended = with_errors(plain, measure_columns(plan, plain), errors);
+    const bool adds_errors = input.error_columns == ErrorColumns::added;
+    if (adds_errors && errors.empty())
+        throw UsageError(fmt::format("{} has no estimates of the numerical error: run shearwake "
+                                     "converge with the job of this folder first",
+                                     input.folder.string()));
+    const Table& table = adds_errors ? extended : plain;
     ReducedTables written;
     for (const storage::IndexedCase& c : plan.cases) {
         const storage::CaseDigest* digest = index.find(c.id);
@@ -208,12 +253,15 @@ ReducedTables reduce(const ReduceInput& input) {
     written.csv = input.tables / (plan.name + ".csv");
     written.markdown = input.tables / (plan.name + ".md");
     storage::write_file(written.csv, csv(table));
-    storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, table, index));
+    storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
 
     std::vector<std::string> columns = {"id", "reference"};
     columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
     for (const measures::Measure& measure : measures::all_measures())
-        if (measure.shown == measures::Shown::headlines) columns.emplace_back(measure.name);
+        if (measure.shown == measures::Shown::headlines) {
+            columns.emplace_back(measure.name);
+            columns.push_back(error_column(measure.name)); // omitted unless the table has it
+        }
     columns.insert(columns.end(), {"wall_s", "status", "note"});
     storage::write_file(written.markdown,
                         "# " + markdown_text(plan.title) + "\n\n" + markdown(table, columns));

@@ -10,9 +10,15 @@
 
 namespace shearwake::reduce {
 
+/// Whether the CSV and Markdown tables have columns with the errors of `shearwake converge`.
+enum class ErrorColumns { omitted, added };
+
 /// The location of the files of a sweep and of its tables.
 struct ReduceInput {
     std::filesystem::path folder, plan, tables; // `folder` contains the journals and the case files
+    /// converge.json. The JSON table always has its errors. Empty or missing: no errors.
+    std::filesystem::path errors = {};
+    ErrorColumns error_columns = ErrorColumns::omitted;
 };
 
 struct ReducedTables {
@@ -31,7 +37,8 @@ struct ReducedTables {
 /// files; not collective.
 Table table_of(const ReduceInput& input);
 
-/// Writes the table as CSV and Markdown. Throws UsageError (environment) when it cannot.
+/// Writes the table as CSV, Markdown and JSON. Throws UsageError (environment) when it cannot, or
+/// when error columns are requested and there are no errors.
 ReducedTables reduce(const ReduceInput& input);
 
 } // namespace shearwake::reduce

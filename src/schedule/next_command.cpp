@@ -36,6 +36,7 @@ std::string run_command_line(const std::filesystem::path& job,
 }
 
 std::string run_command_line(const RunArguments& arguments) {
+    if (!arguments.resumed_by.empty()) return arguments.resumed_by;
     std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out);
     if (arguments.ranks_per_case > 0)
         line += fmt::format(" --ranks-per-case {}", arguments.ranks_per_case);

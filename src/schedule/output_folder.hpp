@@ -40,6 +40,10 @@ struct OutputFolder {
     }
     std::filesystem::path cases() const { return root / "cases"; }
     std::filesystem::path tables() const { return root / "tables"; }
+    /// The folder of `shearwake converge`, which is an output folder itself.
+    std::filesystem::path converge() const { return root / "converge"; }
+    /// The result of `shearwake converge`.
+    std::filesystem::path errors() const { return converge() / "converge.json"; }
     std::filesystem::path report() const { return root / "report"; }
     std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
     /// The checkpoints of a running case are this path with .A.h5 and .B.h5 appended.

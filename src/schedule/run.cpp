@@ -155,8 +155,9 @@ std::string epilogue(const OutputFolder& folder, const Selection& selection,
         text += fmt::format("\n{} of them failed because of files or disks: rerun the command to "
                             "retry them",
                             result.failed_files);
-    return text + fmt::format("\nresults: {}\nnext: {}", folder.cases().string(),
-                              reduce_command_line(folder));
+    text += "\nresults: " + folder.cases().string();
+    if (arguments.resumed_by.empty()) text += "\nnext: " + reduce_command_line(folder);
+    return text;
 }
 
 /// Whether the remaining cases are left for a later run. A requested stop has priority over
@@ -210,8 +211,11 @@ std::string layout_text(const std::string& name, std::size_t cases, const TeamLa
 } // namespace
 
 ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
+    return run_job(load_job(arguments.job, arguments.overrides, world), arguments, world);
+}
+
+ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world) {
     const Deadline deadline(arguments.walltime, world);
-    const config::Job job = load_job(arguments.job, arguments.overrides, world);
     const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
                                                     : arguments.out};
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet

@@ -34,6 +34,7 @@ struct RunArguments : JobArguments {
     std::string walltime;     // empty: the limit of the scheduler, or none
     std::filesystem::path log_json; // empty: none
     bool quiet = false;
+    std::string resumed_by; // command line that resumes the run; empty: `run` with these arguments
 };
 
 } // namespace shearwake::schedule

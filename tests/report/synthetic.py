@@ -126,7 +126,8 @@ class Folder:
         if content.pop("written", True):
             facts = {"title": self.plan["title"], "settings": json.dumps(settings),
                      "is_reference": "yes" if is_reference else "no",
-                     "reference_id": reference or "", "job": self.job}
+                     "reference_id": reference or "", "job": self.job,
+                     "warnings": json.dumps(content.pop("warnings", []))}
             write_case(self.file(identity), identity, facts=facts, **content)
         return identity
 

@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Compares two cases or two sweeps: surfaces on their common grid, traces and columns.
+
+Usage: compare.py A B [--json] [--picture FILE]
+A and B are case files or reduced output folders; B is the reference. Exit 0: compared; 2: nothing in common;
+6: a file cannot be read or written.
+"""
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+
+import compare_words
+import numpy as np
+from compare_fields import compare_surfaces, compare_traces
+from load import Case, NoPlan, load, plain, read_case, text
+from checksum import open_case
+
+USAGE, ENVIRONMENT = 2, 6
+SCHEMA = 1
+
+
+class Incomparable(Exception):
+    """The two have nothing in common."""
+
+
+class Side:
+    """The complete cases of one argument and the columns that count samples."""
+
+    def __init__(self, path):
+        self.path = Path(path)
+        if self.path.is_dir():
+            sweep = load(self.path)
+            self.cases = [c for c in sweep.cases if c.whole]
+            self.counting = {c["name"] for c in sweep.columns if c["counts_samples"]}
+        else:
+            self.cases, self.counting = [one_case(self.path)], counting_columns(self.path)
+
+    @property
+    def is_case(self):
+        return not self.path.is_dir()
+
+
+def one_case(path):
+    """The case of a file, with its scalars as columns."""
+    with open_case(path) as file:
+        case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
+                    text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
+        case.scalars = {name: float(plain(item[()])) for name, item in file.items()
+                        if getattr(item, "shape", None) == ()}
+    read_case(case)
+    return case
+
+
+def counting_columns(path):
+    with open_case(path) as file:
+        return {name for name, item in file.items() if getattr(item, "shape", None) == ()
+                and text(item.attrs.get("long_name", "")).endswith("in samples")}
+
+
+def key_of(case, keys):
+    return (case.is_reference, *(str(case.settings.get(k)) for k in keys))
+
+
+def pairs_of(first, second):
+    """Pairs of cases with the same id or, if that is unique, the same values of the swept keys that both have;
+    and the cases of each side without a partner."""
+    if first.is_case and second.is_case:
+        return [(first.cases[0], second.cases[0])], [], []
+    by_id = {c.id: c for c in second.cases}
+    pairs = [(c, by_id[c.id]) for c in first.cases if c.id in by_id]
+    taken = {c.id for pair in pairs for c in pair}
+    left = [[c for c in side.cases if c.id not in taken] for side in (first, second)]
+    keys = sorted(set.intersection(*({k for c in side.cases for k in c.settings} for side in (first, second))))
+    found = [{}, {}]
+    for cases, groups in zip(left, found):
+        for case in cases:
+            groups.setdefault(key_of(case, keys), []).append(case)
+    for key, ours in found[0].items():
+        theirs = found[1].get(key, [])
+        if len(ours) == len(theirs) == 1:
+            pairs.append((ours[0], theirs[0]))
+    matched = {id(c) for pair in pairs for c in pair}
+    order = {id(c): i for i, c in enumerate(first.cases)}
+    pairs.sort(key=lambda pair: order[id(pair[0])])
+    return pairs, *([c for c in side.cases if id(c) not in matched] for side in (first, second))
+
+
+def grid_of(case):
+    d = case.physics["domain"]
+    return {"points": [d["nx"], d["ny"]], "spacing_mm": round(1e3 * d["spacing_m"], 9)}
+
+
+def same_value(a, b):
+    return a == b or (math.isnan(a) and math.isnan(b))
+
+
+def compare_columns(a, b, counting):
+    """The columns that both have, and the names of those that are not compared because they count samples of
+    different grids."""
+    names = [n for n in a.scalars if n in b.scalars and not n.endswith("_error")]
+    excluded = [n for n in names if n in counting] if grid_of(a) != grid_of(b) else []
+    rows = []
+    for name in names:
+        x, y = a.value(name), b.value(name)
+        if name in excluded or (math.isnan(x) and math.isnan(y)):
+            continue
+        change = (x - y) / abs(y) if y else (0.0 if same_value(x, y) else math.nan)
+        rows.append({"column": name, "first": x, "second": y, "change": change})
+    rows.sort(key=lambda row: -abs(row["change"]) if math.isfinite(row["change"]) else -math.inf)
+    return rows, excluded
+
+
+def compare_pair(a, b, counting):
+    columns, excluded = compare_columns(a, b, counting)
+    return {"first": a.id, "second": b.id, "settings": a.settings, "is_reference": a.is_reference,
+            "engines": [c.setting("solver", "engine", default="") for c in (a, b)],
+            "grids": [grid_of(a), grid_of(b)], "fields": compare_surfaces(a, b),
+            "traces": compare_traces(a, b), "columns": columns, "columns_not_compared": excluded}
+
+
+def without_nan(value):
+    """JSON has no NaN: null."""
+    if isinstance(value, dict):
+        return {k: without_nan(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [without_nan(v) for v in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def compare(first, second):
+    """The result as a dictionary, and the compared pairs of cases. Raises Incomparable."""
+    pairs, only_first, only_second = pairs_of(first, second)
+    if not pairs:
+        raise Incomparable(f"{first.path} and {second.path} have no complete case in common: neither ids nor "
+                           "the values of the swept keys that both have")
+    counting = first.counting | second.counting
+    result = {"schema": SCHEMA, "first": str(first.path), "second": str(second.path),
+              "pairs": [compare_pair(a, b, counting) for a, b in pairs],
+              "only_in_first": [c.id for c in only_first], "only_in_second": [c.id for c in only_second]}
+    return result, pairs
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="shearwake compare")
+    parser.add_argument("first")
+    parser.add_argument("second")
+    parser.add_argument("--json", action="store_true")
+    parser.add_argument("--picture", type=Path)
+    given = parser.parse_args(arguments)
+    try:
+        result, pairs = compare(Side(given.first), Side(given.second))
+        if given.picture:
+            import compare_picture  # needs Matplotlib
+            compare_picture.draw(result, pairs, given.picture)
+    except Incomparable as error:
+        print(f"error: {error}", file=sys.stderr)
+        return USAGE
+    except (NoPlan, OSError, KeyError, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    if given.json:
+        print(json.dumps(without_nan(result), indent=1))
+    else:
+        print(compare_words.words(result))
+        if given.picture:
+            print(f"picture: {given.picture}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.stdout.reconfigure(errors="replace")
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "converge/convergence.hpp"
+
+#include "app/commands.hpp"
+#include "measures/measure_table.hpp"
+#include "parallel/agree.hpp"
+#include "reduce/reduce.hpp"
+#include "schedule/job_source.hpp"
+#include "schedule/next_command.hpp"
+#include "schedule/output_folder.hpp"
+#include "schedule/run.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <fmt/format.h>
+
+namespace shearwake::app {
+namespace {
+
+/// The columns of the complete cases in the folder of the study.
+std::map<std::string, converge::Values> values_in(const schedule::OutputFolder& folder,
+                                                  std::size_t swept_keys) {
+    const reduce::Table table =
+        reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
+    const std::size_t first = 2 + swept_keys, end = table.columns.size() - 3;
+    std::map<std::string, converge::Values> values;
+    for (const auto& row : table.rows) {
+        if (std::get<std::string>(row[end + 1]) != "complete") continue;
+        converge::Values& found = values[std::get<std::string>(row[0])];
+        for (std::size_t i = first; i < end; ++i)
+            found[table.columns[i]] = std::get<double>(row[i]);
+    }
+    return values;
+}
+
+/// Complete cases of the sweep that the study contains are not computed again.
+void copy_known_cases(const schedule::OutputFolder& sweep, const schedule::OutputFolder& study,
+                      const Plan& plan) {
+    namespace fs = std::filesystem;
+    if (!fs::exists(sweep.cases())) return;
+    storage::CaseIndex index(sweep.root);
+    storage::make_directory(study.cases());
+    for (const PlannedCase& c : plan.cases) {
+        if (fs::exists(study.case_file(c.id)) || !index.is_whole(c.id)) continue;
+        const fs::path part = study.case_file(c.id).string() + ".copy.part";
+        fs::copy_file(sweep.case_file(c.id), part, fs::copy_options::overwrite_existing);
+        storage::publish(part, study.case_file(c.id));
+    }
+}
+
+std::vector<std::string> headlines() {
+    std::vector<std::string> names;
+    for (const measures::Measure& measure : measures::all_measures())
+        if (measure.shown == measures::Shown::headlines && !measures::counts_samples(measure.name))
+            names.emplace_back(measure.name);
+    return names;
+}
+
+std::string command_line(const ConvergeArguments& arguments) {
+    std::string line =
+        schedule::run_command_line(arguments.job, arguments.overrides, arguments.out);
+    line.replace(line.find(" run "), 5, " converge ");
+    if (!arguments.only.empty()) line += fmt::format(" --only {}", fmt::join(arguments.only, ","));
+    if (arguments.only.empty()) line += fmt::format(" --cases {}", arguments.cases);
+    return line;
+}
+
+/// Writes the result and returns it as text.
+std::string finish(const std::string& name, const converge::RefinedPlan& refined,
+                   const schedule::OutputFolder& sweep, const schedule::OutputFolder& study) {
+    const auto changes =
+        converge::changes_of(refined, values_in(study, refined.plan.swept_keys.size()));
+    const std::string text = converge::markdown_text(changes, headlines());
+    const std::filesystem::path table = study.root / "converge.md";
+    storage::write_file(sweep.errors(), converge::json_text(name, changes));
+    storage::write_file(table, "# " + refined.plan.title + "\n\n" + text);
+    return fmt::format(
+        "\n{}\nconvergence: {}\n             {}\nnext: shearwake reduce --errors {} adds "
+        "the errors to the table, and shearwake report draws them\n",
+        text, sweep.errors().string(), table.string(), schedule::shell_word(sweep.root.string()));
+}
+
+} // namespace
+
+ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world) {
+    config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
+    const schedule::OutputFolder sweep{
+        arguments.out.empty() ? std::filesystem::path("out") / job.plan.name : arguments.out};
+    const schedule::OutputFolder study{sweep.converge()};
+    const Plan plan = job.plan; // the studied cases refer to it
+    const converge::RefinedPlan refined =
+        converge::refined_plan(plan, arguments.only, arguments.cases);
+    job.plan = refined.plan;
+    job.diagnostics.clear(); // `run` reports them
+    on_root(world, [&] {
+        // Another selection replaces the plan; the cases that both have remain.
+        if (std::filesystem::exists(study.plan()) &&
+            storage::compare_plan(storage::read_file(study.plan()), job.plan) !=
+                storage::PlanMatch::same)
+            std::filesystem::remove(study.plan());
+        copy_known_cases(sweep, study, job.plan);
+    });
+    schedule::RunArguments run{arguments};
+    run.out = study.root;
+    run.only.clear();
+    run.resumed_by = command_line(arguments);
+    const ExitCode code = schedule::run_job(job, run, world);
+    if (code == ExitCode::stopped_early) return code;
+    on_root(world, [&] {
+        const std::string text = finish(plan.name, refined, sweep, study);
+        if (!arguments.quiet) fmt::print("{}", text);
+    });
+    return code;
+}
+
+} // namespace shearwake::app

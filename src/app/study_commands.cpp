@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/study_commands.hpp"
+
+#include "app/commands.hpp"
+
+namespace shearwake::app {
+
+void add_converge(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<ConvergeArguments>();
+    CLI::App* command = app.add_subcommand(
+        "converge", "estimate the numerical error: compute some cases with half the spacing, half "
+                    "the time step and twice the domain");
+    command->add_option("JOB", arguments->job, "job file (TOML)")->required();
+    command
+        ->add_option("-S", arguments->overrides, "override a key of the job: -S load.peak_Pa=200")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+    command->add_option("--out", arguments->out,
+                        "output folder of the sweep (default: out/<job name>); the study is in "
+                        "its subfolder converge");
+    command->add_option("--only", arguments->only, "study these cases, by id")
+        ->type_name("ID[,ID]")
+        ->delimiter(',');
+    command
+        ->add_option("--cases", arguments->cases,
+                     "without --only: study N cases, from the first to the last (default 3), and "
+                     "their references")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
+    command
+        ->add_option("--ranks-per-case", arguments->ranks_per_case,
+                     "ranks per team (default 0: chosen)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000000));
+    command
+        ->add_option("--walltime", arguments->walltime,
+                     "start no case that cannot finish within this time")
+        ->type_name("S|H:MM:SS");
+    command->add_flag("--allow-mixed", arguments->allow_mixed,
+                      "use results of another version of the program");
+    command->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
+    command->add_flag("--quiet", arguments->quiet, "print no progress");
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return converge_command(*arguments, world); };
+    });
+}
+
+void add_compare(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<CompareArguments>();
+    CLI::App* command = app.add_subcommand(
+        "compare", "compare the fields, traces and columns of two cases or two sweeps, also of "
+                   "different engines and resolutions");
+    command->add_option("A", arguments->first, "case file (HDF5) or output folder")->required();
+    command->add_option("B", arguments->second, "reference: case file or output folder")
+        ->required();
+    command
+        ->add_option("--picture", arguments->picture,
+                     "draw the fields and their difference into this file: .png, .svg or .pdf "
+                     "(of sweeps: the pair that differs most)")
+        ->type_name("FILE");
+    command->add_flag("--json", arguments->json, "print the result as JSON");
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return compare_command(*arguments, world); };
+    });
+}
+
+void add_reduce(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<ReduceArguments>();
+    CLI::App* command =
+        app.add_subcommand("reduce", "write tables (CSV, Markdown) from the case files");
+    command->add_option("DIR", arguments->folder, "output folder of a run")->required();
+    command->add_flag_callback(
+        "--errors", [=] { arguments->errors = reduce::ErrorColumns::added; },
+        "add columns <column>_error with the errors that shearwake converge estimated");
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return reduce_command(*arguments, world); };
+    });
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""shearwake compare: cases and sweeps of different grids, engines and pressures."""
+import json
+import unittest
+
+from program import SWEEP, ProgramTest, case_files, without_reference
+
+JOB = without_reference(("frames = true", "snapshots_ms = [2.0, 4.0]"),
+                        (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000")))
+
+
+class Compare(ProgramTest):
+    def compare(self, *arguments):
+        return json.loads(self.shearwake("compare", *arguments, "--json").stdout)
+
+    def setUp(self):
+        super().setUp()
+        self.write_job(JOB)
+        self.shearwake("run", "job.toml", "--quiet")
+
+    def test_a_stronger_load_scales_fields_traces_and_columns(self):
+        self.shearwake("run", "job.toml", "-S", "load.peak_Pa=101", "--out", "other", "--quiet")
+        found = self.compare("other", self.out)
+        self.assertEqual(found["schema"], 1)
+        self.assertEqual(len(found["pairs"]), 2)  # matched by the swept key
+        for pair in found["pairs"]:
+            self.assertEqual([f["time_ms"] for f in pair["fields"]], [2.0, 4.0])
+            self.assertEqual(len(pair["traces"]), 2)
+            for entry in pair["fields"] + pair["traces"]:
+                self.assertAlmostEqual(entry["relative_l2"], 0.01, delta=1e-7)  # fields are stored as float32
+            columns = {c["column"]: c["change"] for c in pair["columns"]}
+            self.assertAlmostEqual(columns["peak_um"], 0.01, delta=1e-9)
+            self.assertAlmostEqual(columns["eta_at_1"], 0.0, delta=1e-9)
+            self.assertIn("participation_at_1", columns)  # the same grid
+            self.assertEqual(pair["columns_not_compared"], [])
+            # The field and so its change is largest near the focus, which ends at 14 mm.
+            self.assertLess(abs(pair["fields"][1]["at_mm"][0] - 12.0), 5.0)
+            self.assertEqual(pair["fields"][1]["at_mm"][1], 0.0)
+
+    def test_grids_are_compared_at_their_common_points(self):
+        self.shearwake("run", "job.toml", "-S", "domain.spacing_mm=1.0", "--out", "fine", "--quiet")
+        [first, *_] = self.compare(self.out, "fine")["pairs"]
+        self.assertEqual([g["spacing_mm"] for g in first["grids"]], [1.5, 1.0])
+        self.assertEqual(set(first["columns_not_compared"]),
+                         {f"{m}_{w}_1" for m in ("ipr", "ipr_abs", "participation") for w in ("at", "period")})
+        for field in first["fields"]:
+            self.assertLess(field["relative_l2"], 0.05)  # three points per FWHM
+            self.assertGreater(field["relative_l2"], 1e-6)
+        said = self.shearwake("compare", self.out, "fine", "--picture", "map.png").said
+        self.says(said, "the pair whose surfaces differ most", "largest difference", "not compared, because they count")
+        self.assertEqual((self.folder / "map.png").read_bytes()[:4], b"\x89PNG")
+
+    def test_single_cases_of_two_engines(self):
+        self.shearwake("run", "job.toml", "-S", "solver.engine=spectral", "--out", "other", "--quiet")
+        pairs = self.compare(case_files(self.out)[0], case_files(self.out)[1])["pairs"]
+        self.assertGreater(pairs[0]["fields"][1]["relative_l2"], 0.1)  # another frequency
+        sweeps = self.compare("other", self.out)["pairs"]
+        self.assertEqual(sweeps[0]["engines"], ["spectral", "layered"])
+        for pair in sweeps:  # the accuracy of spectral is 1e-3
+            self.assertLess(pair["fields"][1]["relative_l2"], 5e-3)
+
+    def test_a_case_equals_itself(self):
+        path = case_files(self.out)[0]
+        [pair] = self.compare(path, path)["pairs"]
+        self.assertEqual([f["relative_l2"] for f in pair["fields"]], [0.0, 0.0])
+        self.assertTrue(all(c["change"] == 0.0 for c in pair["columns"]))
+        self.says(self.shearwake("compare", path, path).said, "all columns are equal")
+
+    def test_sweeps_without_common_cases_are_rejected(self):
+        self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),
+                       name="b.toml")
+        self.shearwake("run", "b.toml", "--out", "other", "--quiet")
+        self.says(self.shearwake("compare", self.out, "other", expect=2).said, "have no complete case in common")
+
+
+if __name__ == "__main__":
+    unittest.main()

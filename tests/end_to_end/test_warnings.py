@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Warnings that are stored with a case, and the time step that plan and run report."""
+import csv
+import json
+import re
+import unittest
+
+import h5py
+
+from program import SWEEP, ProgramTest, case_files, without_reference
+from test_solver_notes import BONE, SHORT
+
+# A focus that rests at the centre of a domain of 24 mm for 30 ms: waves cross it seven times.
+WAVES_RETURN = without_reference(
+    ('kind = "AM-STM"\npath = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }\nspeed_m_s = 7.0',
+     'kind = "AM"'),
+    ("extent_mm = [64.0, 48.0]", "extent_mm = [24.0, 24.0]"), ("duration_ms = 4.0", "duration_ms = 30.0"),
+    ("at_ms = 4.0", "at_ms = 30.0"), ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true", ""),
+    (SWEEP, SWEEP.replace("400, 500, 1000", "200")))
+MAP = ("[load]", """[[medium.body]]
+shape = "box"
+size_mm = [4.0, 4.0, 3.0]
+center_mm = [0.0, 0.0, 12.0]
+c_s_m_s = 9.0
+
+[load]""")
+
+
+class Warnings(ProgramTest):
+    def stored(self):
+        found = []
+        for path in case_files(self.out):
+            with h5py.File(path) as file:
+                found.append(json.loads(file.attrs["warnings"]))
+        return found
+
+    def notes(self):
+        with open(self.out / "tables" / "small.csv", encoding="utf-8") as file:
+            return [row["note"] for row in csv.DictReader(file)]
+
+    def test_returning_waves_make_a_reading_invalid_everywhere(self):
+        self.write_job(WAVES_RETURN)
+        self.says(self.shearwake("run", "job.toml").said, "return through the opposite one")
+        [warnings] = self.stored()
+        returned = [w for w in warnings if w["key"] == "domain.extent_mm"]
+        self.assertEqual([w["severity"] for w in returned], ["error"])
+        self.says(returned[0]["message"], "the readings of this case are not valid")
+        self.shearwake("reduce", self.out)
+        self.says(self.notes()[0], "not valid: domain.extent_mm: waves of 5 m/s")
+        self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
+        self.says(self.shearwake("report", self.out).said, "No efficiency is stated, because no case has valid readings")
+        # The index of the folder has the same warnings as the file.
+        (self.out / "index.jsonl").unlink()
+        first = self.notes()
+        self.shearwake("reduce", self.out)
+        self.assertEqual(self.notes(), first)
+
+    def test_a_capped_stiffness_is_stored_with_the_key_to_change(self):
+        self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"'), BONE, *SHORT))
+        self.shearwake("run", "job.toml")
+        for warnings in self.stored():
+            capped = [w["message"] for w in warnings if w["key"] == "solver.spectral.contrast_cap"]
+            self.assertEqual(len(capped), 1, warnings)
+            self.says(capped[0], "is capped at 1000 times")
+
+    def test_plan_and_run_agree_on_the_time_step(self):
+        for engine in ("pstd", "spectral"):
+            for more in ([], [MAP]):
+                with self.subTest(engine=engine, body=bool(more)):
+                    self.write_job(without_reference(('engine = "layered"', f'engine = "{engine}"'), *more, *SHORT,
+                                                     ("1000]", "1000]\n# " + engine)))
+                    planned = self.shearwake("plan", "job.toml").said
+                    out = f"out/{engine}{len(more)}"
+                    self.shearwake("run", "job.toml", "--out", out)
+                    for path in case_files(self.folder / out):
+                        with h5py.File(path) as file:
+                            step_us = 1.2e3 / file.attrs["solver_steps"]
+                            note = file.attrs["solver_notes"].decode().split("\n")[0]
+                        self.assertIn(note, planned)
+                        stated = float(re.search(r"([0-9.]+) us", note)[1])
+                        self.assertAlmostEqual(stated / step_us, 1.0, delta=1e-3)  # four digits are printed
+
+
+if __name__ == "__main__":
+    unittest.main()
