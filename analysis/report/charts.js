@@ -128,7 +128,7 @@ function drawCharts(holder) {
   output.textContent = "Point at a line to read its values; drag to zoom; select names to hide lines.";
   bar.append(output, reset);
   holder.appendChild(bar);
-  const plots = panels.map(panel => drawPanel(holder, panel, output, holder.id));
+  const plots = panels.map(panel => drawPanel(holder, panel, output, holder.id + panel.x_label));
   reset.addEventListener("click", () => plots.forEach(plot =>
     plot.setData(plot.data)));  // also restores the scales
 }

@@ -100,10 +100,7 @@ def curve_figure(sweep, folder, measure, plan):
     figure.supylabel(label, fontsize=9.5)
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(sweep, colour, v))
                for v, c in zip(values, colours)]
-    across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
-    figure.legend(handles=handles, loc="upper center", ncol=across)
-    strip = (0.15 + 0.2 * math.ceil(len(handles) / across)) / figure.get_figheight()
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
+    style.legend_strip(figure, handles)
     name = "multiples_" + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} against {layout.name(sweep, sweep.x)}"

@@ -7,6 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import layout
+import periods
 import style
 from chart import Chart, Line
 from figure import Figure
@@ -79,6 +80,14 @@ def colours_by_x(sweep, cases):
         return colours | {c.id: style.sequential(fractions[c.settings[sweep.x]]) for c in cases}
     norm = x_norm(sweep)
     return colours | {c.id: style.sequential(float(norm(c.settings[sweep.x]))) for c in cases}
+
+
+def colours_in_one_panel(sweep, cases):
+    """The colours of cases that share a panel: those of x, or different ones if there are several curves. References
+    of a single curve are black."""
+    if len(layout.groups(sweep)) > 1:
+        return dict(zip((c.id for c in cases), style.distinct(len(cases))))
+    return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(sweep, cases)}
 
 
 def x_norm(sweep):
@@ -213,16 +222,31 @@ def time_figure(sweep, folder, measure):
     cases = [c for c in in_columns(sweep)
              if measure["needs"] in c.series and len(c.series["time"])]
     if not cases:
-        return None
+        return []
     colours = colours_by_x(sweep, cases)
     many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
+    last = last_periods(figure, cases, measure, folder)
     marks = key_caption(sweep, cases, many) if measure is MEASURES[0] else ""  # once per page
     some = len(layout.ordinary(sweep))
     marks += f" {some} of {every} cases are drawn." if some < every else ""
-    return Figure(measure["name"], measure["title"], measure["caption"] + marks,
+    made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
                   f"{measure['title']}, one line per case", [time_chart(sweep, cases, colours, measure)])
+    return [made, *last]
+
+
+def last_periods(figure, cases, measure, folder):
+    """The figure once more with the last periods of a long run."""
+    span = periods.last_span_ms(cases)
+    if not span:
+        return []
+    for axes in figure.axes:
+        if axes.get_xlabel() == "time (ms)":
+            axes.set_xlim(*span)  # all panels share their x axis
+    name, title = measure["name"] + "_last", measure["title"] + ": the last periods"
+    style.save(figure, folder / (name + ".png"))
+    return [Figure(name, title, f"The last {periods.LAST} periods of the figure above.", title)]
 
 
 def time_chart(sweep, cases, colours, measure):
@@ -257,4 +281,4 @@ def key_caption(sweep, cases, many):
 
 
 def figures(sweep, folder):
-    return [f for m in MEASURES if (f := time_figure(sweep, folder, m))]
+    return [f for m in MEASURES for f in time_figure(sweep, folder, m)]

@@ -39,6 +39,7 @@ class Case:
     spectrum: tuple = ()  # frequency_Hz, amplitude_m at the trace nearest to the centre
     trace_at_m: tuple = (math.nan, math.nan)
     traces: list = field(default_factory=list)  # ((x_m, y_m), u_z_m over time), as recorded
+    trace_amplitudes: list = field(default_factory=list)  # amplitude_m at the frequencies of `spectrum`, per trace
 
     @property
     def whole(self):
@@ -112,6 +113,7 @@ def read_trace(file, case):
     nearest = int(np.argmin(np.hypot(x, y)))
     case.trace_at_m = (float(x[nearest]), float(y[nearest]))
     case.spectrum = (group["frequency"][()], group["amplitude"][nearest])
+    case.trace_amplitudes = list(group["amplitude"][()])
     case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, group["u_z"][()])]
 
 

@@ -24,7 +24,7 @@ from words import number
 
 MOMENTS = 60             # largest number of times per case
 WIDEST_px = 240
-BUDGET_bytes = 1_500_000  # of all pictures; times are omitted and pictures reduced until they fit
+BUDGET_bytes = 1_200_000  # of all pictures; times are omitted and pictures reduced until they fit
 QUALITY = 85             # of the lossy pictures that are used if lossless ones do not fit
 PLAYED_s = 6.0           # duration of the run at the initial slow-down
 SLOW_DOWNS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
@@ -92,7 +92,7 @@ def case_data(sweep, case, limits, detail):
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
             "offsets": [rounded(o) for o in wake.offsets_mm(case)],
-            "path": [rounded(p) for p in layout.evenly(path, 300)] if np.ptp(path) > 0 else []}
+            "path": [rounded(p) for p in layout.evenly(path, 300)] if np.ptp(path, axis=0).max() > 0 else []}
 
 
 def rounded(place):

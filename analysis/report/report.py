@@ -18,11 +18,16 @@ import fig_hand
 import fig_heat
 import fig_intensity
 import fig_measures
+import fig_medium
 import fig_multiples
+import fig_profiles
+import fig_receptors
 import fig_spectra
 import fig_spectrogram
 import fig_surface
 import fig_time
+import fig_traces
+import fig_volume
 import layout
 import style
 import warnings_of
@@ -47,11 +52,13 @@ def of_all():
 def of_few(sweep):
     """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
     time and frequency are omitted if there are too many curves for a panel."""
-    made = [("intensity", fig_intensity.figures), ("drive", fig_drive.figures), ("hand", fig_hand.figures),
-            ("surface", fig_surface.figures)]
+    made = [("surface", fig_surface.figures), ("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
+            ("medium", fig_medium.figures), ("volumes", fig_volume.figures),
+            ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
     if len(layout.groups(sweep)) > style.CURVES:
         return made
-    return [*made, ("time courses", fig_time.figures), ("spectra", fig_spectra.figures),
+    return [*made, ("profiles", fig_profiles.figures), ("time courses", fig_time.figures),
+            ("traces", fig_traces.figures), ("spectra", fig_spectra.figures),
             ("spectrograms", fig_spectrogram.figures)]
 
 

@@ -99,6 +99,14 @@ def label_right(axes, labels):
                   color=colour, clip_on=False, linespacing=1.15)
 
 
+def legend_strip(figure, handles):
+    """A legend in a strip above the panels of a figure with constrained layout; handles have labels."""
+    across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
+    figure.legend(handles=handles, loc="upper center", ncol=across)
+    strip = (0.15 + 0.2 * -(-len(handles) // across)) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
+
+
 def save(figure, path):
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     figure.savefig(path, dpi=DPI, facecolor="white")

@@ -11,7 +11,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from structures import BadInput, structures
+from files import structures
+from structures import BadInput
 from study import FIELDS, Study
 
 SCHEMA = "shearwake grid study 1"
@@ -20,7 +21,7 @@ SCHEMA = "shearwake grid study 1"
 def options():
     parser = argparse.ArgumentParser(
         prog="import-kwave", description="Converts a k-Wave simulation to a job NAME.toml and its grid study "
-        "NAME.h5 for the engine pstd. The input is a .mat file of version 7.3 or an HDF5 file with the structures "
+        "NAME.h5 for the engine pstd. The input is a .mat file of MATLAB, Octave or SciPy, or an HDF5 file, with the structures "
         "medium, source, kgrid, sensor and, optionally, options (PMLSize, PMLAlpha, PMLInside, "
         "MultiAxialPMLRatio, Smooth, ScaleSourceTerms). Then run: shearwake run NAME.toml")
     parser.add_argument("file", type=Path, help="file saved from MATLAB (see docs/how-to/kwave.md)")
@@ -212,6 +213,13 @@ def main():
     except OSError as problem:
         print(f"import-kwave: {problem}", file=sys.stderr)
         return 6
+    except MemoryError:
+        print(f"import-kwave: {chosen.file} needs more memory than there is", file=sys.stderr)
+        return 6
+    except Exception as problem:  # users cannot do anything with a traceback
+        print(f"import-kwave: {chosen.file} cannot be converted: {type(problem).__name__}: {problem}",
+              file=sys.stderr)
+        return 3
     for note in study.notes:
         print(f"note: {note}")
     print(f"{out}.toml and {out}.h5: {' x '.join(map(str, study.points))} nodes, {study.steps} steps of "

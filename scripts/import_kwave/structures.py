@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reads the structures of a k-Wave simulation from an HDF5 file: one that MATLAB wrote (v7.3), or any other
-with groups of the same names. Both store arrays with reversed indices, as (z, y, x)."""
-import h5py
+"""The structures of a k-Wave simulation, with the values of their fields in the order of indices of MATLAB."""
 import numpy as np
 
 
@@ -9,31 +7,42 @@ class BadInput(Exception):
     """An error that the user can correct."""
 
 
-class Structure:
-    """A struct: fields by name."""
+class Unreadable:
+    """A value that cannot be used, such as an object or a complex number. It causes an error only if the field is
+    needed."""
 
-    def __init__(self, group, name):
-        self.group, self.name = group, name
+    def __init__(self, reason):
+        self.reason = reason
+
+
+class Structure:
+    """A struct. The values of `fields` are arrays of float64 (a scalar has the shape ()), texts, lists of values for
+    cell arrays, dictionaries for structs, or Unreadable."""
+
+    def __init__(self, fields, name):
+        self.values, self.name = fields, name
 
     def __contains__(self, field):
-        return field in self.group and not self._is_empty(self.group[field])
-
-    @staticmethod
-    def _is_empty(item):
-        return isinstance(item, h5py.Dataset) and (item.attrs.get("MATLAB_empty", 0) or item.size == 0)
+        return self.values.get(field) is not None
 
     def fields(self):
-        return sorted(field for field in self.group if field in self)
+        return sorted(field for field in self.values if field in self)
+
+    def _refuse(self, field, wanted):
+        value = self.values[field]
+        reason = f": {value.reason}" if isinstance(value, Unreadable) else ""
+        raise BadInput(f"{self.name}.{field} does not contain {wanted}{reason}")
 
     def array(self, field):
         """The array with the order of indices of MATLAB; the shape of a scalar is ()."""
-        item = self.group[field]
-        if not isinstance(item, h5py.Dataset) or item.dtype.kind not in "fiub":
-            raise BadInput(f"{self.name}.{field} does not contain numbers")
-        values = np.asarray(item[()], dtype=float).T
-        if not np.all(np.isfinite(values)):
+        value = self.values[field]
+        while isinstance(value, list) and len(value) == 1:
+            value = value[0]
+        if not isinstance(value, np.ndarray):
+            self._refuse(field, "numbers")
+        if not np.all(np.isfinite(value)):
             raise BadInput(f"{self.name}.{field} contains a number that is not finite")
-        return values.reshape(()) if values.size == 1 else values
+        return value.reshape(()) if value.size == 1 else value
 
     def number(self, field, default=None):
         if field not in self:
@@ -46,43 +55,30 @@ class Structure:
         return float(values)
 
     def text(self, field, default):
-        return self._text_of(self.group[field], field) if field in self else default
+        found = self.texts(field, [default])
+        if len(found) != 1:
+            raise BadInput(f"{self.name}.{field} contains {len(found)} texts; it must be one")
+        return found[0]
 
     def texts(self, field, default):
         """The texts of a cell array, or a single text."""
         if field not in self:
             return default
-        item = self.group[field]
-        if isinstance(item, h5py.Dataset) and item.dtype == h5py.ref_dtype:
-            return [self._text_of(item.file[reference], field) for reference in item[()].ravel()]
-        return [self._text_of(item, field)]
-
-    def _text_of(self, item, field):
-        value = item[()]
-        if isinstance(value, bytes):
-            return value.decode("utf-8")
-        if isinstance(value, str):
-            return value
-        if isinstance(value, np.ndarray) and value.dtype.kind in "ui":  # characters of MATLAB
-            return "".join(chr(code) for code in value.T.ravel())
-        raise BadInput(f"{self.name}.{field} does not contain text")
+        value = self.values[field]
+        found = [text_of(item) for item in (value if isinstance(value, list) else [value])]
+        if None in found:
+            self._refuse(field, "text")
+        return found
 
 
-def structures(path):
-    """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist."""
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise BadInput(f"{path} is not an HDF5 file ({error}); in MATLAB, use save(file, '-v7.3', ...)") from error
-    found = {}
-    for name in ("kgrid", "medium", "source", "sensor", "options"):
-        item = file.get(name)
-        if isinstance(item, h5py.Group):
-            found[name] = Structure(item, name)
-        elif item is not None and item.attrs.get("MATLAB_class", b"") not in (b"struct", b"double"):
-            raise BadInput(f"{name} was saved as an object, which only MATLAB can read: "
-                           f"save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)")
-    for name in ("kgrid", "medium", "source"):
-        if name not in found:
-            raise BadInput(f"{path} has no structure {name}")
-    return found
+def text_of(value):
+    """The text of a value; nothing if it is not a text."""
+    while isinstance(value, list) and len(value) == 1:
+        value = value[0]
+    if isinstance(value, str):
+        return value
+    # Codes of characters that were stored as numbers.
+    if isinstance(value, np.ndarray) and value.size and np.all((value == np.floor(value)) & (value > 0) &
+                                                               (value < 0xd800)):
+        return "".join(chr(int(code)) for code in value.ravel())
+    return None

@@ -25,6 +25,17 @@ def three(value, name, whole=False):
     return np.array(values, dtype=float)
 
 
+def grid_of(points):
+    """The shape of a grid for messages."""
+    return tuple(int(n) for n in points)
+
+
+def reversed_hint(values, points):
+    if values.shape != grid_of(points)[::-1]:
+        return ""
+    return "; its indices are in reverse order: HDF5 files that were not written by MATLAB need array.T"
+
+
 class Study:
     """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
 
@@ -85,7 +96,7 @@ class Study:
             found = medium.array(field)
             if found.shape not in ((), tuple(self.points)):
                 raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
-                               f"shape {tuple(self.points)} of the grid")
+                               f"shape {grid_of(self.points)} of the grid{reversed_hint(found, self.points)}")
             return found
 
         for field in ("sound_speed_compression", "sound_speed_shear", "density"):
@@ -106,10 +117,14 @@ class Study:
         self.layer_speed_m_s = 0.0  # the largest c_p
         if "sound_speed_ref" in medium:
             try:
-                named = {"min": np.min, "mean": np.mean, "max": np.max}[medium.text("sound_speed_ref", "max")]
-                self.layer_speed_m_s = float(named(c_p))
-            except BadInput:
                 self.layer_speed_m_s = medium.number("sound_speed_ref")
+            except BadInput as no_number:
+                named = {"min": np.min, "mean": np.mean, "max": np.max}
+                word = medium.text("sound_speed_ref", "max")
+                if word not in named:
+                    raise BadInput("medium.sound_speed_ref must be a number, \"min\", \"mean\" or "
+                                   "\"max\"") from no_number
+                self.layer_speed_m_s = float(named[word](c_p))
 
     def c_p_at(self, nodes):
         c_p = self.medium["c_p_m_s"]
@@ -121,7 +136,8 @@ class Study:
         """Nodes of a mask, in k-Wave's order with x fastest, and their labels."""
         given = tuple(self.points - 2 * self.first)
         if mask.shape != given:
-            raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, {given}")
+            raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, "
+                           f"{grid_of(given)}{reversed_hint(mask, given)}")
         flat = mask.ravel(order="F")
         at = np.flatnonzero(flat)
         if at.size == 0:
@@ -206,7 +222,7 @@ class Study:
         if "mask" not in sensor:
             self.sensor_nodes = np.zeros((0, 3), dtype=int)
             return
-        mask = sensor.array("mask")
+        mask = np.atleast_1d(sensor.array("mask"))
         if mask.ndim == 3:
             self.sensor_nodes, _ = self.nodes_of(mask, "sensor.mask")
         elif mask.ndim in (1, 2) and mask.shape[0] == 6:  # corners of cuboids, counted from 1

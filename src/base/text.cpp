@@ -4,9 +4,23 @@
 #include "base/hash.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 
 namespace shearwake {
+
+namespace {
+
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return lower;
+}
+
+} // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     // Optimal string alignment with three rolling rows of the dynamic-programming table.
@@ -28,17 +42,33 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> candidates) {
+    const std::string typed = lower_case(word);
     std::optional<std::string> best;
     // Accept a candidate if at most a third of the letters (and at least two) differ.
     std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
     for (const std::string& candidate : candidates) {
-        const std::size_t distance = edit_distance(word, candidate);
+        const std::size_t distance = edit_distance(typed, lower_case(candidate));
         if (distance < best_distance) {
             best_distance = distance;
             best = candidate;
         }
     }
     return best;
+}
+
+std::optional<std::string> with_decimal_point(std::string_view text) {
+    const auto comma = text.find(',');
+    if (comma == std::string_view::npos) return std::nullopt;
+    std::string number(text);
+    number[comma] = '.';
+    const auto is_digit = [&](std::size_t at) {
+        return at < number.size() && std::isdigit(static_cast<unsigned char>(number[at]));
+    };
+    const std::size_t first = !number.empty() && (number[0] == '-' || number[0] == '+') ? 1 : 0;
+    if (!is_digit(first) || !is_digit(comma + 1)) return std::nullopt;
+    char* end = nullptr;
+    std::strtod(number.c_str(), &end);
+    return *end == '\0' ? std::optional(number) : std::nullopt;
 }
 
 std::string quoted_list(std::span<const std::string> items, std::string_view conjunction) {
@@ -57,6 +87,18 @@ bool is_file_name(std::string_view name) {
     };
     return !name.empty() && name.front() != '.' && name.front() != '-' &&
            name.size() <= longest_file_name && std::all_of(name.begin(), name.end(), is_safe);
+}
+
+std::string duration_text(double seconds) {
+    const auto s = std::llround(std::clamp(seconds, 0.0, 1e15));
+    if (s < 100) return fmt::format("{} s", s);
+    if (s < 6000) return fmt::format("{} min {:02} s", s / 60, s % 60);
+    return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+}
+
+std::string hours_and_minutes(double seconds) {
+    const auto minutes = std::llround(std::ceil(std::clamp(seconds, 0.0, 1e15) / 60.0));
+    return fmt::format("{} h {:02} min", minutes / 60, minutes % 60);
 }
 
 std::string exact(double value) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/override.hpp"
 
+#include "base/text.hpp"
 #include "config/sweep_axes.hpp"
 
 #include <algorithm>
@@ -25,6 +26,11 @@ NodePtr parse_value(const std::string& value, const Place& at, DiagnosticList& d
     if (table && table->entries.size() == 1 && trial.errors() == 0)
         return moved_to(table->entries.front().value, at);
     if (is_bare_word(value)) return make_node(value, at);
+    if (const auto number = with_decimal_point(value)) {
+        diagnostics.error(at, fmt::format("write decimal numbers with a point: {} instead of {}",
+                                          excerpt(*number), excerpt(value)));
+        return nullptr;
+    }
     diagnostics.error(
         at, fmt::format("\"{}\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\"",
                         excerpt(value)));

@@ -12,8 +12,14 @@ MarchEnd march(Marching& field, std::ptrdiff_t steps, Observer& observer,
             field.restore(state);
             observer.restore(state);
         });
+    const auto report = [&] {
+        if (checkpoints)
+            checkpoints->progressed(static_cast<double>(field.step()) / static_cast<double>(steps));
+    };
+    report();
     while (field.step() < steps) {
         field.advance();
+        report();
         field.give(observer);
         if (!checkpoints || field.step() == steps || !checkpoints->due()) continue;
         checkpoints->save([&](StateWriter& state) {

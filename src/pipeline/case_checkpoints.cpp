@@ -122,6 +122,14 @@ bool CaseCheckpoints::due() {
     return static_cast<Answer>(answer) != Answer::go_on;
 }
 
+void CaseCheckpoints::progressed(double share) {
+    if (!team_.is_root() || !hooks_.progressed) return;
+    const auto now = Clock::now();
+    if (now - progressed_ < std::chrono::milliseconds(250)) return;
+    progressed_ = now;
+    hooks_.progressed(share);
+}
+
 void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
     const auto paths = paths_of(stem_);
     const fs::path& path = newest_ && newest_->path == paths[0] ? paths[1] : paths[0];

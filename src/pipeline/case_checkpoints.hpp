@@ -24,6 +24,8 @@ struct CheckpointSchedule {
 struct CheckpointHooks {
     std::function<bool()> stop_asked;
     std::function<void(const std::string&)> say;
+    /// The share of the steps that are complete, 0 to 1; at most four times per second.
+    std::function<void(double)> progressed = {};
 };
 
 /// `<stem>.A.h5` and `<stem>.B.h5`, written alternately, so that one remains valid if the program
@@ -41,6 +43,7 @@ public:
     bool restore(const std::function<void(const StateReader&)>& read) override;
     bool stop() const override { return stops_; } // not collective
     bool stop_asked() override;
+    void progressed(double share) override;
 
     /// Whether a checkpoint was found or saved. Not collective.
     bool has_state() const { return newest_.has_value(); }
@@ -76,7 +79,7 @@ private:
     std::function<std::string()> part_;
     std::optional<State> newest_;
     double earlier_seconds_ = 0.0;
-    std::chrono::steady_clock::time_point began_, saved_, looked_;
+    std::chrono::steady_clock::time_point began_, saved_, looked_, progressed_;
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;
     bool stopping_ = false, stops_ = false, stop_failed_ = false;

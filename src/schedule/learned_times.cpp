@@ -9,6 +9,8 @@ namespace {
 
 /// Largest number of groups. Cases of further kinds are corrected by the ratio of their engine.
 constexpr int most_groups = 32;
+/// The share of a case after which its remaining time is extrapolated.
+constexpr double least_share = 0.01;
 
 } // namespace
 
@@ -26,7 +28,7 @@ LearnedTimes::LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world)
         engines_.push_back(number_of(c.engine, -1));
         groups_.push_back(number_of(c.engine + ": " + c.kinds, engines_.back()));
     }
-    counters_.emplace(world, 3 * group_count_ + 2);
+    counters_.emplace(world, 3 * group_count_ + 3);
     if (!world.is_root()) return;
     for (std::size_t i = 0; i < cases_.size(); ++i)
         counters_->fetch_add(left_counter(groups_[i]), std::lround(1e6 * cases_[i].estimated_s));
@@ -57,13 +59,53 @@ void LearnedTimes::begin(std::size_t index) {
     counters_->fetch_add(at_work(), 1);
 }
 
-void LearnedTimes::end(std::size_t index) {
+void LearnedTimes::replace(std::size_t index, long taken_us, long estimated_us, long left_us) {
+    Partial& p = partial_[index];
+    for (const int number : {engines_[index], groups_[index]}) {
+        counters_->fetch_add(group(number).taken, taken_us - p.taken_us);
+        counters_->fetch_add(group(number).estimated, estimated_us - p.estimated_us);
+    }
+    counters_->fetch_add(extrapolated_us(), left_us - p.left_us);
+    p.taken_us = taken_us;
+    p.estimated_us = estimated_us;
+    p.left_us = left_us;
+}
+
+void LearnedTimes::progressed(std::size_t index, double share) {
+    const auto [at, is_first] = partial_.try_emplace(index);
+    Partial& p = at->second;
+    if (is_first) {
+        p.from_share = share;
+        p.from_us = now_us();
+    }
+    const double passed = share - p.from_share;
+    const long taken_us = now_us() - p.from_us;
+    if (passed < least_share || taken_us <= 0) return;
+    if (!p.counts) { // from its estimate to its progress
+        p.counts = true;
+        leave_estimates(index);
+    }
+    replace(index, taken_us, std::lround(1e6 * cases_[index].estimated_s * passed),
+            std::lround(static_cast<double>(taken_us) * (1.0 - share) / passed));
+}
+
+void LearnedTimes::leave_estimates(std::size_t index) {
     if (began_us_[index] > 0) {
         counters_->fetch_add(at_work(), -1);
         counters_->fetch_add(begun_us(), -began_us_[index]);
     }
     counters_->fetch_add(left_counter(groups_[index]),
                          -std::lround(1e6 * cases_[index].estimated_s));
+}
+
+void LearnedTimes::end(std::size_t index) {
+    const auto at = partial_.find(index);
+    const bool counts = at != partial_.end() && at->second.counts;
+    if (counts)
+        replace(index, 0, 0, 0);
+    else
+        leave_estimates(index);
+    if (at != partial_.end()) partial_.erase(at);
 }
 
 void LearnedTimes::learn(std::size_t index, double seconds, double estimated_s) {
@@ -95,7 +137,8 @@ double LearnedTimes::left_s() const {
                        ratio_of_case(number, engine_of_group_[static_cast<std::size_t>(number)]);
     const auto behind_us =
         static_cast<double>(counters_->read(at_work()) * now_us() - counters_->read(begun_us()));
-    return 1e-6 * std::max(0.0, left_us - std::max(0.0, behind_us));
+    const auto extrapolated = static_cast<double>(counters_->read(extrapolated_us()));
+    return 1e-6 * (extrapolated + std::max(0.0, left_us - std::max(0.0, behind_us)));
 }
 
 } // namespace shearwake::schedule

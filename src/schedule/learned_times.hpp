@@ -30,6 +30,9 @@ public:
     /// Adds the times of earlier runs. On one rank only.
     void recall(const storage::JournalContents& journal);
     void begin(std::size_t index);
+    /// The share of a running case that is complete, 0 to 1. From then on, its remaining time
+    /// follows from the time that its steps take, and corrects the estimates of similar cases.
+    void progressed(std::size_t index, double share);
     /// The case has ended or will not be computed in this run.
     void end(std::size_t index);
     /// Adds the measured time of a case and the estimate of the same work.
@@ -52,12 +55,24 @@ private:
     int left_counter(int number) const { return 2 * group_count_ + number; }
     int at_work() const { return 3 * group_count_; }
     int begun_us() const { return at_work() + 1; }
+    int extrapolated_us() const { return at_work() + 2; }
+    /// Removes a case from the sums of estimates.
+    void leave_estimates(std::size_t index);
+    /// Replaces the contribution of a case's progress to the counters.
+    void replace(std::size_t index, long taken_us, long estimated_us, long left_us);
     long now_us() const;
 
     std::vector<ExpectedCase> cases_;
     std::map<std::string, int> numbers_; // of engines and kinds
     std::vector<int> engines_, groups_;  // of each case
     std::vector<long> began_us_;         // of each case that this team computes
+    /// What the progress of a running case contributes to the counters.
+    struct Partial {
+        bool counts = false;
+        double from_share = 0.0; // at the first report, which may follow a resume
+        long from_us = 0, taken_us = 0, estimated_us = 0, left_us = 0;
+    };
+    std::map<std::size_t, Partial> partial_; // of the cases that this team computes
     std::vector<int> engine_of_group_;
     int group_count_ = 0;
     std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();

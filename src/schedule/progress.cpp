@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/progress.hpp"
 
+#include "base/text.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -24,11 +26,11 @@ bool user_sees_a_terminal() {
            (target.string().starts_with("/dev/pts/") || target.string().starts_with("/dev/tty"));
 }
 
-std::string duration(double seconds) {
-    const auto s = static_cast<long>(seconds + 0.5);
-    if (s < 100) return fmt::format("{} s", s);
-    if (s < 6000) return fmt::format("{} min {:02} s", s / 60, s % 60);
-    return fmt::format("{} h {:02} min", s / 3600, s / 60 % 60);
+/// "[######              ]  30 % "
+std::string bar(double share) {
+    constexpr int width = 20;
+    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
+    return fmt::format("[{:#<{}}{:{}}] {:3.0f} % ", "", full, "", width - full, 100.0 * share);
 }
 
 } // namespace
@@ -50,9 +52,9 @@ void Progress::log(const SweepCounts& counts) {
     const double elapsed = std::chrono::duration<double>(now - began_).count();
     storage::append_line(
         log_, fmt::format(R"({{"time": "{}", "elapsed_s": {:.3f}, "total": {}, "done": {}, )"
-                          R"("failed": {}, "running": {}, "left_s": {:.3f}}})",
+                          R"("failed": {}, "running": {}, "partial": {:.4f}, "left_s": {:.3f}}})",
                           storage::timestamp(), elapsed, counts.total, counts.done, counts.failed,
-                          counts.running, counts.left_s));
+                          counts.running, counts.partial, counts.left_s));
 }
 
 void Progress::update(const SweepCounts& counts) {
@@ -61,12 +63,10 @@ void Progress::update(const SweepCounts& counts) {
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
     const long ended = counts.done + counts.failed;
-    const long percent = counts.total > 0 ? 100 * ended / counts.total : 100;
-    const bool due = live_ ? since > 0.25 || ended == counts.total
-                           : since > 60.0 || percent / 5 > last_percent_ / 5;
+    const bool due =
+        live_ ? since > 0.25 || ended == counts.total : since > 60.0 || ended == counts.total;
     if (!due) return;
     last_ = now;
-    last_percent_ = percent;
     if (live_) {
         fmt::print(stderr, "\r\x1b[K{}", line(counts));
         drawn_ = true;
@@ -80,10 +80,16 @@ std::string Progress::line(const SweepCounts& counts) const {
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const long ended = counts.done + counts.failed;
-    std::string text = fmt::format("{}/{} cases done, {} running, {} failed", counts.done,
-                                   counts.total, counts.running, counts.failed);
+    const double complete =
+        (static_cast<double>(ended) + counts.partial) / static_cast<double>(counts.total);
+    std::string text = live_ ? bar(complete) : "";
+    text += fmt::format("{}/{} cases done, {} running", counts.done, counts.total, counts.running);
+    if (counts.running > 0 && counts.partial > 0.0)
+        text += fmt::format(" ({:.0f} % complete)",
+                            100.0 * counts.partial / static_cast<double>(counts.running));
+    text += fmt::format(", {} failed", counts.failed);
     if (ended > 0) text += fmt::format(", {:.3g} cases/s", static_cast<double>(ended) / elapsed);
-    if (ended < counts.total) text += fmt::format(", {} remaining", duration(counts.left_s));
+    if (ended < counts.total) text += fmt::format(", {} remaining", duration_text(counts.left_s));
     return text;
 }
 

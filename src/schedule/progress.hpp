@@ -13,11 +13,12 @@ struct SweepCounts {
     long done = 0;
     long failed = 0;
     long running = 0;
-    double left_s = 0.0; // estimated time until the teams have ended
+    double partial = 0.0; // sum of the complete shares of the running cases
+    double left_s = 0.0;  // estimated time until the teams have ended
 };
 
-/// Prints the progress on rank 0: one line that is redrawn on a terminal, elsewhere a line every
-/// 5 % or every minute. Not collective.
+/// Prints the progress on rank 0: a bar that is redrawn on a terminal, elsewhere a line per minute
+/// and at the end. Not collective.
 class Progress {
 public:
     enum class Style { automatic, quiet };
@@ -41,7 +42,6 @@ private:
     std::chrono::steady_clock::time_point logged_;
     bool drawn_ = false;
     std::chrono::steady_clock::time_point began_, last_;
-    long last_percent_ = 0;
 };
 
 } // namespace shearwake::schedule

@@ -199,7 +199,7 @@ bool Worker::one_case(const PlannedCase& planned) {
         std::this_thread::sleep_for(waits_for_files[attempt]);
     }
     before_ = &planned.physics;
-    tick();
+    if (team_.is_root()) progressed(0.0);
     return is_done;
 }
 
@@ -212,7 +212,8 @@ bool Worker::compute(const PlannedCase& planned) {
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
-        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); }});
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); },
+         [this](double share) { progressed(share); }});
     const auto outcome =
         pipeline::run_case(planned, list_.facts, *engine_, team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
@@ -336,6 +337,14 @@ bool Worker::stop_asked() {
     return signal_told_ || signal_seen_;
 }
 
+void Worker::progressed(double share) {
+    const long ppm = std::lround(1e6 * share);
+    counters_.fetch_add(partial_ppm, ppm - partial_ppm_);
+    partial_ppm_ = ppm;
+    times_.progressed(at_, share);
+    tick();
+}
+
 void Worker::tick() {
     if (!world_.is_root()) return;
     const auto now = std::chrono::steady_clock::now();
@@ -350,6 +359,7 @@ void Worker::tick() {
         counts.done + counts.failed + counters_.read(put_off) + counters_.read(elsewhere);
     counts.left_s = times_.left_s() /
                     static_cast<double>(std::clamp<long>(counts.total - ended, 1, list_.teams));
+    counts.partial = 1e-6 * static_cast<double>(counters_.read(partial_ppm));
     progress_.update(counts);
 }
 

@@ -79,6 +79,7 @@ private:
         folder_gone,
         teams_us,
         solves_us,
+        partial_ppm, // sum of the complete shares of the running cases, in millionths
         shared_count
     };
 
@@ -96,6 +97,8 @@ private:
     void say(const std::string& text);
     bool stop_asked();
     void look_for_folder();
+    /// Shares the progress of the running case with the other teams. On the root of the team.
+    void progressed(double share);
     void tick();
 
     WorkList list_;
@@ -115,6 +118,7 @@ private:
     std::set<std::string> told_;        // each is reported once
     int file_failures_in_a_row_ = 0;
     std::vector<double> computed_; // positions in the plan; on the root of the team
+    long partial_ppm_ = 0;         // complete share of the running case of this team
     long worked_us_ = 0;           // of this team, from its first search for a case to its last
     std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
         last_folder_{};

@@ -185,7 +185,7 @@ class Errors(ImportTest):
         done = subprocess.run([ROOT / "scripts" / "import-kwave", "text.mat"], cwd=self.folder, env=environment(),
                               capture_output=True, encoding="utf-8", check=False)
         self.assertEqual(done.returncode, 3)
-        self.says(done.stderr, "is not an HDF5 file", "-v7.3")
+        self.says(done.stderr, "is neither an HDF5 file nor a .mat file", "-v7.3")
 
     def test_a_job_that_does_not_fit_its_study_is_rejected(self):
         self.imported(structures_of("a_additive_pml10", reference("a_additive_pml10")))

@@ -42,13 +42,13 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_every_figure_is_a_file_and_part_of_the_page(self):
         names = {"eta", "gain", "strength", "ipr_abs", "participation", "ipr", "frequency",
-                 "drive", "eta_time", "displacement", "ipr_abs_time", "ipr_time", "surface", "spectra",
+                 "drive", "eta_time", "profiles", "traces", "displacement", "ipr_abs_time", "ipr_time", "surface", "spectra",
                  "spectra_relative", "spectrograms"}
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.png")}, names)
         self.assertEqual({p.stem for p in (self.folder.path / "report").glob("*.pdf")}, names)
         self.assertEqual(len(self.page.images), len(names))
         for image in self.page.images:
-            self.assertTrue(image["src"].startswith("data:image/png;base64,"))
+            self.assertTrue(image["src"].startswith("data:image/webp;base64,"))
             self.assertTrue(image["alt"])
 
     def test_the_page_loads_nothing_from_elsewhere(self):
@@ -119,26 +119,26 @@ class ReportTest(unittest.TestCase):
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it contains another case", page.data)
         self.assertIn("not computed", page.data)
-        self.assertEqual(len(page.images), 16)
+        self.assertEqual(len(page.images), 18)
 
     def test_a_case_without_measures_has_a_page(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars=dict.fromkeys(SCALARS, math.nan), snapshot=False)
         images = len(Page(folder.report()).images)
-        self.assertEqual(images, 6)  # drive, three over time, spectra, spectrograms
+        self.assertEqual(images, 7)  # drive, three over time, traces, spectra, spectrograms
 
     def test_a_single_case_has_no_curves(self):
         folder = Folder(self.root, x="", swept=())
         folder.add({})
         page = Page(folder.report())
-        self.assertEqual(len(page.images), 7)
+        self.assertEqual(len(page.images), 9)
         self.assertIn("The job sweeps no key", page.data)
 
     def test_x_may_be_a_string(self):
         folder = Folder(self.root, x="load.modulation.kind", swept=["load.modulation.kind"])
         for kind in ("STM", "AM-STM", "SM-STM"):
             folder.add({"load.modulation.kind": kind}, case_id(1), kind=kind)
-        self.assertEqual(len(Page(folder.report()).images), 16)
+        self.assertEqual(len(Page(folder.report()).images), 18)
 
     def test_series_are_curves_in_the_order_of_their_values(self):
         folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
@@ -151,13 +151,13 @@ class ReportTest(unittest.TestCase):
         groups = layout.groups(load.load(self.root))
         self.assertEqual([g.values for g in groups], [(3.0,), (10.0,)])
         self.assertEqual([c.settings[AM] for c in groups[0].cases], [100.0, 200.0, 400.0])
-        self.assertEqual(len(page.images), 16)  # one snapshot per series
+        self.assertEqual(len(page.images), 18)  # one snapshot per series
 
     def test_many_cases_share_panels(self):
         folder = Folder(self.root)
         for f in range(1, 16):
             folder.add({AM: 50.0 * f}, snapshot=f < 3)
-        self.assertEqual(len(Page(folder.report()).images), 13)
+        self.assertEqual(len(Page(folder.report()).images), 15)
 
     def summary(self, values, references=(0.2,), **settings):
         """The summary of cases with these efficiencies, of each of the references."""

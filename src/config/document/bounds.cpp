@@ -45,4 +45,15 @@ std::optional<PhysicalBounds> physical_bounds(std::string_view key) {
     return std::nullopt;
 }
 
+std::string_view instead_of_zero(std::string_view key) {
+    if (key == "am_frequency_Hz")
+        return "for a case without modulation, set am_depth = 0, or use kind = \"STM\" instead of "
+               "\"AM-STM\"; a sweep is compared with it by reference = { kind = \"STM\" } in "
+               "[table]";
+    if (key == "sm_frequency_Hz") return "for a constant speed, use kind = \"STM\"";
+    if (key == "lm_frequency_Hz")
+        return "for a focus that does not move, use kind = \"AM\" with am_depth = 0";
+    return {};
+}
+
 } // namespace shearwake::config

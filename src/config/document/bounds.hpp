@@ -17,4 +17,8 @@ struct PhysicalBounds {
 /// Determined by the unit suffix of the key, and for wave speeds by the key itself.
 std::optional<PhysicalBounds> physical_bounds(std::string_view key);
 
+/// How to request what a user may have meant by the value 0 of a key that must not be 0; empty if
+/// nothing is known. A sentence without a capital letter and a full stop.
+std::string_view instead_of_zero(std::string_view key);
+
 } // namespace shearwake::config

@@ -67,8 +67,10 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         return std::nullopt;
     }
     if (!std::isfinite(*value) || !range.holds(*value)) {
-        diagnostics_->error(node.at, fmt::format("{} must be {}, but is {}", full(key),
-                                                 range.words(), exact(*value)));
+        const std::string_view hint = *value == 0.0 ? instead_of_zero(key) : "";
+        diagnostics_->error(node.at,
+                            fmt::format("{} must be {}, but is {}{}{}", full(key), range.words(),
+                                        exact(*value), hint.empty() ? "" : "; ", hint));
         return std::nullopt;
     }
     const double in_SI = to_SI(key, *value);
@@ -189,8 +191,11 @@ std::optional<Vec2> Reader::checked_point(std::string_view key, const Node& node
     const auto* items = std::get_if<ListNode>(&node.value);
     if (!items || items->size() != 2) {
         if (items)
-            diagnostics_->error(node.at, fmt::format("{} must be a pair [x, y], but has {} values",
-                                                     full(key), items->size()));
+            diagnostics_->error(
+                node.at,
+                fmt::format("{} must be a pair [x, y], but has {} values{}", full(key),
+                            items->size(),
+                            items->size() == 4 ? "; write decimal numbers with a point" : ""));
         else
             wrong_kind(key, "a pair [x, y]", node);
         return std::nullopt;

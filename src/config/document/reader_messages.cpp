@@ -26,9 +26,13 @@ void Reader::error(std::string_view key, std::string_view message) const {
 
 void Reader::wrong_kind(std::string_view key, std::string_view wanted, const Node& found) const {
     const auto* word = std::get_if<std::string>(&found.value);
+    const auto number = word ? with_decimal_point(*word) : std::nullopt;
     diagnostics_->error(
-        found.at, fmt::format("{} must be {}, but is {}{}", full(key), wanted, kind_name(found),
-                              word ? fmt::format(" (\"{}\")", excerpt(*word)) : ""));
+        found.at,
+        fmt::format("{} must be {}, but is {}{}{}", full(key), wanted, kind_name(found),
+                    word ? fmt::format(" (\"{}\")", excerpt(*word)) : "",
+                    number ? fmt::format("; write decimal numbers with a point: {}", *number)
+                           : ""));
 }
 
 void Reader::missing(std::string_view key) {
@@ -47,7 +51,9 @@ std::string Reader::unknown_message(std::string_view key, std::optional<std::str
                            unit->suffix.substr(1), known);
     }
     meant = nearest(key, known_);
-    return start + (meant ? fmt::format("; did you mean {}?", *meant) : "");
+    if (meant) return fmt::format("{}; did you mean {}?", start, *meant);
+    if (!path_.empty()) return start;
+    return start + "; give keys with their tables, as in load.peak_Pa";
 }
 
 void Reader::finish() {

@@ -35,8 +35,10 @@ void check_corners(Reader& reader, const Travel& travel) {
                                  1e3 * pace.slow_within_m));
 }
 
-/// The given speed, or 1 m/s and a diagnostic.
-double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& travel) {
+/// The given speed, or 1 m/s and a diagnostic. Without a valid path, a frequency is not checked
+/// against it.
+double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& travel,
+                      bool has_path) {
     const auto speed_m_s = reader.find_number("speed_m_s", Range::between(1e-6, 1000.0));
     const auto mach = reader.find_number("mach", Range::between(1e-6, 1000.0));
     const auto draw_Hz = reader.find_number("draw_frequency_Hz", Range::between(1e-3, 1e5));
@@ -47,6 +49,8 @@ double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& 
         if (has_speed)
             reader.error("draw_frequency_Hz",
                          "and a speed are both given; specify only one of them");
+        else if (!has_path)
+            return 1.0;
         else if (travel.at_end == AtEnd::off || travel.at_end == AtEnd::hold)
             reader.error("draw_frequency_Hz",
                          "requires a path that repeats: set path.at_end = \"repeat\" or "
@@ -96,7 +100,7 @@ Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed) 
     const bool takes_corners = speed != SpeedKind::oscillating;
     if (takes_corners) travel.corners = read_corners(reader);
     const std::size_t before_speed = reader.diagnostics().errors();
-    const double speed_m_s = read_speed_m_s(reader, context, travel);
+    const double speed_m_s = read_speed_m_s(reader, context, travel, has_path);
     const bool speed_is_sound = reader.diagnostics().errors() == before_speed;
     travel.motion = ConstantSpeed{speed_m_s};
     if (oscillates) travel.motion = read_oscillation(reader, speed_m_s, speed_is_sound);

@@ -2,6 +2,8 @@
 #include "schedule/learned_times.hpp"
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
 
 using namespace shearwake;
 
@@ -22,6 +24,32 @@ TEST_CASE("estimates are not corrected before a case has been measured", "[learn
     for (const std::size_t index : {0u, 1u, 2u, 3u})
         CHECK(times.factor(index) == 1.0);
     CHECK(times.left_s() == Approx(100.0));
+}
+
+TEST_CASE("the progress of a case determines its remaining time", "[learned]") {
+    using Clock = std::chrono::steady_clock;
+    const auto seconds = [](Clock::duration time) {
+        return std::chrono::duration<double>(time).count();
+    };
+    schedule::LearnedTimes times(some_cases(), Comm::world());
+    times.begin(1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50)); // does not count: a setup
+    const auto before = Clock::now();
+    times.progressed(1, 0.2); // resumed from a checkpoint
+    const auto began = Clock::now();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    const auto ended = Clock::now();
+    times.progressed(1, 0.3);
+    const auto after = Clock::now();
+    // A tenth of the case has taken between these times, and corrects the cases of this engine.
+    const double least = seconds(ended - began), most = seconds(after - before);
+    const auto left = [](double tenth) { return 7.0 * tenth + (10.0 + 30.0) * tenth / 2.0 + 40.0; };
+    CHECK(times.left_s() >= left(least) - 1e-5); // counted in microseconds
+    CHECK(times.left_s() <= left(most) + 1e-5);
+    times.learn(1, 40.0, 20.0);
+    times.end(1);
+    CHECK(times.factor(0) == Approx(2.0)); // its partial time is not counted twice
+    CHECK(times.left_s() == Approx(2.0 * 40.0 + 40.0));
 }
 
 TEST_CASE("a measured case corrects those like it, then those of its engine", "[learned]") {

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads the structures of a k-Wave simulation from the files that MATLAB, Octave, SciPy and h5py write."""
+import h5py
+import numpy as np
+
+from structures import BadInput, Structure, Unreadable
+
+NAMES = ("kgrid", "medium", "source", "sensor", "options")
+DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
+OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
+          "(docs/how-to/kwave.md)")
+
+
+def decoded(value):
+    if isinstance(value, bytes):
+        try:
+            value = value.decode("utf-8")
+        except UnicodeDecodeError:
+            value = value.decode("latin-1")
+    return str(value).rstrip("\0 ")
+
+
+def of_array(values):
+    """Numbers as float64, texts as str or a list of str. The order of indices is kept."""
+    values = np.asarray(values)
+    if values.size == 0:
+        return None
+    if values.dtype.kind in "fiub":
+        return values.astype(float)
+    if values.dtype.kind in "SU" or (values.dtype.kind == "O" and
+                                     all(isinstance(item, (str, bytes)) for item in values.ravel())):
+        texts = [decoded(item) for item in values.ravel()]
+        return texts[0] if len(texts) == 1 else texts
+    if values.dtype.kind == "c":
+        return Unreadable("its numbers are complex")
+    return Unreadable(f"its type is {values.dtype}")
+
+
+# ---- HDF5: MATLAB 7.3, h5py, and Octave with save -hdf5. Arrays have reversed indices, as (z, y, x).
+
+def class_of(item):
+    """The MATLAB class; empty for other files."""
+    return decoded(item.attrs.get("MATLAB_class", b""))
+
+
+def characters(values):
+    """The rows of a MATLAB character array."""
+    rows = ["".join(chr(int(code)) for code in row).rstrip("\0 ") for row in np.atleast_2d(values.T)]
+    return rows[0] if len(rows) == 1 else rows
+
+
+def of_octave(group, level):
+    """A value in the format of Octave: datasets or groups `type` and `value`."""
+    kind, value = decoded(group["type"][()]), group["value"]
+    if isinstance(value, h5py.Group):
+        if "cell" in kind:
+            return [of_hdf5(value[name], level + 1) for name in sorted(value) if name != "dims"]
+        if "struct" in kind:
+            return {name: of_hdf5(value[name], level + 1) for name in value}
+        return Unreadable(f"Octave has stored it as {kind}")
+    if group.attrs.get("OCTAVE_EMPTY_MATRIX") is not None or value.attrs.get("OCTAVE_EMPTY_MATRIX") is not None:
+        return None
+    if "string" in kind:
+        return characters(value[()])
+    if "range" in kind:
+        base, limit, step = (float(value[()][name]) for name in ("base", "limit", "increment"))
+        return base + step * np.arange(int(np.floor((limit - base) / step * (1 + 1e-15))) + 1)
+    return of_array(np.asarray(value[()]).T)
+
+
+def of_dataset(item, level):
+    kind = class_of(item)
+    if item.attrs.get("MATLAB_empty", 0) or item.shape is None or item.size == 0:
+        return None
+    if kind not in ("", "char", "cell", "logical", "double", "single") and not kind.startswith(("int", "uint")):
+        return Unreadable(OBJECT)
+    if h5py.check_ref_dtype(item.dtype):
+        return [of_hdf5(item.file[reference], level + 1) for reference in item[()].T.ravel() if reference] or None
+    if kind == "char":
+        return characters(item[()])
+    if item.dtype.kind == "V":
+        return Unreadable("its numbers are complex" if set(item.dtype.names or ()) == {"real", "imag"}
+                          else "it is a compound")
+    return of_array(np.asarray(item[()]).T)
+
+
+def of_hdf5(item, level=0):
+    if level > DEEPEST:
+        raise BadInput(f"{item.name} is nested deeper than {DEEPEST} levels")
+    if isinstance(item, h5py.Dataset):
+        return of_dataset(item, level)
+    if "type" in item and "value" in item:
+        return of_octave(item, level)
+    fields = {name: of_array(value) for name, value in item.attrs.items()
+              if not name.startswith(("MATLAB_", "OCTAVE_", "H5PATH"))}
+    fields.update({name: of_hdf5(item[name], level + 1) for name in item})
+    return fields
+
+
+def read_hdf5(path):
+    with h5py.File(path, "r") as file:
+        return {name: of_hdf5(file[name]) for name in NAMES if name in file}
+
+
+# ---- .mat files of versions before 7.3: MATLAB, Octave with save -v7, and scipy.io.savemat
+
+def of_mat(value, level=0):
+    if level > DEEPEST:
+        raise BadInput(f"a cell is nested deeper than {DEEPEST} levels")
+    if hasattr(value, "toarray"):  # a sparse matrix
+        value = value.toarray()
+    if type(value).__name__ in ("MatlabOpaque", "MatlabFunction", "MatlabObject"):
+        return Unreadable(OBJECT)
+    if not isinstance(value, np.ndarray):
+        return of_array(value)
+    if value.dtype.names:
+        if value.size != 1:
+            return Unreadable(f"it is an array of {value.size} structs")
+        return {name: of_mat(value.ravel()[0][name], level + 1) for name in value.dtype.names}
+    if value.dtype.kind == "O":
+        return [of_mat(item, level + 1) for item in value.ravel(order="F")] or None
+    return of_array(value)
+
+
+def read_mat(path):
+    try:
+        import scipy.io
+    except ImportError as problem:
+        raise BadInput(f"{path} is not an HDF5 file; .mat files of versions before 7.3 require SciPy (Debian: "
+                       "python3-scipy). In MATLAB, save(file, '-v7.3', ...) writes HDF5") from problem
+    try:
+        found = scipy.io.loadmat(path, variable_names=NAMES)
+    except OSError:
+        raise
+    except Exception as problem:  # SciPy documents no exceptions for damaged files
+        raise BadInput(f"{path} is neither an HDF5 file nor a .mat file ({problem}); in MATLAB, use "
+                       "save(file, '-v7.3', ...)") from problem
+    return {name: of_mat(value) for name, value in found.items() if name in NAMES}
+
+
+def structures(path):
+    """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist."""
+    with open(path, "rb"):  # reports a missing file
+        pass
+    try:
+        found = read_hdf5(path) if h5py.is_hdf5(path) else read_mat(path)
+    except (RuntimeError, KeyError, ValueError, OSError) as problem:  # raised by h5py for damaged files
+        raise BadInput(f"{path} cannot be read: {problem}") from problem
+    parts = {}
+    for name, value in found.items():
+        if isinstance(value, dict):
+            parts[name] = Structure(value, name)
+        elif value is not None and name in ("kgrid", "medium", "source", "sensor"):
+            raise BadInput(f"{name} is not a structure: "
+                           f"save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)"
+                           if name == "kgrid" else f"{name} is not a structure (docs/how-to/kwave.md)")
+    for name in ("kgrid", "medium", "source"):
+        if name not in parts:
+            raise BadInput(f"{path} has no structure {name}")
+    return parts

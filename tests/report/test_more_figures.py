@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests the profiles, traces, last periods, slices of the medium and of volumes, and the map of receptors.
+
+Run: python3 tests/report/test_more_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
+"""
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from synthetic import AM, Folder, case_id, sweep  # noqa: E402
+
+import chart  # noqa: E402
+import curve_chart  # noqa: E402
+import fig_medium  # noqa: E402
+import fig_profiles  # noqa: E402
+import fig_receptors  # noqa: E402
+import fig_surface  # noqa: E402
+import fig_time  # noqa: E402
+import fig_traces  # noqa: E402
+import fig_volume  # noqa: E402
+import load  # noqa: E402
+import periods  # noqa: E402
+import topics  # noqa: E402
+
+MEDIUM = """
+[medium]
+base = "rigid"
+[[medium.layer]]
+thickness_m = 0.01
+c_s_m_s = 3.0
+[[medium.layer]]
+thickness_m = 0.02
+c_s_m_s = 6.0
+[[medium.body]]
+shape = "cylinder"
+axis = "horizontal"
+azimuth_deg = 90.0
+radius_m = 0.002
+length_m = 0.0
+centre_m = [0.004, 0.0, 0.005]
+c_s_m_s = 50.0
+"""
+
+
+class FolderTest(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.root = Path(self.temporary.name)
+
+    def draw(self, folder, module):
+        """The figures of a module for a folder."""
+        loaded = load.load(folder.save())
+        (self.root / "report").mkdir(exist_ok=True)
+        made = module.figures(loaded, self.root / "report")
+        for figure in made:
+            for extension in ("png", "pdf"):
+                self.assertTrue((self.root / "report" / f"{figure.name}.{extension}").exists())
+        return made
+
+    def change(self, identity, extra="", **attributes):
+        """Adds text to the resolved case of a file."""
+        with h5py.File(self.root / "cases" / (identity + ".h5"), "r+") as file:
+            text = file.attrs["case"]
+            text = text.decode() if isinstance(text, bytes) else text
+            file.attrs["case"] = np.bytes_((text + extra).encode())
+            file.attrs.update(attributes)
+
+    def test_profiles_pass_through_the_focus_along_and_across_its_path(self):
+        figure, = self.draw(sweep(self.root), fig_profiles)
+        along, across = figure.charts
+        self.assertEqual([line.label.replace("\N{NO-BREAK SPACE}", " ") for line in along.lines],
+                         ["AM frequency 100 Hz", "AM frequency 200 Hz", "AM frequency 400 Hz", "plain STM"])
+        for panel, wide_m2 in ((along, 8e-6), (across, 8e-6)):
+            line = panel.lines[0]
+            # The surface is exp(-r^2 / 8e-6 m^2) around the focus, interpolated between points 1 mm apart, whose
+            # error is at most h^2/8 times the largest second derivative, 2 * 3 um / 8e-6 m^2: 0.094 um.
+            expected = 3.0 * np.exp(-(1e-3 * np.asarray(line.x))**2 / wide_m2)
+            np.testing.assert_allclose(line.y, expected, atol=0.1)
+
+    def test_every_trace_point_has_its_displacement_and_spectrum(self):
+        folder = sweep(self.root)
+        for number in range(1, 5):
+            with h5py.File(folder.file(case_id(number)), "r+") as file:
+                group = file["traces"]
+                time, u, amplitude = group["time"][()], group["u_z"][()], group["amplitude"][()]
+                for name in ("x", "y", "trace", "u_z", "amplitude"):
+                    del group[name]
+                group["x"], group["y"], group["trace"] = [0.005, 0.0], [0.0, 0.0], [0.0, 1.0]
+                group["u_z"], group["amplitude"] = np.vstack([2 * u, u]), np.vstack([2 * amplitude, amplitude])
+                self.assertEqual(len(time), u.shape[1])
+        figure, = self.draw(folder, fig_traces)
+        self.assertEqual([panel.title for panel in figure.charts],
+                         ["x = 0 mm, y = 0 mm"] * 2 + ["x = 5 mm, y = 0 mm"] * 2)
+        near, _, far, spectrum = (np.asarray(panel.lines[0].y) for panel in figure.charts)
+        np.testing.assert_allclose(far, 2 * near)
+        np.testing.assert_allclose(spectrum, 0.2)  # um
+
+    def test_a_long_run_has_its_last_periods_in_addition(self):
+        folder = Folder(self.root)
+        folder.add({AM: 4000.0})
+        self.assertIsNone(periods.last_span_ms(load.load(folder.save()).cases))
+        self.change(case_id(1), "[[load.modulation.envelope]]\nfrequency_Hz = 4000.0\n")
+        start, end = periods.last_span_ms(load.load(folder.save()).cases)  # 16 periods in 4 ms
+        self.assertAlmostEqual(end, 4.0)
+        self.assertAlmostEqual(end - start, 5 / 4.0)
+        names = [figure.name for figure in self.draw(folder, fig_time)]
+        self.assertIn("eta_time_last", names)
+
+    def test_slices_of_the_medium_show_layers_and_bodies(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
+            file.attrs["case"] = np.bytes_((text + MEDIUM).encode())
+        case = load.load(folder.save()).cases[0]
+        medium = case.physics["medium"]
+        x = 1e-3 * np.array([0.0, 4.0, 4.0, 4.0, 6.1, 4.0])
+        z = 1e-3 * np.array([5.0, 5.0, 9.0, 20.0, 5.0, 31.0])
+        np.testing.assert_array_equal(fig_medium.speed(medium, x, np.array(0.01), z),
+                                      [3.0, 50.0, 3.0, 6.0, 3.0, math.nan])
+        figure, = self.draw(folder, fig_medium)
+        self.assertIn("first body", figure.caption)
+
+    def test_bodies_of_every_shape_have_their_extent(self):
+        at = np.array([0.0, 0.9, 1.1])
+        zero = np.zeros(3)
+        for body, inside in (
+                ({"shape": "ellipsoid", "semi_axes_m": [1.0, 2.0, 3.0]}, [(1, 1, 0), (1, 1, 1), (1, 1, 1)]),
+                ({"shape": "box", "size_m": [2.0, 4.0, 1.0]}, [(1, 1, 0), (1, 1, 1), (1, 0, 0)]),
+                ({"shape": "cylinder", "axis": "vertical", "radius_m": 1.0, "length_m": 0.0},
+                 [(1, 1, 0), (1, 1, 0), (1, 1, 1)]),
+                ({"shape": "cylinder", "axis": "horizontal", "azimuth_deg": 0.0, "radius_m": 1.0, "length_m": 2.0},
+                 [(1, 1, 0), (1, 1, 0), (1, 1, 0)])):
+            body = {**body, "centre_m": [0.0, 0.0, 0.0]}
+            for axis, expected in enumerate(inside):
+                point = [zero, zero, zero]
+                point[axis] = at
+                with self.subTest(shape=body["shape"], axis=axis):
+                    self.assertEqual(fig_medium.is_inside(body, *point).tolist(), [bool(v) for v in expected])
+
+    def test_volumes_have_slices(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            text = file.attrs["case"].decode() + "[record]\nvolumes_s = [0.004]\n"
+            file.attrs["case"] = np.bytes_(text.encode())
+            group = file.create_group("volume")
+            group["time"], group["z"] = [0.004], 1e-3 * np.arange(5)
+            group["x"], group["y"] = 1e-3 * np.arange(-8, 9), 1e-3 * np.arange(-6, 7)
+            group["u_z"] = 1e-6 * np.ones((1, 5, 13, 17))
+        figure, = self.draw(folder, fig_volume)
+        self.assertIn("u_z", figure.caption)
+
+    def test_curves_have_the_error_bars_of_the_table(self):
+        loaded = load.load(sweep(self.root).save())
+        self.assertFalse(curve_chart.have_errors(loaded, "eta_period_1"))
+        for case in loaded.cases:
+            case.scalars["eta_period_1_error"] = 0.01
+        line = chart.chart_data(curve_chart.curve_chart(loaded, "eta_period_1", "eta"))["lines"][0]
+        self.assertEqual(line["error"], [0.01, 0.01, 0.01])
+        self.assertIn("Error bars", curve_chart.error_caption(loaded, "eta_period_1"))
+
+
+class ReceptorMapTest(unittest.TestCase):
+    def test_the_path_is_placed_on_the_hand_like_the_receptors(self):
+        turn, shift = np.exp(0.3j), 100 + 20j
+        for points in ([0.0, 10.0, 5j], [0.0, 10.0]):  # also receptors on a line
+            patch = np.array(points, dtype=complex)
+            hand = shift + turn * patch
+            afferents = SimpleNamespace(patch=np.column_stack([patch.real, patch.imag]), x=hand.real, y=hand.imag)
+            placed = fig_receptors.to_hand(afferents, np.array([[3.0, 4.0]]))[0]
+            expected = shift + turn * (3 + 4j)
+            np.testing.assert_allclose(placed, [expected.real, expected.imag])
+
+
+class SampleTest(unittest.TestCase):
+    def test_values_between_points_are_bilinear_and_empty_outside(self):
+        x, y = np.arange(4.0), np.arange(3.0)
+        shot = fig_surface.Snapshot(None, 0.0, x, y, 2 * x[:, None] + x[:, None] * y[None, :])
+        np.testing.assert_allclose(fig_profiles.sample(shot, [0.5, 3.0, 1.25], [0.5, 2.0, 1.0]), [1.25, 12.0, 3.75])
+        self.assertTrue(np.isnan(fig_profiles.sample(shot, [3.1, -0.1], [0.0, 0.0])).all())
+
+
+class TopicsTest(unittest.TestCase):
+    def test_every_figure_has_one_place_on_the_page(self):
+        figures = [SimpleNamespace(name=name) for name in (
+            "ipr", "eta", "gain", "strength", "displacement", "surface", "spectra", "drive", "medium", "volume",
+            "hand_1", "receptors", "heat_eta_period_1", "eta_time", "traces", "profiles")]
+        first = topics.headlines(figures)
+        self.assertEqual([f.name for f in first], ["eta", "displacement"])
+        rest = [f.name for _, members in topics.topics(figures) for f in members]
+        self.assertEqual(sorted(rest + ["eta", "displacement"]), sorted(f.name for f in figures))
+
+
+if __name__ == "__main__":
+    unittest.main()
