@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/command_line_text.hpp"
 #include "app/commands.hpp"
+#include "app/movie.hpp"
 
 #include "base/text.hpp"
 #include "bench/bench.hpp"
@@ -367,6 +368,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
                      "DIR", folder, reduce_command);
     add_path_command(app, action, "report", "draw figures and write one HTML page", "DIR", folder,
                      report_command);
+    add_movie(app, action);
     add_diff(app, action);
     add_show(app, action);
     add_respond(app, action);
