@@ -9,5 +9,5 @@ class Figure:
     title: str
     caption: str
     alternative: str  # alternative text for readers who cannot see the picture
-    charts: list = field(default_factory=list)  # of chart.py; empty: the picture alone
+    charts: list = field(default_factory=list)  # of chart.py, or as JSON objects; empty: the picture alone
     warnings: list = field(default_factory=list)  # sentences about the cases, from warnings_of.of_figure()

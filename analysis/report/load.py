@@ -209,7 +209,8 @@ def fill(case, row):
     case.warnings = row["warnings"]
 
 
-def load(folder):
+def load(folder, report=lambda text: None):
+    """The sweep of an output folder. `report` receives a text about the progress. Raises NoPlan."""
     folder = Path(folder)
     try:
         plan, job_text = read_plan(folder)
@@ -221,7 +222,8 @@ def load(folder):
                       table["series"], cases, job_text, columns)
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
-    for case in cases:
+    for n, case in enumerate(cases):
+        report(f"reading case {n + 1} of {len(cases)}")
         if case.id in rows:
             fill(case, rows[case.id])
         if not case.whole:

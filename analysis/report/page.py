@@ -13,7 +13,6 @@ from PIL import Image
 import layout
 import table
 import warnings_of
-from chart import chart_data
 from summary import summary
 from topics import headlines, topics
 from words import counted, number
@@ -64,7 +63,7 @@ def picture(figure, folder, level):
              f'src="data:image/webp;base64,{small_picture(folder / (figure.name + ".png"))}"></div>')
     shown = still
     if figure.charts:
-        shown = (f'<div class="chart" id="chart-{name}">{json_script([chart_data(c) for c in figure.charts])}</div>'
+        shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
                  f"<noscript>{still}</noscript>")
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
             f"{warnings(figure.warnings)}<figcaption>{escape(figure.caption)}</figcaption>"

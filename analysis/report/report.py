@@ -35,7 +35,9 @@ from in_one_piece import in_one_piece
 from load import NoPlan, load
 from page import page
 from player import player
+from progress import Progress
 from summary import summary
+from unchanged import Drawn
 from words import counted
 
 ENVIRONMENT = 6  # exit code of the program for missing files
@@ -75,39 +77,43 @@ def attempt(name, problems, draw, *arguments):
         return None
 
 
-def draw_all(sweep, folder):
+def draw_all(sweep, folder, drawn, progress):
     """The figures, the player of the surface, and a sentence for each part that could not be drawn."""
     figures, problems = [], []
     if not layout.ordinary(sweep):
         return figures, "", problems
-    for name, draw in of_all():
-        figures += attempt(name, problems, draw, sweep, folder) or []
-    missing = sum(not case.whole for case in sweep.cases)
-    for figure in figures:
-        if missing and not figure.name.startswith("heat_"):  # heat maps mark these cases
-            figure.caption += f" {counted(missing, 'case')} without a result: see the list above."
     some = layout.few(sweep)
-    drawn, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
-    for name, draw in of_few(sweep):
-        for figure in attempt(name, problems, draw, some, folder) or []:
-            if some is not sweep:
-                figure.caption += (f" The figure shows {drawn} of {every} cases, spread evenly over the sweep; "
+    groups = [(name, draw, sweep) for name, draw in of_all()] + [(name, draw, some) for name, draw in of_few(sweep)]
+    missing = sum(not case.whole for case in sweep.cases)
+    shown, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
+    for n, (name, draw, cases) in enumerate(groups):
+        progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
+        for figure in attempt(name, problems, drawn.draw, name, draw, cases, folder) or []:
+            if missing and cases is sweep and not figure.name.startswith("heat_"):  # heat maps mark these cases
+                figure.caption += f" {counted(missing, 'case')} without a result: see the list above."
+            if cases is not sweep:
+                figure.caption += (f" The figure shows {shown} of {every} cases, spread evenly over the sweep; "
                                    "the table lists all.")
             figures.append(figure)
     for figure in figures:
         figure.warnings = warnings_of.of_figure(sweep, figure.name)
-    return figures, attempt("surface over time", problems, player, some) or "", problems
+    progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
+    return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, sweep) or "", problems
 
 
 def write_report(directory):
     """Returns the path of the page, the summary, the figures that could not be drawn, and the ids of damaged
     cases."""
-    sweep = load(directory)
+    progress = Progress()
+    sweep = load(directory, progress.show)
     folder = Path(directory) / "report"
     path = folder / "index.html"
     with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
-        figures, moving, problems = draw_all(sweep, part)
+        drawn = Drawn(folder, part)
+        figures, moving, problems = draw_all(sweep, part, drawn, progress)
+        drawn.save()
         (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
+    progress.end()
     return path, summary(sweep), problems, [case.id for case in sweep.cases if case.status == "damaged"]
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/command_line_text.hpp"
 #include "app/commands.hpp"
+#include "app/movie.hpp"
 #include "app/study_commands.hpp"
 
 #include "base/text.hpp"
@@ -364,6 +365,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     add_reduce(app, action);
     add_path_command(app, action, "report", "draw figures and write one HTML page", "DIR", folder,
                      report_command);
+    add_movie(app, action);
     add_diff(app, action);
     add_compare(app, action);
     add_converge(app, action);

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reports the progress of a report: a line that is replaced on a terminal, one line per minute elsewhere."""
+import sys
+import time
+
+INTERVAL_s = 60.0
+CLEAR = "\r\033[K"
+
+
+class Progress:
+    def __init__(self, stream=None, clock=time.monotonic):
+        self.stream, self.clock = stream or sys.stderr, clock
+        self.live = self.stream.isatty()
+        self.last = clock()
+
+    def show(self, text):
+        """Reports what is done now, for example 'case 3 of 20'."""
+        if self.live:
+            print(f"{CLEAR}report: {text}", end="", file=self.stream, flush=True)
+        elif self.clock() - self.last >= INTERVAL_s:
+            self.last = self.clock()
+            print(f"report: {text}", file=self.stream, flush=True)
+
+    def end(self):
+        """Removes the line from a terminal."""
+        if self.live:
+            print(CLEAR, end="", file=self.stream, flush=True)
