@@ -32,7 +32,7 @@ LIBRARIES = {
     "xxhash::xxhash": (r"xxhash\.h", r"XXH\w+"),
     "Eigen3::Eigen": (r"Eigen/\w+", r"Eigen::\w+"),
     "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
-    "nlohmann_json::nlohmann_json": (r"nlohmann/json\.hpp", r"nlohmann::\w+"),
+    "nlohmann_json::nlohmann_json": (r"nlohmann/json(?:_fwd)?\.hpp", r"nlohmann::\w+"),
 }
 STANDARD = set("""
     algorithm any array atomic bit cassert cctype cerrno cfenv cfloat charconv chrono cinttypes climits clocale cmath

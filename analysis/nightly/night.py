@@ -63,11 +63,12 @@ def watched_jobs(names, root, out, baselines):
 
 def compare(program, watched):
     """(exit code, output, differences) of `shearwake diff` for the run and the baseline."""
-    json_file = watched.run / "differences.json"
     options = ["--tolerances", watched.tolerances] if watched.tolerances.is_file() else []
-    done = program("diff", watched.run, watched.baseline, "--json", json_file, *options)
-    differences = json.loads(json_file.read_text(encoding="utf-8")) if done.code in (0, 5) else {}
-    return done.code, done.output, differences
+    done = program("diff", watched.run, watched.baseline, "--json", *options)
+    if done.code not in (0, 5):
+        return done.code, done.output, {}
+    differences = json.loads(done.output)
+    return done.code, differences["text"], differences
 
 
 def last_lines(output):

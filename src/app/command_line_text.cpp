@@ -170,6 +170,15 @@ std::string man_page(const CLI::App& app) {
     return text + std::string(closing);
 }
 
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : options_of(command)) {
+        const auto more = names_of(*option);
+        names.insert(names.end(), more.begin(), more.end());
+    }
+    return names;
+}
+
 std::string exit_code_list() {
     std::string text = "Exit codes:\n";
     for (const auto& [code, meaning] : exit_codes)
@@ -182,11 +191,10 @@ std::string bash_completion(const CLI::App& app) {
     std::string cases;
     for (const CLI::App* command : app.get_subcommands({})) {
         commands.push_back(command->get_name());
-        std::vector<std::string> options, choices;
+        const std::vector<std::string> options = option_names(*command);
+        std::vector<std::string> choices;
         std::string_view files;
         for (const CLI::Option* option : options_of(*command)) {
-            const auto names = names_of(*option);
-            options.insert(options.end(), names.begin(), names.end());
             if (!is_positional(*option)) continue;
             const auto more = choices_of(*option);
             choices.insert(choices.end(), more.begin(), more.end());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -12,6 +13,9 @@ namespace shearwake::app {
 /// The manual page of the program in the format of man(7), made from the commands and options that
 /// `app` declares.
 std::string man_page(const CLI::App& app);
+
+/// The names of all options of a command with their hyphens, "-S" and "--out".
+std::vector<std::string> option_names(const CLI::App& command);
 
 /// One line for each exit code of the program.
 std::string exit_code_list();

@@ -17,23 +17,30 @@ namespace shearwake::app {
 /// are collective over the world; commands that only read or draw do their work on rank 0.
 
 struct CheckArguments : schedule::JobArguments {
+    bool json = false;
     schedule::Target target = schedule::Target::this_machine;
 };
 
 struct PlanArguments : CheckArguments {
     int ranks = 0;          // 0: the number of ranks of this program
     int ranks_per_case = 0; // 0: choose
+    bool all_cases = false; // list every case of a long plan
 };
 
 struct ShowModulationArguments : schedule::JobArguments {
     std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
 };
 
+struct ShowArguments {
+    std::filesystem::path case_file;
+    bool json = false;
+};
+
 struct DiffArguments {
     std::filesystem::path now, reference; // output folders, or tables (CSV)
     std::vector<std::string> tolerances;  // COLUMN=RELATIVE
     std::filesystem::path tolerance_file; // TOML; empty: none
-    std::filesystem::path json;           // where to write the differences; empty: nowhere
+    bool json = false;
 };
 
 struct ReduceArguments {
@@ -55,11 +62,12 @@ struct CompareArguments {
 struct StatusArguments {
     std::filesystem::path folder;
     bool verify = false; // read the case files and check their checksums
+    bool json = false;
 };
 
 struct VerifyArguments {
     std::filesystem::path folder;
-    std::filesystem::path json; // where to write the result in addition; empty: nowhere
+    bool json = false;
     bool quiet = false;
 };
 
@@ -87,7 +95,7 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
 ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
 ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
-ExitCode show_command(const std::filesystem::path& case_file, const Comm& world);
+ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);

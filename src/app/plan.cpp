@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 
+#include "base/json_document.hpp"
 #include "base/text.hpp"
 #include "cost/calibration.hpp"
 #include "cost/case_costs.hpp"
@@ -10,10 +11,12 @@
 #include "schedule/machine_limits.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/teams.hpp"
+#include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 namespace shearwake::app {
@@ -36,76 +39,226 @@ std::string settings_of(const PlannedCase& planned) {
     return text;
 }
 
-/// Grid points per width of the focus, and per shortest shear wavelength that the focus can excite:
-/// the wavenumber at which the spectrum of the footprint has fallen to 1 %.
-std::string resolution_of(const Case& c) {
-    const double focus = fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
-    const double wave = 2.0 * std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) /
-                        c.domain.spacing_m;
-    return fmt::format("{:.1f} / {:.1f}", focus, wave);
+/// Grid points per width of the focus.
+double points_per_focus(const Case& c) {
+    return fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
 }
 
-/// Prints the choices of the engines: each distinct line once, with the number of cases to which it
-/// applies.
-void print_choices(const std::vector<const PlannedCase*>& all, const cost::CaseCosts& costs) {
-    std::vector<std::pair<std::string, std::size_t>> notes; // in the order of the cases
-    std::vector<const PlannedCase*> cases;
-    for (const PlannedCase* planned : all)
-        if (costs.is_probed(planned->physics)) cases.push_back(planned);
-    for (const PlannedCase* planned : cases) {
-        const Case& c = planned->physics;
+/// Grid points per shortest shear wavelength that the focus can excite: the wavenumber at which the
+/// spectrum of the footprint has fallen to 1 %.
+double points_per_wave(const Case& c) {
+    return 2.0 * std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) /
+           c.domain.spacing_m;
+}
+
+/// The estimates of a case on a team of the layout.
+struct PlannedCost {
+    const PlannedCase* planned;
+    double seconds, memory_per_rank_B, disk_B;
+};
+
+/// A choice of an engine, and the number of cases to which it applies.
+struct Choice {
+    std::string text;
+    std::size_t cases;
+};
+
+/// Where the time of the teams goes, in s, summed over the cases.
+struct TimeParts {
+    double compute_s = 0.0, transposes_s = 0.0, files_s = 0.0, longest_s = 0.0;
+};
+
+/// The estimates of a plan, for text and JSON.
+struct Estimates {
+    std::vector<PlannedCost> cases;
+    std::vector<Choice> choices;
+    std::size_t probed = 0; // cases whose time step is known before they run
+    schedule::TeamLayout layout;
+    int ranks = 1;
+    int busy = 1; // teams that have a case
+    TimeParts parts;
+    schedule::Demand demand;
+    std::string calibrated; // empty: not calibrated
+    std::string error;      // memory or disk do not suffice; empty: they do
+
+    /// Ranks times wall time, including idle ranks.
+    double core_hours() const { return layout.seconds * ranks / 3600.0; }
+};
+
+/// The choices of the engines: each distinct line once, in the order of the cases.
+void add_choices(Estimates& e, const cost::CaseCosts& costs) {
+    for (const PlannedCost& cost : e.cases) {
+        const Case& c = cost.planned->physics;
+        if (!costs.is_probed(c)) continue;
+        ++e.probed;
         for (const std::string& note : engines::make_engine(c.solver)->choices(c)) {
-            const auto known = std::find_if(notes.begin(), notes.end(),
-                                            [&](const auto& n) { return n.first == note; });
-            if (known == notes.end())
-                notes.emplace_back(note, 1);
+            const auto known = std::find_if(e.choices.begin(), e.choices.end(),
+                                            [&](const Choice& n) { return n.text == note; });
+            if (known == e.choices.end())
+                e.choices.push_back({note, 1});
             else
-                ++known->second;
+                ++known->cases;
         }
     }
-    if (!notes.empty()) fmt::print("\n");
-    for (const auto& [note, count] : notes)
-        fmt::print("{}{}\n", note,
-                   count == cases.size() ? ""
-                                         : fmt::format(" ({} of {} cases)", count, cases.size()));
-    if (cases.size() < all.size())
-        fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
-                   "estimated from the most similar of these {} cases\n",
-                   all.size() - cases.size(), cases.size());
 }
 
-/// Prints the teams and the parts of the estimated time.
-void print_layout(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
-                  int ranks, double memory_B, cost::CaseCosts& costs) {
-    double compute_s = 0.0, transposes_s = 0.0, files_s = 0.0, most_s = 0.0;
+TimeParts parts_of(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
+                   int busy, cost::CaseCosts& costs) {
+    TimeParts parts;
     const cost::Machine& machine = costs.machine();
-    const int busy =
-        static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
     for (const PlannedCase* planned : cases) {
         cost::CaseCost cost = costs.of(planned->physics);
         const double all = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
-        most_s = std::max(most_s, all);
+        parts.longest_s = std::max(parts.longest_s, all);
         cost.transposes = 0.0;
         const double without = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
         const double files = machine.file_s + cost.written_B * busy / machine.written_B_s;
-        transposes_s += all - without;
-        files_s += files;
-        compute_s += without - files;
+        parts.transposes_s += all - without;
+        parts.files_s += files;
+        parts.compute_s += without - files;
     }
-    const double sum_s = std::max(compute_s + transposes_s + files_s, 1e-300);
+    return parts;
+}
+
+Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
+                       const schedule::TeamLayout& layout, int ranks, cost::CaseCosts& costs) {
+    Estimates e;
+    e.layout = layout;
+    e.ranks = ranks;
+    e.busy = static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
+    e.calibrated = costs.machine().measured;
+    for (const PlannedCase* planned : cases) {
+        const cost::CaseCost& cost = costs.of(planned->physics);
+        e.cases.push_back(
+            {planned, cost::seconds_on(cost, layout.ranks_per_case, layout.teams, costs.machine()),
+             costs.memory_per_rank_B(planned->physics, layout.ranks_per_case), cost.written_B});
+        e.demand.memory_per_rank_B =
+            std::max(e.demand.memory_per_rank_B, e.cases.back().memory_per_rank_B);
+        e.demand.disk_B += e.cases.back().disk_B;
+    }
+    e.parts = parts_of(cases, layout, e.busy, costs);
+    add_choices(e, costs);
+    return e;
+}
+
+void print_case(const PlannedCost& cost) {
+    const Case& c = cost.planned->physics;
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", cost.planned->id,
+               fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
+               fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
+               cost.memory_per_rank_B / 1e6, cost.seconds, settings_of(*cost.planned));
+}
+
+/// All cases of a short plan. Of a long one, the first and the longest cases, unless all are
+/// wanted.
+void print_cases(const std::vector<PlannedCost>& cases, bool all) {
+    constexpr std::size_t most = 30, first = 15, longest = 5;
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
+               "points per", "MB/rank", "seconds");
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}\n", "", "", "", "focus / wave", "", "");
+    const std::size_t listed = all || cases.size() <= most ? cases.size() : first;
+    for (std::size_t i = 0; i < listed; ++i)
+        print_case(cases[i]);
+    if (listed == cases.size()) return;
+    std::vector<PlannedCost> others(cases.begin() + first, cases.end());
+    std::partial_sort(
+        others.begin(), others.begin() + longest, others.end(),
+        [](const PlannedCost& a, const PlannedCost& b) { return a.seconds > b.seconds; });
+    fmt::print("{} further cases, of which the longest {} are:\n", others.size(), longest);
+    for (std::size_t i = 0; i < longest; ++i)
+        print_case(others[i]);
+    fmt::print("--all lists every case\n");
+}
+
+void print_choices(const Estimates& e) {
+    if (!e.choices.empty()) fmt::print("\n");
+    for (const auto& [note, count] : e.choices)
+        fmt::print("{}{}\n", note,
+                   count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
+    if (e.probed < e.cases.size())
+        fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
+                   "estimated from the most similar of these {} cases\n",
+                   e.cases.size() - e.probed, e.probed);
+}
+
+/// Teams, parts of the estimated time and, at last, the totals.
+void print_totals(const Estimates& e) {
+    const TimeParts& p = e.parts;
+    const double sum_s = std::max(p.compute_s + p.transposes_s + p.files_s, 1e-300);
     // Teams in excess of the cases stay idle.
-    const int idle = layout.teams > busy ? ranks - busy * layout.ranks_per_case : 0;
-    fmt::print("on {} rank{}: {} team{} of {}{}, at most {:.0f} MB per rank, about {:.2g} s\n",
-               ranks, ranks == 1 ? "" : "s", busy, busy == 1 ? "" : "s", layout.ranks_per_case,
-               idle > 0 ? fmt::format(" ({} ranks stay idle)", idle) : "", memory_B / 1e6,
-               layout.seconds);
+    const int idle = e.layout.teams > e.busy ? e.ranks - e.busy * e.layout.ranks_per_case : 0;
+    const Domain& d = e.cases.front().planned->physics.domain;
+    fmt::print("\nthe grid of the first case covers {:g} x {:g} mm\n", 1e3 * d.extent_x_m(),
+               1e3 * d.extent_y_m());
     fmt::print("time of a team: {:.0f} % computing, {:.0f} % transposing, {:.0f} % writing files; "
                "longest case: {:.2g} s; teams are busy {:.0f} % of the time\n",
-               100.0 * compute_s / sum_s, 100.0 * transposes_s / sum_s, 100.0 * files_s / sum_s,
-               most_s, 100.0 * std::min(1.0, layout.busy));
-    fmt::print("performance model: {}\n", machine.measured.empty()
+               100.0 * p.compute_s / sum_s, 100.0 * p.transposes_s / sum_s,
+               100.0 * p.files_s / sum_s, p.longest_s, 100.0 * std::min(1.0, e.layout.busy));
+    fmt::print("performance model: {}\n", e.calibrated.empty()
                                               ? "not calibrated, assumes a server of 2020"
-                                              : "calibrated " + machine.measured);
+                                              : "calibrated " + e.calibrated);
+    fmt::print("{} case{} on {} rank{} ({} team{} of {}{}): {:.2g} core hours, about {:.2g} s "
+               "({}) of wall time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
+               e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s",
+               e.busy, e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
+               idle > 0 ? fmt::format(", {} ranks stay idle", idle) : "", e.core_hours(),
+               e.layout.seconds, hours_and_minutes(e.layout.seconds),
+               e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+}
+
+nlohmann::ordered_json json_of(const PlannedCost& cost) {
+    const Case& c = cost.planned->physics;
+    return {{"id", cost.planned->id},
+            {"settings", storage::settings_json(cost.planned->settings)},
+            {"is_reference", cost.planned->is_reference},
+            {"grid", {c.domain.nx, c.domain.ny}},
+            {"spacing_m", c.domain.spacing_m},
+            {"frames", c.time.frames},
+            {"points_per_focus", points_per_focus(c)},
+            {"points_per_wave", points_per_wave(c)},
+            {"seconds", cost.seconds},
+            {"memory_per_rank_B", cost.memory_per_rank_B},
+            {"disk_B", cost.disk_B}};
+}
+
+void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
+                const std::string& next) {
+    using Json = nlohmann::ordered_json;
+    Json cases = Json::array(), choices = Json::array();
+    for (const PlannedCost& cost : e.cases)
+        cases.push_back(json_of(cost));
+    for (const Choice& choice : e.choices)
+        choices.push_back({{"text", choice.text}, {"cases", choice.cases}});
+    fmt::print("{}", json_document("plan", {{"job", arguments.job.string()},
+                                            {"name", job.plan.name},
+                                            {"diagnostics", config::json_of(job.diagnostics)},
+                                            {"cases", cases},
+                                            {"choices", choices},
+                                            {"ranks", e.ranks},
+                                            {"teams", e.busy},
+                                            {"ranks_per_case", e.layout.ranks_per_case},
+                                            {"core_hours", e.core_hours()},
+                                            {"wall_s", e.layout.seconds},
+                                            {"longest_case_s", e.parts.longest_s},
+                                            {"busy_share", std::min(1.0, e.layout.busy)},
+                                            {"memory_per_rank_B", e.demand.memory_per_rank_B},
+                                            {"disk_B", e.demand.disk_B},
+                                            {"is_calibrated", !e.calibrated.empty()},
+                                            {"error", e.error.empty() ? Json() : Json(e.error)},
+                                            {"next", next}}));
+}
+
+void print_text(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
+                const std::string& next) {
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        fmt::print("{}\n", config::text(diagnostic));
+    print_cases(e.cases, arguments.all_cases);
+    print_choices(e);
+    print_totals(e);
+    if (e.error.empty())
+        fmt::print("next: {}\n", next);
+    else
+        fmt::print("error: {}\n", e.error);
 }
 
 } // namespace
@@ -117,49 +270,24 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
     const double available_B =
         elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
     const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
-    std::vector<const PlannedCase*> cases;
-    for (const PlannedCase& planned : job.plan.cases)
-        cases.push_back(&planned);
+    const std::vector<const PlannedCase*> cases = cases_of(job.plan);
     cost::CaseCosts costs(cases, {});
     calibrate_for(costs, ranks, world,
                   [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
     if (!world.is_root()) return ExitCode::done;
-    for (const config::Diagnostic& diagnostic : job.diagnostics)
-        fmt::print("{}\n", config::text(diagnostic));
-
-    const schedule::TeamLayout layout =
-        schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs);
-
-    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
-               "points per", "MB/rank", "seconds");
-    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}\n", "", "", "", "focus / wave", "", "");
-    schedule::Demand demand;
-    for (const PlannedCase& planned : job.plan.cases) {
-        const Case& c = planned.physics;
-        const double seconds =
-            cost::seconds_on(costs.of(c), layout.ranks_per_case, layout.teams, costs.machine());
-        const double needed_B = costs.memory_per_rank_B(c, layout.ranks_per_case);
-        demand.memory_per_rank_B = std::max(demand.memory_per_rank_B, needed_B);
-        demand.disk_B += costs.of(c).written_B;
-        fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", planned.id,
-                   fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
-                   resolution_of(c), needed_B / 1e6, seconds, settings_of(planned));
-    }
-    print_choices(cases, costs);
-    const Domain& d = job.plan.cases.front().physics.domain;
-    fmt::print("\n{} cases; the grid of the first covers {:g} x {:g} mm\n", cases.size(),
-               1e3 * d.extent_x_m(), 1e3 * d.extent_y_m());
-    print_layout(cases, layout, ranks, demand.memory_per_rank_B, costs);
-    if (!elsewhere) {
-        const std::string error =
-            schedule::excess(demand, available_B, std::filesystem::path("out") / job.plan.name);
-        if (!error.empty()) {
-            fmt::print("{}\n", error);
-            return ExitCode::bad_job;
-        }
-    }
-    fmt::print("next: {}\n", schedule::run_command_line(arguments.job, arguments.overrides, {}));
-    return ExitCode::done;
+    Estimates estimates = estimates_of(
+        cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
+        ranks, costs);
+    if (!elsewhere)
+        estimates.error =
+            schedule::excess(estimates.demand, available_B,
+                             std::filesystem::path("out") / job.plan.name, schedule::run_elsewhere);
+    const std::string next = schedule::run_command_line(arguments.job, arguments.overrides, {});
+    if (arguments.json)
+        print_json(estimates, arguments, job, next);
+    else
+        print_text(estimates, arguments, job, next);
+    return estimates.error.empty() ? ExitCode::done : ExitCode::bad_job;
 }
 
 } // namespace shearwake::app

@@ -12,9 +12,10 @@ namespace shearwake::app {
 
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
     const std::filesystem::path& path = arguments.folder;
-    const schedule::OutputFolder folder{path};
+    schedule::OutputFolder folder;
     long damaged = 0;
     on_root(world, [&] {
+        folder = schedule::folder_of_results(path);
         const reduce::ReducedTables written = reduce_folder(folder, arguments.errors);
         fmt::print("{} cases: {} complete, {} failed or missing\n", written.rows, written.whole,
                    written.rows - written.whole);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -8,6 +9,7 @@
 
 #include <cmath>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace shearwake::app {
@@ -42,14 +44,50 @@ void print_solver(const storage::CaseSummary& s) {
         line(note);
 }
 
-void print_case(const std::filesystem::path& path) {
-    storage::CaseSummary s;
+storage::CaseSummary read_summary(const std::filesystem::path& path) {
     try {
-        s = storage::read_case_summary(path);
+        return storage::read_case_summary(path);
     } catch (const Error& error) {
-        throw UsageError(path.string() + " is not a complete case file: " + error.what(),
-                         ExitCode::environment);
+        throw UsageError(
+            path.extension() == ".toml"
+                ? fmt::format("{0} is a job file; shearwake show --modulation {0} draws "
+                              "its modulation",
+                              path.string())
+                : path.string() + " is not a complete case file: " + error.what(),
+            ExitCode::environment);
     }
+}
+
+void print_json(const storage::CaseSummary& s) {
+    using Json = nlohmann::ordered_json;
+    Json texts = Json::object(), measures = Json::array(), series = Json::array();
+    for (const auto& [name, text] : s.texts)
+        if (name != "settings") texts[name] = text;
+    for (const Variable& v : s.scalars)
+        measures.push_back({{"name", v.name},
+                            {"value", v.values.at(0)},
+                            {"units", v.units},
+                            {"meaning", v.long_name},
+                            {"note", v.note}});
+    for (const Variable& v : s.shapes)
+        series.push_back({{"name", v.name},
+                          {"dimensions", v.dimensions},
+                          {"units", v.units},
+                          {"meaning", v.long_name}});
+    Json members;
+    members["id"] = text_of(s, "case_id");
+    members["settings"] =
+        Json::parse(s.texts.contains("settings") ? s.texts.at("settings") : "{}", nullptr, false);
+    members["is_reference"] = text_of(s, "is_reference") == "yes";
+    members["has_checksum"] = s.has_checksum;
+    members["measures"] = measures;
+    members["series"] = series;
+    members["numbers"] = s.numbers;
+    members["texts"] = texts;
+    fmt::print("{}", json_document("show", members));
+}
+
+void print_text(const storage::CaseSummary& s) {
     fmt::print("case {}{}: {}\n", text_of(s, "case_id"),
                text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
     fmt::print("swept:    {}\n", text_of(s, "settings"));
@@ -89,8 +127,14 @@ void print_case(const std::filesystem::path& path) {
 
 } // namespace
 
-ExitCode show_command(const std::filesystem::path& case_file, const Comm& world) {
-    on_root(world, [&] { print_case(case_file); });
+ExitCode show_command(const ShowArguments& arguments, const Comm& world) {
+    on_root(world, [&] {
+        const storage::CaseSummary summary = read_summary(arguments.case_file);
+        if (arguments.json)
+            print_json(summary);
+        else
+            print_text(summary);
+    });
     return ExitCode::done;
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
@@ -11,7 +13,9 @@
 #include "storage/journal/run_lock.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace shearwake::app {
 namespace {
@@ -22,11 +26,30 @@ struct Tally {
     std::vector<std::string> damaged;
     bool is_active = false; // a run currently computes into the folder
     std::string host;       // of that run; empty: this host, or unknown
+    int teams = 1;          // of that run, or of the last one
+    double elapsed_s = 0.0; // of the running cases together
+
+    std::size_t to_do() const { return left + interrupted + running; }
+    double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
+    /// Computing time of all teams together that remains, in s. The running cases count as half
+    /// done if they take longer than the average case.
+    double work_left_s() const {
+        const double all_s = static_cast<double>(to_do()) * seconds_per_case();
+        const double running_s = static_cast<double>(running) * seconds_per_case();
+        return all_s - std::min(elapsed_s, 0.5 * running_s);
+    }
+    /// Time in s until the teams have computed all cases.
+    double time_left_s() const {
+        const auto rounds = static_cast<double>(std::max<std::size_t>(1, to_do()));
+        return work_left_s() / std::min(static_cast<double>(teams), rounds);
+    }
 };
 
 Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& journal,
                const schedule::OutputFolder& folder, storage::CaseIndex& index) {
     Tally tally;
+    tally.teams = std::max(1, journal.teams);
+    const double now_s = static_cast<double>(std::time(nullptr));
     // A killed run leaves no final entry in the journal, but its lock has been released.
     tally.is_active = std::filesystem::exists(folder.run_lock())
                           ? storage::is_locked(folder.run_lock()).value_or(false)
@@ -50,6 +73,8 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             ++tally.failed;
         } else if (known && entry->second.state == storage::CaseHistory::State::started) {
             ++(tally.is_active ? tally.running : tally.interrupted);
+            if (tally.is_active)
+                tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
         } else {
             ++tally.left;
         }
@@ -68,62 +93,119 @@ void print_verified(const storage::PlanIndex& plan, storage::CaseIndex& index) {
     fmt::print("\n");
 }
 
-/// Returns the number of damaged cases.
-long print_status(const schedule::OutputFolder& folder, storage::CaseIndex::Trust trust) {
-    const storage::PlanIndex plan = storage::read_plan(folder.plan());
-    const storage::JournalContents journal = storage::read_journals(folder.root);
-    storage::CaseIndex index(folder.root, trust);
-    const Tally tally = tally_of(plan, journal, folder, index);
+/// What an output folder contains, for text and JSON.
+struct State {
+    storage::PlanIndex plan;
+    storage::JournalContents journal;
+    storage::CaseIndex index;
+    Tally tally;
+    std::string next; // command, or an instruction
+};
+
+std::string next_step(const schedule::OutputFolder& folder, const State& state) {
+    const Tally& tally = state.tally;
+    const std::string run =
+        schedule::run_command_line(folder.job(), state.journal.overrides, folder.root);
+    if (tally.to_do() > 0) return tally.is_active ? "wait for the active run" : run;
+    if (tally.failed > 0) return run + " --retry-failed";
+    return schedule::reduce_command_line(folder);
+}
+
+/// The cases that failed and have no complete file.
+std::vector<const storage::IndexedCase*> failed_cases(State& state) {
+    std::vector<const storage::IndexedCase*> failed;
+    for (const storage::IndexedCase& c : state.plan.cases) {
+        const auto entry = state.journal.cases.find(c.id);
+        if (entry != state.journal.cases.end() && !state.index.is_whole(c.id) &&
+            entry->second.state == storage::CaseHistory::State::failed)
+            failed.push_back(&c);
+    }
+    return failed;
+}
+
+void print_json(const schedule::OutputFolder& folder, State& state) {
+    using Json = nlohmann::ordered_json;
+    const Tally& tally = state.tally;
+    Json failed = Json::array(), damaged = Json::array();
+    for (const storage::IndexedCase* c : failed_cases(state))
+        failed.push_back({{"id", c->id},
+                          {"settings", storage::settings_json(c->settings)},
+                          {"reason", state.journal.cases.at(c->id).reason}});
+    for (const std::string& id : tally.damaged)
+        damaged.push_back({{"id", id}, {"reason", state.index.find(id)->damage}});
+    const bool has_times = tally.seconds > 0.0;
+    fmt::print("{}", json_document(
+                         "status",
+                         {{"folder", folder.root.string()},
+                          {"name", state.plan.name},
+                          {"title", state.plan.title},
+                          {"cases", state.plan.cases.size()},
+                          {"done", tally.done},
+                          {"running", tally.running},
+                          {"failed", tally.failed},
+                          {"remaining", tally.left + tally.interrupted},
+                          {"interrupted", tally.interrupted},
+                          {"is_active", tally.is_active},
+                          {"teams", tally.teams},
+                          {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
+                          {"seconds_left", has_times ? Json(tally.time_left_s()) : Json()},
+                          {"failed_cases", failed},
+                          {"damaged_cases", damaged},
+                          {"next", state.next}}));
+}
+
+void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
+    auto& [plan, journal, index, tally, next] = state;
     fmt::print("{}: {}\n", plan.name, printable(plan.title));
     fmt::print("{} cases: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
                tally.done, tally.running, tally.failed, tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
     fmt::print("{}{}\n", tally.is_active ? "; a run is active" : "",
                tally.host.empty() ? "" : " on " + tally.host);
-    const std::size_t to_do = tally.left + tally.interrupted + tally.running;
-    if (tally.done > 0 && to_do > 0)
-        fmt::print("remaining: {:.3g} s of computing at {:.3g} s per case\n",
-                   static_cast<double>(to_do) * tally.seconds / static_cast<double>(tally.done),
-                   tally.seconds / static_cast<double>(tally.done));
-    for (const storage::IndexedCase& c : plan.cases) {
-        const auto entry = journal.cases.find(c.id);
-        if (entry == journal.cases.end() || index.is_whole(c.id)) continue;
-        if (entry->second.state == storage::CaseHistory::State::failed)
-            fmt::print("failed {} {}: {}{}\n", c.id, storage::settings_text(c.settings),
-                       entry->second.reason,
-                       std::filesystem::exists(folder.failure(c.id))
-                           ? fmt::format(" (details: {})", folder.failure(c.id).string())
-                           : "");
-    }
+    if (tally.seconds > 0.0 && tally.to_do() > 0)
+        fmt::print("remaining: about {} on {} team{}, at {:.3g} s per case\n",
+                   duration_text(tally.time_left_s()), tally.teams, tally.teams == 1 ? "" : "s",
+                   tally.seconds_per_case());
+    for (const storage::IndexedCase* c : failed_cases(state))
+        fmt::print("failed {} {}: {}{}\n", c->id, storage::settings_text(c->settings),
+                   journal.cases.at(c->id).reason,
+                   std::filesystem::exists(folder.failure(c->id))
+                       ? fmt::format(" (details: {})", folder.failure(c->id).string())
+                       : "");
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: {}; the next run computes it again\n", id, index.find(id)->damage);
-    if (trust == storage::CaseIndex::Trust::checksum) print_verified(plan, index);
+    if (verify) print_verified(plan, index);
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",
                    schedule::shell_word(folder.stop_file().string()));
-    const std::string run =
-        schedule::run_command_line(folder.job(), journal.overrides, folder.root);
-    if (to_do > 0 && tally.is_active)
-        fmt::print("next: wait for the active run\n");
-    else if (to_do > 0)
-        fmt::print("next: {}\n", run);
-    else if (tally.failed > 0)
-        fmt::print("next: {} --retry-failed\n", run);
+    fmt::print("next: {}\n", next);
+}
+
+/// Returns the number of damaged cases.
+long print_status(const StatusArguments& arguments) {
+    const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
+    State state{.plan = storage::read_plan(folder.plan()),
+                .journal = storage::read_journals(folder.root),
+                .index = storage::CaseIndex(
+                    folder.root, arguments.verify ? storage::CaseIndex::Trust::checksum
+                                                  : storage::CaseIndex::Trust::size_and_time),
+                .tally = {},
+                .next = {}};
+    state.tally = tally_of(state.plan, state.journal, folder, state.index);
+    state.next = next_step(folder, state);
+    if (arguments.json)
+        print_json(folder, state);
     else
-        fmt::print("next: {}\n", schedule::reduce_command_line(folder));
-    index.save();
-    return static_cast<long>(tally.damaged.size());
+        print_text(folder, state, arguments.verify);
+    state.index.save();
+    return static_cast<long>(state.tally.damaged.size());
 }
 
 } // namespace
 
 ExitCode status_command(const StatusArguments& arguments, const Comm& world) {
     long damaged = 0;
-    on_root(world, [&] {
-        damaged = print_status({arguments.folder}, arguments.verify
-                                                       ? storage::CaseIndex::Trust::checksum
-                                                       : storage::CaseIndex::Trust::size_and_time);
-    });
+    on_root(world, [&] { damaged = print_status(arguments); });
     const bool fails = arguments.verify && world.broadcast(damaged) > 0;
     return fails ? ExitCode::some_cases_failed : ExitCode::done;
 }

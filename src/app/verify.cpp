@@ -5,6 +5,7 @@
 #include "storage/journal/plan_file.hpp"
 #include "parallel/agree.hpp"
 #include "app/commands.hpp"
+#include "base/json_document.hpp"
 #include "schedule/output_folder.hpp"
 
 #include <algorithm>
@@ -110,7 +111,7 @@ std::string json_of(const schedule::OutputFolder& folder, const Verified& v) {
     root["plan"] = v.plan_damage.empty() ? "sound" : v.plan_damage;
     root["journal_lines_passed_over"] = v.journal_lines;
     root["index_lines_passed_over"] = v.index_lines;
-    return root.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return json_document("verify", root);
 }
 
 void print(const Verified& v) {
@@ -143,7 +144,7 @@ void print(const Verified& v) {
 ExitCode verify_command(const VerifyArguments& arguments, const Comm& world) {
     long sound = 1;
     on_root(world, [&] {
-        const schedule::OutputFolder folder{arguments.folder};
+        const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
         Verified verified;
         std::optional<VerifyLine> line(arguments.quiet);
         storage::CaseIndex index(
@@ -151,8 +152,10 @@ ExitCode verify_command(const VerifyArguments& arguments, const Comm& world) {
             [&](const storage::VerifyProgress& progress) { line->show(progress); });
         verified = verify(folder, index);
         line.reset();
-        print(verified);
-        if (!arguments.json.empty()) storage::write_file(arguments.json, json_of(folder, verified));
+        if (arguments.json)
+            fmt::print("{}", json_of(folder, verified));
+        else if (!arguments.quiet || !verified.is_sound())
+            print(verified);
         sound = verified.is_sound() ? 1 : 0;
         index.save(); // so that the next run recomputes the damaged cases
     });

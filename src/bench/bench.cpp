@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench.hpp"
 
+#include "base/json_document.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/registry/make_engine.hpp"
@@ -11,11 +12,12 @@
 #include "simd/instruction_set.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace shearwake::bench {
 namespace {
 
-ExitCode bench_layered(const Comm& world) {
+ExitCode bench_layered(const Comm& world, Output& out) {
     const Case c = layered_bench_case();
     const auto engine = engines::make_engine(c.solver);
     const auto complete_case = [&] {
@@ -51,19 +53,24 @@ ExitCode bench_layered(const Comm& world) {
 
     if (!world.is_root()) return ExitCode::done;
     const double points = static_cast<double>(c.domain.nx * c.domain.ny * c.time.frames);
-    fmt::print("engine layered, {} rank{}: {} x {} points, {} frames, three layers, kernels {}\n",
-               world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, c.time.frames,
-               simd::name_of(simd::instruction_set()));
-    fmt::print("  transfer function H        {:8.3f} s   once per medium and grid\n", first - rest);
-    fmt::print("  case with all measures     {:8.3f} s   {:.2g} ns per point and frame\n", rest,
-               1e9 * rest / points);
-    fmt::print("  lower bound: all FFTs      {:8.3f} s   the case takes {:.2f} times as long: {} "
-               "planes, and {} lines of {} samples in time\n",
-               transforms + in_time_s, rest / (transforms + in_time_s), c.time.frames, lines.count,
-               lines.length);
-    fmt::print("  FFTs of the planes         {:8.3f} s   the case takes {:.2f} times as long\n",
-               transforms, rest / transforms);
-    fmt::print("  memory copies              {:8.1f} GB/s\n", copies_B_s / 1e9);
+    out.print("engine layered, {} rank{}: {} x {} points, {} frames, three layers, kernels {}\n",
+              world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, c.time.frames,
+              simd::name_of(simd::instruction_set()));
+    out.print("  transfer function H        {:8.3f} s   once per medium and grid\n", first - rest);
+    out.print("  case with all measures     {:8.3f} s   {:.2g} ns per point and frame\n", rest,
+              1e9 * rest / points);
+    out.print("  lower bound: all FFTs      {:8.3f} s   the case takes {:.2f} times as long: {} "
+              "planes, and {} lines of {} samples in time\n",
+              transforms + in_time_s, rest / (transforms + in_time_s), c.time.frames, lines.count,
+              lines.length);
+    out.print("  FFTs of the planes         {:8.3f} s   the case takes {:.2f} times as long\n",
+              transforms, rest / transforms);
+    out.print("  memory copies              {:8.1f} GB/s\n", copies_B_s / 1e9);
+    out.add("transfer function", first - rest, "s");
+    out.add("case with all measures", rest, "s");
+    out.add("lower bound: all FFTs", transforms + in_time_s, "s");
+    out.add("FFTs of the planes", transforms, "s");
+    out.add("memory copies", copies_B_s, "B/s");
     return ExitCode::done;
 }
 
@@ -106,23 +113,37 @@ double copy_rate_B_s(const Comm& world) {
 
 namespace {
 
-ExitCode bench_engine(const BenchArguments& arguments, const Comm& world) {
-    if (arguments.engine == "spectral") return bench_spectral(arguments, world);
-    if (arguments.engine == "pstd") return bench_pstd(arguments, world);
-    return bench_layered(world);
+ExitCode bench_engine(const BenchArguments& arguments, const Comm& world, Output& out) {
+    if (arguments.engine == "spectral") return bench_spectral(arguments, world, out);
+    if (arguments.engine == "pstd") return bench_pstd(arguments, world, out);
+    return bench_layered(world, out);
+}
+
+ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
+    if (arguments.engine == "neural") return bench_neural(world, out);
+    if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world, out);
+    if (arguments.engine == "files") return bench_files(world, out);
+    if (arguments.engine == "machine") return bench_machine(world, out);
+    if (arguments.engine == "estimates") return bench_estimates(world, out);
+    ExitCode code = ExitCode::done;
+    // As in `run`, so that the times include the agreement before each collective call.
+    fail_together(world, [&] { code = bench_engine(arguments, world, out); });
+    return code;
 }
 
 } // namespace
 
 ExitCode bench_command(const BenchArguments& arguments, const Comm& world) {
-    if (arguments.engine == "neural") return bench_neural(world);
-    if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world);
-    if (arguments.engine == "files") return bench_files(world);
-    if (arguments.engine == "machine") return bench_machine(world);
-    if (arguments.engine == "estimates") return bench_estimates(world);
-    ExitCode code = ExitCode::done;
-    // As in `run`, so that the times include the agreement before each collective call.
-    fail_together(world, [&] { code = bench_engine(arguments, world); });
+    Output out(arguments.json ? Output::Form::document : Output::Form::text);
+    const ExitCode code = run_bench(arguments, world, out);
+    if (!arguments.json || !world.is_root()) return code;
+    nlohmann::ordered_json measurements = nlohmann::ordered_json::array();
+    for (const Measurement& m : out.measurements())
+        measurements.push_back({{"name", m.name}, {"value", m.value}, {"unit", m.unit}});
+    fmt::print("{}", json_document("bench", {{"name", arguments.engine},
+                                             {"ranks", world.size()},
+                                             {"kernels", simd::name_of(simd::instruction_set())},
+                                             {"measurements", measurements}}));
     return code;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "case/case.hpp"
+#include "bench/output.hpp"
 #include "parallel/comm.hpp"
 
 #include <algorithm>
@@ -20,6 +21,7 @@ struct BenchArguments {
     double sponge_mm = 0.0; // on each side
     // `sweep`:
     int cases = 2000;
+    bool json = false; // print a document instead of text
 };
 
 /// The command `bench`. Collective.
@@ -52,23 +54,23 @@ Case layered_bench_case();
 
 /// Calibrates the performance model of the machine and keeps it for `plan` and `run`, see
 /// cost/machine.hpp.
-ExitCode bench_machine(const Comm& world);
+ExitCode bench_machine(const Comm& world, Output& out);
 /// Compares estimated with measured time, memory and disk of a dozen cases of all engines.
-ExitCode bench_estimates(const Comm& world);
+ExitCode bench_estimates(const Comm& world, Output& out);
 /// Measures the overhead per case and the idle time of teams with two sweeps in the working
 /// directory: one of small cases, one of cases with different costs and both engines.
-ExitCode bench_sweep(int tiny_cases, const Comm& world);
+ExitCode bench_sweep(int tiny_cases, const Comm& world, Output& out);
 
 /// Measures the time of a step and its phases for a layer with or without a body, and compares it
 /// with lower bounds set by FFTs and memory bandwidth.
-ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world);
+ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Output& out);
 /// Measures the steps of the pseudospectral scheme in single and double precision, with and without
 /// losses, and compares them with a lower bound.
-ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world);
+ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& out);
 /// Measures writing, completing and verifying a case file with 1 GB of frames in the working
 /// directory.
-ExitCode bench_files(const Comm& world);
+ExitCode bench_files(const Comm& world, Output& out);
 /// Measures the response of the nerve fibres of a hand to moving pins and to a carrier.
-ExitCode bench_neural(const Comm& world);
+ExitCode bench_neural(const Comm& world, Output& out);
 
 } // namespace shearwake::bench

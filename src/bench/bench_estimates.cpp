@@ -111,17 +111,26 @@ Amounts estimated(const Case& c, int ranks, cost::CaseCosts& costs) {
             .stages_s = stages_of(costs.work_of(c), machine.rates, ranks)};
 }
 
-void print_stages(const Amounts& e, const Amounts& m) {
+void print_stages(Output& out, const Amounts& e, const Amounts& m) {
     for (const auto& [stage, estimated_s] : e.stages_s) {
         const double measured_s = m.stages_s.at(stage);
         if (measured_s > 0.0 && std::abs(estimated_s - measured_s) > noteworthy * m.seconds)
-            fmt::print("    {:<26}  {:7.3f} {:8.3f}\n", stage, estimated_s, measured_s);
+            out.print("    {:<26}  {:7.3f} {:8.3f}\n", stage, estimated_s, measured_s);
     }
+}
+
+void add(Output& out, const std::string& name, const Amounts& e, const Amounts& m) {
+    out.add(name + ": estimated time", e.seconds, "s");
+    out.add(name + ": time", m.seconds, "s");
+    out.add(name + ": estimated memory per rank", e.memory_B, "B");
+    out.add(name + ": memory per rank", m.memory_B, "B");
+    out.add(name + ": estimated disk space", e.disk_B, "B");
+    out.add(name + ": disk space", m.disk_B, "B");
 }
 
 } // namespace
 
-ExitCode bench_estimates(const Comm& world) {
+ExitCode bench_estimates(const Comm& world, Output& out) {
     std::vector<PlannedCase> planned;
     for (BenchJob& job : bench_jobs())
         planned.push_back({job.name, std::move(job.physics), {}, false, ""});
@@ -130,26 +139,27 @@ ExitCode bench_estimates(const Comm& world) {
         cases.push_back(&one);
     cost::CaseCosts costs(cases, {});
     calibrate_for(costs, world.size(), world,
-                  [](const std::string& text) { fmt::print("{}\n", text); });
+                  [&](const std::string& text) { out.print("{}\n", text); });
     const fs::path folder =
         world.broadcast(world.is_root() ? fmt::format("shearwake-bench-{}", ::getpid()) : "");
     on_root(world, [&] { storage::make_directory(folder); });
     if (world.is_root())
-        fmt::print("{:<30}  {:^31}   {:^22}   {:^22}\n"
-                   "{:<30}  {:>7} {:>8} {:>7} {:>6}   {:>7} {:>7} {:>6}   {:>7} {:>7} {:>6}\n",
-                   fmt::format("{} rank{}", world.size(), world.size() == 1 ? "" : "s"), "time, s",
-                   "memory per rank, MB", "disk, MB", "", "est.", "measured", "core", "ratio",
-                   "est.", "meas.", "ratio", "est.", "meas.", "ratio");
+        out.print("{:<30}  {:^31}   {:^22}   {:^22}\n"
+                  "{:<30}  {:>7} {:>8} {:>7} {:>6}   {:>7} {:>7} {:>6}   {:>7} {:>7} {:>6}\n",
+                  fmt::format("{} rank{}", world.size(), world.size() == 1 ? "" : "s"), "time, s",
+                  "memory per rank, MB", "disk, MB", "", "est.", "measured", "core", "ratio",
+                  "est.", "meas.", "ratio", "est.", "meas.", "ratio");
     for (const PlannedCase& one : planned) {
         const Amounts e = estimated(one.physics, world.size(), costs);
         const Amounts m = measured(one.physics, world, folder, e.stages_s);
         if (world.is_root())
-            fmt::print("{:<30}  {:7.3f} {:8.3f} {:7.3f} {:6.2f}   {:7.0f} {:7.0f} {:6.2f}   "
-                       "{:7.3f} {:7.3f} {:6.2f}\n",
-                       one.id, e.seconds, m.seconds, m.core_s, e.seconds / m.seconds,
-                       e.memory_B / 1e6, m.memory_B / 1e6, e.memory_B / m.memory_B, e.disk_B / 1e6,
-                       m.disk_B / 1e6, e.disk_B / m.disk_B);
-        if (world.is_root()) print_stages(e, m);
+            out.print("{:<30}  {:7.3f} {:8.3f} {:7.3f} {:6.2f}   {:7.0f} {:7.0f} {:6.2f}   "
+                      "{:7.3f} {:7.3f} {:6.2f}\n",
+                      one.id, e.seconds, m.seconds, m.core_s, e.seconds / m.seconds,
+                      e.memory_B / 1e6, m.memory_B / 1e6, e.memory_B / m.memory_B, e.disk_B / 1e6,
+                      m.disk_B / 1e6, e.disk_B / m.disk_B);
+        if (world.is_root()) add(out, one.id, e, m);
+        if (world.is_root()) print_stages(out, e, m);
     }
     on_root(world, [&] { fs::remove_all(folder); });
     return ExitCode::done;

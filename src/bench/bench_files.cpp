@@ -61,7 +61,7 @@ std::array<double, 2> write_frames(const fs::path& path, const Comm& world) {
 
 } // namespace
 
-ExitCode bench_files(const Comm& world) {
+ExitCode bench_files(const Comm& world, Output& out) {
     const fs::path path = fs::path(".") / ".shearwake-bench.h5";
     const auto [frames_s, commit_s] = write_frames(path, world);
     double cached_s = 0.0, verify_s = 0.0, read_s = 0.0, bytes = 0.0;
@@ -86,16 +86,21 @@ ExitCode bench_files(const Comm& world) {
         fs::remove(path);
     });
     if (!world.is_root()) return ExitCode::done;
-    fmt::print("a case file with {:.2f} GB of frames, {} ranks, in this folder\n", bytes / 1e9,
-               world.size());
-    fmt::print("  writing the frames     {:8.2f} s   {:6.2f} GB/s\n", frames_s,
-               bytes / frames_s / 1e9);
-    fmt::print("  completing the file    {:8.2f} s   of which {:.2f} s for the checksum\n",
-               commit_s, cached_s);
-    fmt::print("  checksum, cached file  {:8.2f} s   {:6.2f} GB/s\n", cached_s,
-               bytes / cached_s / 1e9);
-    fmt::print("  verify from the disk   {:8.2f} s   {:6.2f} GB/s, {:.0f} % of reading it\n",
-               verify_s, bytes / verify_s / 1e9, 100.0 * read_s / verify_s);
+    out.add("frames", bytes, "B");
+    out.add("writing the frames", frames_s, "s");
+    out.add("completing the file", commit_s, "s");
+    out.add("checksum, cached file", cached_s, "s");
+    out.add("verify from the disk", verify_s, "s");
+    out.print("a case file with {:.2f} GB of frames, {} ranks, in this folder\n", bytes / 1e9,
+              world.size());
+    out.print("  writing the frames     {:8.2f} s   {:6.2f} GB/s\n", frames_s,
+              bytes / frames_s / 1e9);
+    out.print("  completing the file    {:8.2f} s   of which {:.2f} s for the checksum\n", commit_s,
+              cached_s);
+    out.print("  checksum, cached file  {:8.2f} s   {:6.2f} GB/s\n", cached_s,
+              bytes / cached_s / 1e9);
+    out.print("  verify from the disk   {:8.2f} s   {:6.2f} GB/s, {:.0f} % of reading it\n",
+              verify_s, bytes / verify_s / 1e9, 100.0 * read_s / verify_s);
     return ExitCode::done;
 }
 

@@ -11,7 +11,7 @@
 
 namespace shearwake::bench {
 
-ExitCode bench_machine(const Comm& world) {
+ExitCode bench_machine(const Comm& world, Output& out) {
     const cost::Machine machine =
         cost::calibrated({}, cost::every_kind(), world,
                          {[](const std::string& text) { fmt::print(stderr, "{}\n", text); },
@@ -22,19 +22,25 @@ ExitCode bench_machine(const Comm& world) {
         is_kept = cost::keep_machine(machine, *file);
     if (!world.is_root()) return ExitCode::done;
     if (machine.measured.empty()) return ExitCode::environment;
-    fmt::print("{}\n", machine.measured);
-    for (const auto& [kind, rate_s] : machine.rates)
-        fmt::print("  {:<32} {:10.3g} s per unit\n", kind, rate_s);
-    fmt::print("  all-to-all         {:10.2g} s per partner, {:.2g} GB/s per rank{}\n",
-               machine.message_s, machine.transposed_B_s / 1e9,
-               world.size() == 1 ? " (default values, since there is only one rank)" : "");
-    fmt::print("  files of a case    {:10.4f} s in this folder, in addition to writing\n",
-               machine.file_s);
-    fmt::print("  writing            {:10.2g} GB/s in this folder\n", machine.written_B_s / 1e9);
+    out.print("{}\n", machine.measured);
+    for (const auto& [kind, rate_s] : machine.rates) {
+        out.add(kind, rate_s, "s per unit");
+        out.print("  {:<32} {:10.3g} s per unit\n", kind, rate_s);
+    }
+    out.add("all-to-all, per partner", machine.message_s, "s");
+    out.add("all-to-all, per rank", machine.transposed_B_s, "B/s");
+    out.add("files of a case", machine.file_s, "s");
+    out.add("writing", machine.written_B_s, "B/s");
+    out.print("  all-to-all         {:10.2g} s per partner, {:.2g} GB/s per rank{}\n",
+              machine.message_s, machine.transposed_B_s / 1e9,
+              world.size() == 1 ? " (default values, since there is only one rank)" : "");
+    out.print("  files of a case    {:10.4f} s in this folder, in addition to writing\n",
+              machine.file_s);
+    out.print("  writing            {:10.2g} GB/s in this folder\n", machine.written_B_s / 1e9);
     if (is_kept)
-        fmt::print("saved for plan and run: {}\n", file->string());
+        out.print("saved for plan and run: {}\n", file->string());
     else
-        fmt::print("not saved: SHEARWAKE_CACHE is off, or there is no writable cache folder\n");
+        out.print("not saved: SHEARWAKE_CACHE is off, or there is no writable cache folder\n");
     return ExitCode::done;
 }
 

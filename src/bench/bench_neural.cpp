@@ -31,7 +31,7 @@ PinStimulus grid_of_pins() {
     return stimulus;
 }
 
-void time_one(const Comm& world, const std::string& what, const PinStimulus& stimulus,
+void time_one(const Comm& world, Output& out, const std::string& what, const PinStimulus& stimulus,
               const std::vector<Afferent>& afferents, RespondOptions options) {
     std::size_t spikes = 0;
     const double seconds = best_of(3, [&] {
@@ -42,31 +42,32 @@ void time_one(const Comm& world, const std::string& what, const PinStimulus& sti
             spikes += train.size();
         return world.max(static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC);
     });
+    if (world.is_root()) out.add(what, seconds, "s");
     if (world.is_root())
-        fmt::print("  {:<44} {:8.3f} s   {} afferents, {} spikes\n", what, seconds,
-                   afferents.size(), spikes);
+        out.print("  {:<44} {:8.3f} s   {} afferents, {} spikes\n", what, seconds, afferents.size(),
+                  spikes);
 }
 
 } // namespace
 
-ExitCode bench_neural(const Comm& world) {
+ExitCode bench_neural(const Comm& world, Output& out) {
     const Hand hand = make_hand();
     const std::vector only_PC = {AfferentClass::PC};
     const PinStimulus pins = grid_of_pins();
     if (world.is_root())
-        fmt::print("response of the nerve fibres of a hand during 1 s; every rank computes all "
-                   "fibres; CPU seconds\n");
-    time_one(world, "PC, 25 pins at 5 kHz", pins, populate(hand.regions, only_PC, 1), {});
+        out.print("response of the nerve fibres of a hand during 1 s; every rank computes all "
+                  "fibres; CPU seconds\n");
+    time_one(world, out, "PC, 25 pins at 5 kHz", pins, populate(hand.regions, only_PC, 1), {});
     const auto all = populate(hand.regions, all_classes, 1);
-    time_one(world, "all classes, 25 pins at 5 kHz", pins, all, {});
-    time_one(world, "all classes, 25 pins at 5 kHz, with noise", pins, all, {.noise_key = 1});
+    time_one(world, out, "all classes, 25 pins at 5 kHz", pins, all, {});
+    time_one(world, out, "all classes, 25 pins at 5 kHz, with noise", pins, all, {.noise_key = 1});
 
     const CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0, .am_depth = 1.0};
     const PinStimulus fast = carrier_stimulus(carrier, {{126.0, 10.0}}, 1.0, 1.0);
     const auto palm = populate(region(hand, "palm"), AfferentClass::PC, 1);
-    time_one(world, "PC of the palm, one pin at 200 kHz", fast, palm, {});
+    time_one(world, out, "PC of the palm, one pin at 200 kHz", fast, palm, {});
     if (world.is_root())
-        fmt::print("  peak memory of this process {:>15.0f} MB\n", pipeline::peak_memory_B() / 1e6);
+        out.print("  peak memory of this process {:>15.0f} MB\n", pipeline::peak_memory_B() / 1e6);
     return ExitCode::done;
 }
 

@@ -121,7 +121,7 @@ double least_touches(pstd::Absorption absorption, double in_layer) {
 
 template <class Real>
 void measure(const pstd::Node& grid, pstd::Absorption absorption, int steps, double copied_B_s,
-             const Comm& world) {
+             const Comm& world, Output& out) {
     const bool lossy = absorption == pstd::Absorption::kelvin_voigt;
     const pstd::Setup setup = bench_setup(grid, absorption);
     ::malloc_trim(0); // so that freed memory is not counted
@@ -141,40 +141,47 @@ void measure(const pstd::Node& grid, pstd::Absorption absorption, int steps, dou
                          least_touches(absorption, share_in_layer(setup));
     const double bytes_s = bytes / copied_B_s;
     if (!world.is_root()) return;
-    fmt::print("  {:>4} x {:>3} x {:>3}  {:<8} {:<6} {:9.2f} {:9.2f} {:8.1f} {:8.2f} {:8.2f} "
-               "{:6.2f} {:8.0f}\n",
-               grid[0], grid[1], grid[2], lossy ? "lossy" : "lossless",
-               sizeof(Real) == 8 ? "double" : "single", 1e3 * best.passed, 1e3 * best.of_core,
-               1e9 * best.of_core * world.size() / points, 1e3 * fft_s, 1e3 * bytes_s,
-               best.of_core / (fft_s + bytes_s), memory_B / points);
+    const std::string name =
+        fmt::format("{} x {} x {}, {}, {}", grid[0], grid[1], grid[2], lossy ? "lossy" : "lossless",
+                    sizeof(Real) == 8 ? "double" : "single");
+    out.add(name + ": time per step", best.passed, "s");
+    out.add(name + ": CPU time per step and rank", best.of_core, "s");
+    out.add(name + ": lower bound", fft_s + bytes_s, "s");
+    out.add(name + ": memory per point", memory_B / points, "B");
+    out.print("  {:>4} x {:>3} x {:>3}  {:<8} {:<6} {:9.2f} {:9.2f} {:8.1f} {:8.2f} {:8.2f} "
+              "{:6.2f} {:8.0f}\n",
+              grid[0], grid[1], grid[2], lossy ? "lossy" : "lossless",
+              sizeof(Real) == 8 ? "double" : "single", 1e3 * best.passed, 1e3 * best.of_core,
+              1e9 * best.of_core * world.size() / points, 1e3 * fft_s, 1e3 * bytes_s,
+              best.of_core / (fft_s + bytes_s), memory_B / points);
     std::fflush(stdout);
 }
 
 } // namespace
 
-ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world) {
+ExitCode bench_pstd(const BenchArguments& arguments, const Comm& world, Output& out) {
     std::vector<pstd::Node> grids = {{128, 96, 32}, {128, 128, 128}};
     if (!arguments.grid.empty()) grids = {read_points(arguments.grid)};
     const double copied_B_s = copies_B_s(world);
     if (world.is_root()) {
-        fmt::print("engine pstd, {} rank{}: uniform solid, absorbing layer of 10 points on each "
-                   "side, {} steps; each core copies {:.1f} GB/s\n",
-                   world.size(), world.size() == 1 ? "" : "s", arguments.steps, copied_B_s / 1e9);
-        fmt::print("  {:<16} {:<8} {:<6} {:>9} {:>9} {:>8} {:>8} {:>8} {:>6} {:>8}\n", "points", "",
-                   "", "ms/step", "core ms", "ns/point", "FFTs ms", "bytes ms", "ratio", "B/point");
+        out.print("engine pstd, {} rank{}: uniform solid, absorbing layer of 10 points on each "
+                  "side, {} steps; each core copies {:.1f} GB/s\n",
+                  world.size(), world.size() == 1 ? "" : "s", arguments.steps, copied_B_s / 1e9);
+        out.print("  {:<16} {:<8} {:<6} {:>9} {:>9} {:>8} {:>8} {:>8} {:>6} {:>8}\n", "points", "",
+                  "", "ms/step", "core ms", "ns/point", "FFTs ms", "bytes ms", "ratio", "B/point");
     }
     for (const pstd::Node& grid : grids) {
         for (const pstd::Absorption absorption :
              {pstd::Absorption::none, pstd::Absorption::kelvin_voigt}) {
-            measure<double>(grid, absorption, arguments.steps, copied_B_s, world);
-            measure<float>(grid, absorption, arguments.steps, copied_B_s, world);
+            measure<double>(grid, absorption, arguments.steps, copied_B_s, world, out);
+            measure<float>(grid, absorption, arguments.steps, copied_B_s, world, out);
         }
     }
     if (world.is_root())
-        fmt::print("  ms/step: wall-clock time of the fastest step; core ms: CPU time per rank; "
-                   "ns/point: CPU time of all\n  ranks per point; ratio: core ms over the lower "
-                   "bound, which is the FFTs alone plus the least memory\n  traffic at the rate of "
-                   "copies\n");
+        out.print("  ms/step: wall-clock time of the fastest step; core ms: CPU time per rank; "
+                  "ns/point: CPU time of all\n  ranks per point; ratio: core ms over the lower "
+                  "bound, which is the FFTs alone plus the least memory\n  traffic at the rate of "
+                  "copies\n");
     return ExitCode::done;
 }
 

@@ -148,7 +148,7 @@ Measured measure(const Case& c, const spectral::DepthMesh& mesh, const fft::Slab
     return m;
 }
 
-void print(const Measured& m, const Case& c, double levels, double copies_B_s,
+void print(Output& out, const Measured& m, const Case& c, double levels, double copies_B_s,
            const engines::Estimate& estimate, const engines::Rates& rates, int ranks) {
     constexpr std::array<const char*, spectral::phase_count> names = {
         "FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge",
@@ -161,45 +161,51 @@ void print(const Measured& m, const Case& c, double levels, double copies_B_s,
         in_phases_s += m.phase_s[i];
         bytes += m.bytes[i];
     }
-    fmt::print("  time per step of {:g} us {:10.5f} s   {:.3g} million points per second\n",
-               1e6 * c.time.interval_s, step_s, 1e-6 * points / step_s);
-    fmt::print("  iterations per step    {:10.2f}     {} planes of strain, {:.1f} transforms\n",
-               static_cast<double>(m.statistics.iterations) / steps, m.planes,
-               static_cast<double>(m.statistics.transforms) / steps);
-    fmt::print("    {:<22} {:>8} {:>8} {:>10} {:>8}\n", "", "share", "s", "MB moved", "GB/s");
+    out.add("time per step", step_s, "s");
+    out.add("frame of the surface", m.surface_s, "s");
+    out.add("setup", m.begin_s, "s");
+    out.add("peak memory per rank", m.peak_memory_B, "B");
+    out.print("  time per step of {:g} us {:10.5f} s   {:.3g} million points per second\n",
+              1e6 * c.time.interval_s, step_s, 1e-6 * points / step_s);
+    out.print("  iterations per step    {:10.2f}     {} planes of strain, {:.1f} transforms\n",
+              static_cast<double>(m.statistics.iterations) / steps, m.planes,
+              static_cast<double>(m.statistics.transforms) / steps);
+    out.print("    {:<22} {:>8} {:>8} {:>10} {:>8}\n", "", "share", "s", "MB moved", "GB/s");
     const auto line = [&](const char* name, double seconds, double moved_B) {
-        fmt::print("    {:<22} {:8.3f} {:8.5f} {:10.1f} {:8.1f}\n", name, seconds / in_phases_s,
-                   seconds / steps, 1e-6 * moved_B / steps,
-                   seconds > 0.0 ? 1e-9 * moved_B / seconds : 0.0);
+        out.add(name, seconds / steps, "s");
+        out.print("    {:<22} {:8.3f} {:8.5f} {:10.1f} {:8.1f}\n", name, seconds / in_phases_s,
+                  seconds / steps, 1e-6 * moved_B / steps,
+                  seconds > 0.0 ? 1e-9 * moved_B / seconds : 0.0);
     };
     for (std::size_t i = 0; i < spectral::phase_count; ++i)
         line(names[i], m.phase_s[i], m.bytes[i]);
     line("total", in_phases_s, bytes);
     const auto bound = [&](const char* name, double bound_s, const std::string& more) {
-        fmt::print("  lower bound: {:<14} {:10.5f} s   a step takes {:.2f} times as long{}\n", name,
-                   bound_s / steps, m.steps_s / bound_s, more);
+        out.add(fmt::format("lower bound: {}", name), bound_s / steps, "s");
+        out.print("  lower bound: {:<14} {:10.5f} s   a step takes {:.2f} times as long{}\n", name,
+                  bound_s / steps, m.steps_s / bound_s, more);
     };
     if (m.planes > 0) {
         bound("FFTs of planes", m.whole_planes_s, "");
         bound("FFTs of rows", m.rows_s, "; only rows that contain cells");
     } else {
-        fmt::print("  lower bound: {:<14} {:>10}     the medium does not vary laterally\n", "FFTs",
-                   "none");
+        out.print("  lower bound: {:<14} {:>10}     the medium does not vary laterally\n", "FFTs",
+                  "none");
     }
     bound("memory traffic", bytes / copies_B_s,
           fmt::format("; copies at {:.1f} GB/s", 1e-9 * copies_B_s));
-    fmt::print("  frame of the surface   {:10.5f} s   including its transform\n", m.surface_s);
-    fmt::print("  setup                  {:10.3f} s   factorisations, materials\n", m.begin_s);
-    fmt::print(
+    out.print("  frame of the surface   {:10.5f} s   including its transform\n", m.surface_s);
+    out.print("  setup                  {:10.3f} s   factorisations, materials\n", m.begin_s);
+    out.print(
         "  estimated per step     {:10.5f} s   including its frame and a share of the setup\n",
         engines::time_s(estimate.work, rates) / ranks / static_cast<double>(c.time.frames));
-    fmt::print("  peak memory per rank   {:10.1f} MB  estimated {:.1f} MB\n",
-               1e-6 * m.peak_memory_B, 1e-6 * estimate.memory_per_rank_B);
+    out.print("  peak memory per rank   {:10.1f} MB  estimated {:.1f} MB\n", 1e-6 * m.peak_memory_B,
+              1e-6 * estimate.memory_per_rank_B);
 }
 
 } // namespace
 
-ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
+ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world, Output& out) {
     const Case c = bench_case(arguments);
     // Without the body the mesh has exactly the requested levels. Elements need not end at the
     // body's faces, since only the speed matters here.
@@ -218,10 +224,10 @@ ExitCode bench_spectral(const BenchArguments& arguments, const Comm& world) {
                                  : "no body";
     const std::string sponge =
         arguments.sponge_mm > 0.0 ? fmt::format(", sponge of {:g} mm", arguments.sponge_mm) : "";
-    fmt::print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}{}\n",
-               world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
-               m.statistics.steps, body, sponge);
-    print(m, c, static_cast<double>(mesh.levels()), copies_B_s, estimate, rates, world.size());
+    out.print("engine spectral, {} rank{}: {} x {} points x {} levels, {} steps, {}{}\n",
+              world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, mesh.levels(),
+              m.statistics.steps, body, sponge);
+    print(out, m, c, static_cast<double>(mesh.levels()), copies_B_s, estimate, rates, world.size());
     return ExitCode::done;
 }
 

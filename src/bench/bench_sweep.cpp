@@ -112,18 +112,22 @@ Seen run_job(const fs::path& folder, const std::string& text, const Comm& world)
 
 } // namespace
 
-ExitCode bench_sweep(int tiny_cases, const Comm& world) {
+ExitCode bench_sweep(int tiny_cases, const Comm& world, Output& out) {
     const long process = world.broadcast(static_cast<long>(::getpid()));
     const fs::path folder = fmt::format("shearwake-bench-{}", process);
     const Seen tiny = run_job(folder, tiny_job(tiny_cases), world);
     const Seen mixed = run_job(folder, mixed_job(), world);
     if (!world.is_root()) return ExitCode::done;
-    fmt::print("\n{} rank{}, one rank per team, files in the working directory\n", world.size(),
-               world.size() == 1 ? "" : "s");
-    fmt::print("  {:6} small cases  {:8.2f} s   {:.2f} ms overhead per case and team\n", tiny.cases,
-               tiny.seconds, 1e3 * tiny.times.beside_solve_s);
-    fmt::print("  {:6} mixed cases  {:8.2f} s   teams are idle {:.1f} % of the time\n", mixed.cases,
-               mixed.seconds, 100.0 * mixed.times.idle_share);
+    out.add("overhead per case and team", tiny.times.beside_solve_s, "s");
+    out.add("small cases", tiny.seconds, "s");
+    out.add("mixed cases", mixed.seconds, "s");
+    out.add("idle share of the teams", mixed.times.idle_share, "1");
+    out.print("\n{} rank{}, one rank per team, files in the working directory\n", world.size(),
+              world.size() == 1 ? "" : "s");
+    out.print("  {:6} small cases  {:8.2f} s   {:.2f} ms overhead per case and team\n", tiny.cases,
+              tiny.seconds, 1e3 * tiny.times.beside_solve_s);
+    out.print("  {:6} mixed cases  {:8.2f} s   teams are idle {:.1f} % of the time\n", mixed.cases,
+              mixed.seconds, 100.0 * mixed.times.idle_share);
     return ExitCode::done;
 }
 

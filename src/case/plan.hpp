@@ -44,4 +44,12 @@ struct Plan {
     bool operator==(const Plan&) const = default;
 };
 
+/// Pointers to all cases of the plan, in its order.
+inline std::vector<const PlannedCase*> cases_of(const Plan& plan) {
+    std::vector<const PlannedCase*> cases;
+    for (const PlannedCase& planned : plan.cases)
+        cases.push_back(&planned);
+    return cases;
+}
+
 } // namespace shearwake

@@ -52,8 +52,9 @@ Differences compare(const TextTable& now, const TextTable& reference, const Tole
 /// As text: the changed columns, one per line, largest change first.
 std::string words(const Differences& differences);
 
-/// As JSON, with all cells.
-std::string json_text(const Differences& differences);
+/// The document of `diff --json`, with all cells, for the tables with these paths.
+std::string json_text(const Differences& differences, const std::filesystem::path& now,
+                      const std::filesystem::path& reference);
 
 /// The table of an output folder (tables/<job>.csv), or the path itself if it is a file. Throws
 /// UsageError (environment) with a remedy if there is none.

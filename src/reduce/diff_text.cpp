@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/diff.hpp"
 
+#include "base/json_document.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -82,7 +84,8 @@ std::string words(const Differences& differences) {
                plural(differences.missing_cases.size() + differences.extra_cases.size(), "case"));
 }
 
-std::string json_text(const Differences& differences) {
+std::string json_text(const Differences& differences, const std::filesystem::path& now,
+                      const std::filesystem::path& reference) {
     using Json = nlohmann::ordered_json;
     Json moved = Json::array();
     for (const MovedColumn& column : differences.moved) {
@@ -100,7 +103,10 @@ std::string json_text(const Differences& differences) {
     Json tolerances = Json::object(); // of all compared columns
     for (const ComparedColumn& compared : differences.compared)
         tolerances[compared.column] = compared.tolerance.relative;
-    const Json all = {{"equal", differences.none()},
+    const Json all = {{"now", now.string()},
+                      {"reference", reference.string()},
+                      {"equal", differences.none()},
+                      {"text", words(differences)},
                       {"moved", moved},
                       {"missing_columns", differences.missing_columns},
                       {"extra_columns", differences.extra_columns},
@@ -110,7 +116,7 @@ std::string json_text(const Differences& differences) {
                       {"not_compared", differences.not_compared},
                       {"cases", differences.cases},
                       {"cases_of_other_id", differences.cases_of_other_id}};
-    return all.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+    return json_document("diff", all);
 }
 
 } // namespace shearwake::reduce

@@ -44,6 +44,7 @@ std::string run_command_line(const RunArguments& arguments) {
         line += fmt::format(" --only {}",
                             shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));
     if (!arguments.shard.empty()) line += " --shard " + shell_word(arguments.shard);
+    if (arguments.force) line += " --force";
     if (arguments.allow_mixed) line += " --allow-mixed";
     return line;
 }

@@ -2,6 +2,8 @@
 #include "schedule/output_folder.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "config/document/tree.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "pipeline/provenance.hpp"
 #include "storage/files.hpp"
@@ -79,6 +81,23 @@ std::filesystem::path OutputFolder::index(const std::string& part, const std::st
 bool OutputFolder::has_lost_plan() const {
     std::error_code trouble;
     return !std::filesystem::exists(plan(), trouble) && !trouble;
+}
+
+OutputFolder folder_of_results(const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(path, unknown)) return {path};
+    if (path.extension() != ".toml")
+        throw UsageError(fmt::format("{} is a file; give the output folder of a run, for example "
+                                     "out/quickstart",
+                                     path.string()));
+    config::DiagnosticList ignored;
+    const config::NodePtr job = config::parse_toml(
+        storage::read_file(path, storage::largest_user_text_B), path.string(), ignored);
+    const config::NodePtr name = job ? config::find(job, {{"job"}, {"name"}}) : nullptr;
+    const auto* word = name ? std::get_if<std::string>(&name->value) : nullptr;
+    throw UsageError(fmt::format(
+        "{} is a job file; give the output folder of its run, by default {}", path.string(),
+        word && is_file_name(*word) ? "out/" + *word : "out/<job name>"));
 }
 
 std::string prepare_output(const OutputFolder& folder, const config::Job& job) {

@@ -52,6 +52,10 @@ struct OutputFolder {
     }
 };
 
+/// The output folder that a user names. Throws UsageError if the path is a file, for a job file
+/// with the default folder of its runs. Not collective.
+OutputFolder folder_of_results(const std::filesystem::path& path);
+
 /// Creates the folder for this job, or checks an existing one. A damaged plan.json is rewritten if
 /// all case files belong to this job; a warning is returned in this case. Throws UsageError if the
 /// folder contains another plan or is not writable. Not collective.

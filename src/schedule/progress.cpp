@@ -63,10 +63,11 @@ void Progress::update(const SweepCounts& counts) {
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
     const long ended = counts.done + counts.failed;
-    const bool due =
-        live_ ? since > 0.25 || ended == counts.total : since > 60.0 || ended == counts.total;
+    const bool due = live_ ? since > 0.25 || ended == counts.total
+                           : since > 60.0 || (ended == counts.total && !ended_);
     if (!due) return;
     last_ = now;
+    ended_ = ended == counts.total;
     if (live_) {
         fmt::print(stderr, "\r\x1b[K{}", line(counts));
         drawn_ = true;

@@ -40,7 +40,7 @@ private:
     bool quiet_, live_;
     std::filesystem::path log_;
     std::chrono::steady_clock::time_point logged_;
-    bool drawn_ = false;
+    bool drawn_ = false, ended_ = false; // ended_: the last line is printed
     std::chrono::steady_clock::time_point began_, last_;
 };
 

@@ -7,6 +7,7 @@
 #include "pipeline/provenance.hpp"
 #include "schedule/deadline.hpp"
 #include "schedule/job_source.hpp"
+#include "schedule/machine_limits.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
 #include "schedule/progress.hpp"
@@ -19,6 +20,7 @@
 #include "storage/journal/journal.hpp"
 #include "storage/journal/run_lock.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <memory>
@@ -175,8 +177,9 @@ ExitCode code_of(const WorkResult& result, const Selection& selection, bool stop
                                                        : ExitCode::done;
 }
 
-void say_beginning(const Beginning& beginning, Progress& progress) {
-    if (!beginning.warning.empty()) progress.say("warning: " + beginning.warning);
+void say_beginning(const Beginning& beginning, const RunArguments& arguments, Progress& progress) {
+    if (!beginning.warning.empty() && !arguments.quiet)
+        progress.say("warning: " + beginning.warning);
     for (const SetAside& damaged : beginning.damaged)
         progress.say(
             fmt::format("case {} is damaged ({}): its file was moved to {}, and the case is "
@@ -199,6 +202,22 @@ OrderedWork ordered(const std::vector<const PlannedCase*>& cases, const Selectio
         work.numbers.push_back(selection.work[index]);
     }
     return work;
+}
+
+/// Throws UsageError if the cases to be computed need more memory or disk space than there is,
+/// before anything is written. Not collective.
+void must_fit(const config::Job& job, const OutputFolder& folder, const RunArguments& arguments,
+              int ranks, double memory_B) {
+    storage::CaseIndex index(folder.root);
+    const Selection selection = select_cases(job.plan, {}, index, arguments);
+    std::vector<const PlannedCase*> cases;
+    for (const std::size_t number : selection.work)
+        cases.push_back(&job.plan.cases[number]);
+    const int together =
+        arguments.ranks_per_case > 0 ? std::min(arguments.ranks_per_case, ranks) : ranks;
+    const std::string error =
+        excess(least_demand(cases, together), memory_B, folder.root, run_by_force);
+    if (!error.empty()) throw UsageError("error: " + error, ExitCode::environment);
 }
 
 std::string layout_text(const std::string& name, std::size_t cases, const TeamLayout& layout,
@@ -224,6 +243,9 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     if (world.is_root() && !arguments.quiet && !job.diagnostics.empty())
         fmt::print(stderr, "{}", warnings_of(job));
 
+    const double memory_B = pipeline::memory_per_rank_B(world);
+    if (!arguments.force)
+        on_root(world, [&] { must_fit(job, folder, arguments, world.size(), memory_B); });
     watch_for_stop_signals();
     Beginning beginning;
     std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run
@@ -232,7 +254,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
                             .git_id = pipeline::program_git_id(),
                             .kernels = std::string(simd::name_of(simd::instruction_set()))};
     on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
-    say_beginning(beginning, progress);
+    say_beginning(beginning, arguments, progress);
     const Selection selection = share(beginning.selection, world);
     std::vector<const PlannedCase*> cases;
     for (const std::size_t index : selection.work)
@@ -243,7 +265,6 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     });
     const OrderedWork work = ordered(cases, selection, costs);
 
-    const double memory_B = pipeline::memory_per_rank_B(world);
     const TeamLayout layout =
         choose_teams(work.cases, world.size(), arguments.ranks_per_case, memory_B, costs);
     if (world.is_root() && !arguments.quiet)
@@ -271,9 +292,12 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const bool stopped = !all_ended && was_stopped(result);
     const char* ending = stopped ? "stopped" : result.failed > 0 ? "with failures" : "done";
     on_root(world, [&] { journal.run_ended(ending, result.times); });
-    if (world.is_root())
+    const ExitCode code = code_of(result, selection, stopped);
+    if (world.is_root() && !arguments.quiet)
         fmt::print("{}\n", epilogue(folder, selection, result, stopped, arguments));
-    return code_of(result, selection, stopped);
+    else if (world.is_root() && code != ExitCode::done)
+        fmt::print(stderr, "{}\n", epilogue(folder, selection, result, stopped, arguments));
+    return code;
 }
 
 } // namespace shearwake::schedule

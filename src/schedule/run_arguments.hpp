@@ -33,6 +33,7 @@ struct RunArguments : JobArguments {
     bool allow_mixed = false; // continue in a folder with results of another version of the program
     std::string walltime;     // empty: the limit of the scheduler, or none
     std::filesystem::path log_json; // empty: none
+    bool force = false;             // run although the estimates exceed the memory or the disk
     bool quiet = false;
     std::string resumed_by; // command line that resumes the run; empty: `run` with these arguments
 };

@@ -54,7 +54,10 @@ class FailingCase(ProgramTest):
         self.write_job(ABSURD)
         began_s = processor_s()
         limit = ["prlimit", "--as=3000000000"]  # simulates a small machine
-        said = self.shearwake("run", "job.toml", prefix=limit, expect=4).said
+        said = self.shearwake("run", "job.toml", prefix=limit, expect=6).said
+        self.assertRegex(said, r"the largest case needs \d+ MB per rank, and a rank may use \d+ MB.*--force")
+        self.assertFalse(self.out.exists(), "a refused job leaves nothing")
+        said = self.shearwake("run", "job.toml", "--force", prefix=limit, expect=4).said
         self.assertLess(processor_s() - began_s, 20.0)
         good, bad = plan_ids(self.out)
         self.says(said, f"case {bad} failed", "out of memory", "GB", "domain.spacing_mm")

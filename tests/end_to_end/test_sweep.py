@@ -9,8 +9,8 @@ import h5py
 import numpy
 import xarray
 
-from program import (JOB, ProgramTest, assert_same_table, case_files, exact_as, is_literal_ipr,
-                     journal, plan, plan_ids, started, table)
+from program import (JOB, SWEEP, ProgramTest, assert_same_table, case_files, changed, exact_as, is_literal_ipr,
+                     journal, plan, plan_ids, started, table, without_reference)
 
 PROVENANCE = ["title", "case_id", "case", "job", "program", "git_id", "compiler", "build_type",
               "mpi_version", "fftw_version", "hdf5_version", "host", "ranks", "wall_s", "started",
@@ -156,6 +156,32 @@ class Sweep(ProgramTest):
             self.assertRegex(text["started"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
             self.assertLessEqual(text["started"], text["ended"])
             self.assertEqual(json.loads(text["settings"]), cases[path.stem]["settings"])
+
+    def test_long_plans_are_summarised(self):
+        self.write_job(changed(("[400, 500, 1000]", "{ linspace = [300, 1000, 40] }")))
+        short = self.shearwake("plan", "job.toml", "-n", 2).said
+        listed = re.findall(r"(?m)^([0-9a-f]{16}) ", short)
+        self.assertEqual((len(listed), len(set(listed))), (20, 20), short)
+        self.says(short, "26 further cases", "--all lists every case")
+        self.assertRegex(short, r"41 cases on 2 ranks \(.*\): \S+ core hours, about \S+ s \(0 h \d\d min\) of wall time, "
+                                r"at most \d+ MB per rank, \S+ MB on disk\n")
+        self.assertEqual(len(re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml", "--all").said)), 41)
+
+    def test_progress_within_a_case_is_reported(self):
+        self.write_job(without_reference(
+            (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "pstd"'),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [96.0, 96.0]"), ("frames = true", "")))
+        self.shearwake("run", "job.toml", "--log-json", "log.jsonl", ranks=2)
+        lines = [json.loads(line) for line in (self.folder / "log.jsonl").read_text(encoding="utf-8").splitlines()]
+        self.assertEqual((lines[-1]["done"], lines[-1]["partial"]), (1, 0))
+        self.assertTrue(all(0 <= line["partial"] <= line["running"] for line in lines), lines)
+
+    def test_quiet_prints_only_errors(self):
+        self.write_job()
+        self.assertEqual(self.shearwake("run", "job.toml", "--quiet", ranks=2).said, "")
+        self.assertEqual(self.shearwake("verify", self.out, "--quiet").said, "")
+        self.says(self.shearwake("run", "job.toml", "--quiet", "-S", "load.peak_Pa=1e200", "--out", "bad", expect=4).said,
+                  "failed")
 
     def test_frames_have_an_xdmf_file(self):
         self.write_job()

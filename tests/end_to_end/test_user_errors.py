@@ -49,6 +49,36 @@ class JobMistakes(ProgramTest):
         text = changed(('kind = "AM-STM"', 'kind = "AM-SMT"'))
         self.assert_rejected(text, self.place(text, "AM-SMT"), "AM-SMT", "did you mean", "AM-STM")
 
+    def test_names_in_another_case_are_suggested(self):
+        text = changed(('kind = "AM-STM"', 'kind = "am-stm"'))
+        self.assert_rejected(text, self.place(text, "am-stm"), 'did you mean "AM-STM"?')
+        self.write_job()
+        self.says(self.shearwake("check", "job.toml", "-S", "load.PEAK_pa=1", expect=3).said, "did you mean peak_Pa?")
+        self.says(self.shearwake("check", "job.toml", "-S", "peak_Pa=1", expect=3).said,
+                  "give keys with their tables, as in load.peak_Pa")
+
+    def test_a_misspelled_shape_causes_one_error(self):
+        said = self.assert_rejected(
+            changed(('shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]', 'shape = "circel", radius_mm = 5.0'),
+                    ("speed_m_s = 7.0", "draw_frequency_Hz = 100.0")), 'did you mean "circle"?')
+        self.assertEqual(said.count("error:"), 1, said)
+
+    def test_a_frequency_of_zero_is_explained(self):
+        text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [0, 400]'))
+        self.assert_rejected(text, "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
+
+    def test_decimal_commas_are_recognised(self):
+        for old, new, number in (("peak_Pa = 100.0", "peak_Pa = 100,5", "100.5"),
+                                 ("peak_Pa = 100.0", 'peak_Pa = "-1,5e3"', "-1.5e3"),
+                                 ("fwhm_mm = 4.5 }", "fwhm_mm = 4,5 }", "4.5"),
+                                 ("[64.0, 48.0]", "[64,5, 48,5]", "")):
+            with self.subTest(new):
+                self.assert_rejected(changed((old, new)), "decimal numbers with a point", number)
+        self.write_job()
+        self.says(self.shearwake("check", "job.toml", "-S", "load.peak_Pa=1,5", expect=3).said, "1.5 instead of 1,5")
+        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[1,2] [3,4]]")))
+        self.assertNotIn("decimal", self.shearwake("check", "job.toml", expect=3).said)
+
     def test_a_path_that_leaves_the_domain_is_reported(self):
         text = changed(("to_mm = [14.0, 0.0]", "to_mm = [140.0, 0.0]"), ("from_mm = [-14.0", "from_mm = [20.0"),
                        ("duration_ms = 4.0", "duration_ms = 6.0"))
@@ -94,6 +124,22 @@ class CommandLine(ProgramTest):
         said = self.shearwake("--version").stdout
         self.says(said, "shearwake", "git", "g++", "MPI", "FFTW", "HDF5")
         self.assertEqual(self.shearwake("--version", ranks=2).stdout.count("HDF5"), 1)
+
+    def test_mistyped_names_are_suggested(self):
+        self.write_job(JOB)
+        for words, meant in ((["chek", "job.toml"], "check"), (["Plan", "job.toml"], "plan"),
+                             (["help", "stauts"], "status"), (["plan", "job.toml", "--rank", "2"], "--ranks"),
+                             (["run", "job.toml", "--QUIET"], "--quiet"), (["run", "job.toml", "--wall-time=9"], "--walltime"),
+                             (["bench", "Spectral"], "spectral")):
+            with self.subTest(words):
+                self.says(self.shearwake(*words, expect=2).said, f"did you mean {meant}?")
+
+    def test_a_job_in_place_of_results_is_explained(self):
+        self.write_job(JOB)
+        for words in (["status"], ["verify"], ["reduce"], ["report"], ["diff", "job.toml"]):
+            with self.subTest(words):
+                self.says(self.shearwake(*words, "job.toml", expect=2).said, "job.toml is a job file", "out/small")
+        self.says(self.shearwake("show", "job.toml", expect=6).said, "shearwake show --modulation job.toml")
 
     def test_unknown_commands_and_options_are_reported(self):
         self.write_job(JOB)

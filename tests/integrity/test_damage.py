@@ -90,14 +90,12 @@ class CaseFiles(ProgramTest):
         self.assertEqual(table(self.out), self.before)
         self.assertEqual(load.load(self.out).by_id(self.victim.stem).status, "complete")
 
-    def test_verify_writes_json(self):
-        self.shearwake("verify", self.out, "--json", "v.json")
-        found = json.loads((self.folder / "v.json").read_text(encoding="utf-8"))
+    def test_verify_prints_json(self):
+        found = json.loads(self.shearwake("verify", self.out, "--json").stdout)
         self.assertTrue(found["sound"])
         self.assertEqual((found["files"], found["damaged"], found["plan"]), (4, [], "sound"))
         self.victim.write_bytes(self.sound[:-1])
-        self.shearwake("verify", self.out, "--json", "v.json", expect=4)
-        found = json.loads((self.folder / "v.json").read_text(encoding="utf-8"))
+        found = json.loads(self.shearwake("verify", self.out, "--json", expect=4).stdout)
         self.assertFalse(found["sound"])
         self.assertEqual([entry["id"] for entry in found["damaged"]], [self.victim.stem])
         self.shearwake("verify", self.folder / "nowhere", expect=6)

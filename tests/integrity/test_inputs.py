@@ -81,6 +81,11 @@ class Sizes(ProgramTest):
                     LEDGER.add(f"cases beyond the {name}: `{verb}`", "refused with the number (exit 3)")
                     said, code, _, _ = self.taken(verb, "--elsewhere")
                     self.assertEqual(code, 0, said)
+            said, code, _, _ = self.taken("run")
+            self.assertEqual(code, 6, said)
+            self.assertRegex(said, reason)
+            self.says(said, "add --force")
+            self.assertFalse(self.out.exists())
 
     def test_what_case_files_cannot_hold_is_refused_before_it_is_computed(self):
         rows = ", ".join("[0.0, 0.0]" for _ in range(300000))

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <tuple>
 
 namespace shearwake::config {
@@ -12,6 +13,17 @@ std::string text(const Diagnostic& diagnostic) {
     if (diagnostic.line > 0) where += fmt::format(":{}:{}", diagnostic.line, diagnostic.column);
     const char* what = diagnostic.severity == Severity::error ? "error" : "warning";
     return fmt::format("{}: {}: {}", where, what, diagnostic.message);
+}
+
+nlohmann::ordered_json json_of(const std::vector<Diagnostic>& diagnostics) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const Diagnostic& d : diagnostics)
+        list.push_back({{"severity", d.severity == Severity::error ? "error" : "warning"},
+                        {"file", d.file},
+                        {"line", d.line},
+                        {"column", d.column},
+                        {"message", d.message}});
+    return list;
 }
 
 std::string excerpt(std::string_view text, std::size_t limit) {

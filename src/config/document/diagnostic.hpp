@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <unordered_set>
@@ -24,6 +25,9 @@ struct Diagnostic {
 
 /// "job.toml:31:5: error: ..."
 std::string text(const Diagnostic& diagnostic);
+
+/// The diagnostics as a JSON array, for json_document().
+nlohmann::ordered_json json_of(const std::vector<Diagnostic>& diagnostics);
 
 /// A location in a job file or in an override.
 struct Place {

@@ -53,6 +53,7 @@ void take(const Json& line, JournalContents& contents) {
         if (name == "run_started") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
             contents.unix_time_s = line.at("unix_s");
+            contents.teams = line.value("teams", 1);
         }
         return;
     }
@@ -177,6 +178,7 @@ JournalContents read_journals(const std::filesystem::path& folder) {
     }
     std::ranges::sort(paths); // gives a deterministic order
     JournalContents all;
+    int active_teams = 0;
     for (const auto& path : paths) {
         JournalContents one = read_journal(path);
         for (auto& [id, history] : one.cases) {
@@ -191,8 +193,11 @@ JournalContents read_journals(const std::filesystem::path& folder) {
             all.last_run_ended = std::move(one.last_run_ended);
             all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;
+            all.teams = one.teams;
         }
+        if (one.running) active_teams += one.teams;
     }
+    all.teams = std::max(all.teams, active_teams);
     return all;
 }
 

@@ -75,7 +75,8 @@ struct JournalContents {
     RunTimes last_run_times;
     std::vector<std::string> overrides; // overrides of the last run, key=value
     double unix_time_s = 0.0;           // when the last run started
-    long unreadable_lines = 0;          // number of ignored lines, damaged or truncated by a kill
+    int teams = 1;             // of the last run; of all active runs together if there are several
+    long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
 };
 
 /// Empty when there is no journal. Throws UsageError (environment) when it cannot be read.

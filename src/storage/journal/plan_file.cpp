@@ -14,13 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json json_of(const std::vector<Setting>& settings) {
-    Json object = Json::object();
-    for (const Setting& setting : settings)
-        std::visit([&](const auto& value) { object[setting.key] = value; }, setting.value);
-    return object;
-}
-
 std::vector<Setting> settings_of(const Json& object) {
     std::vector<Setting> settings;
     for (const auto& [key, value] : object.items()) {
@@ -56,8 +49,15 @@ std::string file_name(const Json& entry, const std::filesystem::path& path) {
 
 } // namespace
 
+Json settings_json(const std::vector<Setting>& settings) {
+    Json object = Json::object();
+    for (const Setting& setting : settings)
+        std::visit([&](const auto& value) { object[setting.key] = value; }, setting.value);
+    return object;
+}
+
 std::string settings_text(const std::vector<Setting>& settings) {
-    return json_of(settings).dump();
+    return settings_json(settings).dump();
 }
 
 std::string plan_text(const Plan& plan) {
@@ -72,7 +72,7 @@ std::string plan_text(const Plan& plan) {
     for (const PlannedCase& c : plan.cases) {
         Json entry;
         entry["id"] = c.id;
-        entry["settings"] = json_of(c.settings);
+        entry["settings"] = settings_json(c.settings);
         entry["is_reference"] = c.is_reference;
         entry["reference_id"] = c.reference_id;
         entry["case"] = canonical_text(c.physics);

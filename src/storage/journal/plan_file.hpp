@@ -4,6 +4,7 @@
 #include "case/plan.hpp"
 
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -38,6 +39,9 @@ PlanMatch compare_plan(const std::string& text, const Plan& plan);
 PlanIndex read_plan(const std::filesystem::path& path);
 
 /// The settings of one case as one JSON object.
+/// The settings as a JSON object {key: value}.
+nlohmann::ordered_json settings_json(const std::vector<Setting>& settings);
+
 std::string settings_text(const std::vector<Setting>& settings);
 
 } // namespace shearwake::storage

@@ -155,7 +155,8 @@ TEST_CASE("the JSON contains every changed cell", "[diff]") {
     const auto now = read("a,,100,0.51,,1,complete,\n"
                           "b,,200,0.26,2,1,complete,\n"
                           "c,yes,,0.125,4,1,complete,\n");
-    const std::string text = reduce::json_text(reduce::compare(now, read(base), {}));
+    const std::string text =
+        reduce::json_text(reduce::compare(now, read(base), {}), "now.csv", "base.csv");
     CHECK_THAT(text, Catch::Contains("\"equal\": false") && Catch::Contains("\"0.51\"") &&
                          Catch::Contains("\"0.26\"") &&
                          Catch::Contains("\"over_tolerance\": null"));

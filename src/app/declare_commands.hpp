@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+#include "parallel/comm.hpp"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace shearwake::app {
+
+/// Runs the command that the command line names; set by the callback of its subcommand.
+using Action = std::function<ExitCode(const Comm&)>;
+
+/// Adds the option --json to a command that prints a document instead of text.
+void add_json(CLI::App* command, bool& json);
+
+/// Declare the subcommands that read a job: check, keys, schema, plan, run. `app` and `action` must
+/// outlive the parsing. Not collective.
+void add_job_commands(CLI::App& app, Action& action);
+
+/// Declare the subcommands that read results or measure the machine: status, verify, reduce,
+/// report, movie, diff, compare, converge, show, respond, bench. `app` and `action` must outlive
+/// the parsing. Not collective.
+void add_result_commands(CLI::App& app, Action& action);
+
+} // namespace shearwake::app

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Documents that commands print with --json match the published schema and the text output."""
+import json
+import unittest
+
+import jsonschema
+
+from program import JOB, ROOT, ProgramTest, case_files, changed, plan_ids
+
+SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
+PAGE = (ROOT / "docs" / "reference" / "json-output.md").read_text(encoding="utf-8")
+
+
+class Json(ProgramTest):
+    def document(self, command, *arguments, expect=0, ranks=1):
+        done = self.shearwake(command, *arguments, "--json", expect=expect, ranks=ranks)
+        document = json.loads(done.stdout)
+        definition = {**SCHEMA, "oneOf": [{"$ref": f"#/$defs/{command}"}]}  # for clear messages
+        jsonschema.Draft202012Validator(definition).validate(document)
+        jsonschema.Draft202012Validator(SCHEMA).validate(document)
+        return document
+
+    def test_check_lists_diagnostics(self):
+        self.write_job()
+        sound = self.document("check", "job.toml", ranks=2)
+        self.assertEqual((sound["cases"], sound["errors"]), (4, 0))
+        self.write_job(changed(("peak_Pa = 100.0", "peek_Pa = 100.0")))
+        bad = self.document("check", "job.toml", expect=3)
+        self.assertEqual((bad["cases"], bad["errors"]), (None, 1))
+        error, = [d for d in bad["diagnostics"] if d["severity"] == "error"]
+        self.assertEqual((error["file"], error["line"]), ("job.toml", JOB[:JOB.index("peak_Pa")].count("\n") + 1))
+        self.says(error["message"], "did you mean peak_Pa?")
+        self.assertEqual(self.shearwake("plan", "job.toml", "--json", expect=3).stdout, "")
+        self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [1600.0, 1600.0]"),
+                               ("spacing_mm = 1.5", "spacing_mm = 0.05")))
+        large = self.document("check", "job.toml", expect=3)
+        self.says(large["diagnostics"][-1]["message"], "MB per rank, and a rank may use")
+        self.assertIsNotNone(self.document("plan", "job.toml", expect=3)["error"])
+
+    def test_results_are_described(self):
+        self.write_job()
+        plan = self.document("plan", "job.toml", "-n", 3, "--ranks-per-case", 1)
+        self.assertEqual((plan["ranks"], plan["teams"], plan["ranks_per_case"]), (3, 3, 1))
+        self.assertAlmostEqual(plan["core_hours"], 3 * plan["wall_s"] / 3600)
+        self.assertAlmostEqual(plan["disk_B"], sum(case["disk_B"] for case in plan["cases"]))
+        self.shearwake("run", "job.toml", "--only", plan["cases"][0]["id"], "--quiet")
+        part = self.document("status", self.out)
+        self.assertEqual((part["cases"], part["done"], part["remaining"], part["is_active"]), (4, 1, 3, False))
+        self.assertAlmostEqual(part["seconds_left"], 3 * part["seconds_per_case"])  # on one team
+        self.says(part["next"], "shearwake run")
+        self.shearwake("run", "job.toml", "--quiet", ranks=2)
+        self.assertEqual([case["id"] for case in plan["cases"]], plan_ids(self.out))
+        done = self.document("status", self.out, ranks=2)
+        self.assertEqual((done["done"], done["remaining"], done["seconds_left"]), (4, 0, 0))
+        shown = self.document("show", case_files(self.out)[0])
+        self.assertEqual(shown["settings"],
+                         next(case["settings"] for case in plan["cases"] if case["id"] == shown["id"]))
+        self.assertIn("peak_um", [measure["name"] for measure in shown["measures"]])
+        self.shearwake("reduce", self.out)
+        self.assertTrue(self.document("diff", self.out, self.out)["equal"])
+        self.write_job(changed(("peak_Pa = 100.0", "peak_Pa = 101.0")))
+        self.shearwake("run", "job.toml", "--out", "more", "--quiet")
+        self.shearwake("reduce", "more")
+        differs = self.document("diff", "more", self.out, expect=5)
+        self.assertIn("peak_um", [column["column"] for column in differs["moved"]])
+        case_files(self.out)[0].write_bytes(b"damaged")
+        damaged = self.document("verify", self.out, expect=4)
+        self.assertEqual([entry["id"] for entry in damaged["damaged"]], [shown["id"]])
+        self.assertEqual(self.document("status", self.out)["damaged_cases"][0]["id"], shown["id"])
+
+    def test_failed_cases_are_listed_with_their_reasons(self):
+        self.write_job(changed(('"load.modulation.am_frequency_Hz" = [400, 500, 1000]', '"load.peak_Pa" = [100.0, 1e200]'),
+                               ('x = "load.modulation.am_frequency_Hz"\n', 'x = "load.peak_Pa"\n'),
+                               ('reference = { kind = "STM" }\n', "")))
+        self.shearwake("run", "job.toml", expect=4)
+        failed, = self.document("status", self.out)["failed_cases"]
+        self.assertEqual(failed["settings"], {"load.peak_Pa": 1e200})
+        self.assertNotEqual(failed["reason"], "")
+
+    def test_bench_lists_measurements(self):
+        for arguments in (("spectral", "--grid", "32x24x9", "--steps", 2), ("pstd", "--grid", "16x12x10", "--steps", 2)):
+            found = self.document("bench", *arguments)
+            self.assertEqual((found["name"], found["ranks"]), (arguments[0], 1))
+            self.assertTrue(any("lower bound" in m["name"] and m["value"] > 0 for m in found["measurements"]))
+
+    def test_the_page_describes_every_member(self):
+        for command in ("check", "plan", "status", "verify", "diff", "show", "bench"):
+            section = PAGE.split(f"\n## `{command}`\n")[1].split("\n## ")[0]
+            for member in SCHEMA["$defs"][command]["required"]:
+                if member not in ("schema", "command"):
+                    self.assertIn(f"`{member}`", section, f"{command}: {member}")
+
+
+if __name__ == "__main__":
+    unittest.main()
