@@ -92,6 +92,8 @@ struct Body {
     double edge_m = 0.0; // width of the smooth transition; 0: a sharp face, averaged over each cell
     // Properties that are not given are those of the surrounding layer.
     std::optional<double> density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s; // c_s 0: a fluid
+    bool rigid = false; // does not deform: of its material only the density matters
+    bool fixed = false; // and does not move
     bool operator==(const Body&) const = default;
 };
 
@@ -143,6 +145,20 @@ void walk_fields(Walk& walk, B& body) {
                                .range = Range::at_least(0.0),
                                .fallback = "that of the surrounding layer or map",
                                .meaning = "viscosity"});
+    walk(body.rigid,
+         {.key = "rigid",
+          .in_text = body.rigid,
+          .meaning = "whether the body is rigid; of its material only the density matters then. It "
+                     "costs one additional solve per step, whatever its stiffness. Requires the "
+                     "engine `\"spectral\"` and a body that crosses the whole domain along x or y: "
+                     "a cylinder without `length_mm` or a box"});
+    walk(body.fixed, {.key = "fixed",
+                      .applies = body.rigid,
+                      .only_with = "rigid = true",
+                      .in_text = body.rigid && body.fixed,
+                      .meaning = "whether the rigid body is held in place; otherwise it moves and "
+                                 "turns with its mass. A body that reaches the rigid base is "
+                                 "always held"});
 }
 
 inline bool is_fluid(const Body& body) {

@@ -57,7 +57,8 @@ Vec3 read_centre_m(Reader& reader, bool has_depth) {
     return {(*values)[0], (*values)[1], is_whole ? (*values)[2] : depth_m.value_or(0.0)};
 }
 
-void check_properties(Reader& reader) {
+void check_properties(Reader& reader, const Body& body) {
+    if (body.rigid) return;
     for (const char* key : {"density_kg_m3", "c_p_m_s", "c_s_m_s", "viscosity_Pa_s"})
         if (reader.has(key)) return;
     reader.error("shape", "has the same material as its surroundings; give density_kg_m3, c_p_m_s, "
@@ -123,7 +124,7 @@ Body read_body(Reader reader, std::size_t number, const Medium& medium) {
         has_depth = cylinder->axis == CylinderAxis::horizontal || !cylinder->is_endless();
     }
     body.centre_m = read_centre_m(reader, has_depth);
-    check_properties(reader);
+    check_properties(reader, body);
     if (shape.empty()) // its keys may belong to any shape
         reader.allow(std::array<std::string_view, 6>{"semi_axes_mm", "size_mm", "radius_mm",
                                                      "length_mm", "axis", "azimuth_deg"});

@@ -4,6 +4,7 @@
 #include "engines/pstd/study_limits.hpp"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace shearwake::pstd {
 
@@ -24,6 +25,12 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
         refused.push_back({Severity::error, "load.footprint",
                            "the engine \"pstd\" supports only Gaussian foci, but this is an array; "
                            "\"layered\" and \"spectral\" support both"});
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
+        if (c.scene().medium.bodies[i].rigid)
+            refused.push_back({Severity::error, fmt::format("medium.body[{}].rigid", i + 1),
+                               "only the engine \"spectral\" supports rigid bodies; the engine "
+                               "\"pstd\" needs the "
+                               "material of the body"});
     const std::vector<Remark> losses = engines::refused_losses(c);
     refused.insert(refused.end(), losses.begin(), losses.end());
     return refused;

@@ -2,6 +2,7 @@
 #include "engines/spectral/choices.hpp"
 
 #include "case/edge_absorption.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "medium/material_field.hpp"
 
@@ -94,10 +95,25 @@ std::vector<std::string> edge_notes(const Case& c) {
                         1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
 }
 
+std::vector<std::string> rigid_notes(const Case& c) {
+    std::vector<std::string> notes;
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+        const Body& body = c.scene().medium.bodies[i];
+        if (!body.rigid) continue;
+        notes.push_back(fmt::format(
+            "medium.body[{}] is rigid and {}: one additional background solve per step", i + 1,
+            body.fixed                        ? "fixed"
+            : is_held(body, c.scene().medium) ? "held by the rigid base"
+                                              : "moves with its mass"));
+    }
+    return notes;
+}
+
 std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options) {
     std::vector<std::string> notes;
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
         const Body& body = c.scene().medium.bodies[i];
+        if (body.rigid) continue;
         const Bounds box = bounds(body);
         add_notes(fmt::format("medium.body[{}]", i + 1),
                   difference(c.scene().medium, box.low_m.z, box.high_m.z,

@@ -46,7 +46,7 @@ std::vector<std::string> SpectralEngine::choices(const Case& c) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
-    for (const auto& more : {edge_notes(c), variation_notes(c, options)})
+    for (const auto& more : {edge_notes(c), rigid_notes(c), variation_notes(c, options)})
         notes.insert(notes.end(), more.begin(), more.end());
     return notes;
 }
@@ -64,8 +64,8 @@ void SpectralEngine::run(const Case& c, const Comm& team, engines::Observer& obs
         engines::MarchEnd::stopped)
         return;
     auto notes = discretisation_notes(time, mesh);
-    for (std::string& note : edge_notes(c))
-        notes.push_back(std::move(note));
+    for (const auto& more : {edge_notes(c), rigid_notes(c)})
+        notes.insert(notes.end(), more.begin(), more.end());
     const engines::SolverReport report = report_of(field.stepper(), std::move(notes));
     field.finish(observer);
     observer.solved(report);

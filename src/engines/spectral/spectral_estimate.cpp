@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_estimate.hpp"
 
+#include "engines/spectral/bodies/endless_systems.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_sponge.hpp"
@@ -78,10 +79,13 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
 engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
                                     std::ptrdiff_t steps_per_frame, int ranks) {
     const double step_s = c.time.interval_s / static_cast<double>(steps_per_frame);
-    const VariationEstimate v = estimate_variation(c, mesh, step_s, ranks);
+    const Case layers = without_rigid_bodies(c);
+    const bool rigid = layers != c;
+    const VariationEstimate v = estimate_variation(layers, mesh, step_s, ranks);
     const SpongePlan sponge =
-        sponge_plan(c, v.points > 0.0 ? Lateral::varies : Lateral::uniform, step_s);
-    const Memory memory = memory_of(c, mesh, v, sponge, ranks);
+        sponge_plan(c, rigid || v.points > 0.0 ? Lateral::varies : Lateral::uniform, step_s);
+    Memory memory = memory_of(layers, mesh, v, sponge, ranks);
+    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     const double frames = static_cast<double>(c.time.frames);
     const double steps = frames * static_cast<double>(steps_per_frame);
@@ -95,7 +99,8 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .steps = steps,
               .sponge_values = sponge_values_of(sponge, levels),
               .sponge_every = static_cast<double>(sponge.every),
-              .felt = ReceptorStress::planes(c, mesh),
+              .felt = ReceptorStress::planes(layers, mesh),
+              .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
               .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});

@@ -47,7 +47,7 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     };
     add(of_solve, solves * (1.0 - m.from_memory));
     add(of_far_solve, solves * m.from_memory);
-    add(of_iteration, solves * more);
+    add(of_iteration, solves * (more + m.reactions));
     add(of_factors, modes * m.levels * m.nodes * m.nodes);
     add(of_materials, v.points * points);
     // In y only rows with cells are transformed. The square root overestimates their number for a

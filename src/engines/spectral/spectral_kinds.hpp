@@ -12,6 +12,7 @@ struct Measures {
     double nodes = 0.0, levels = 0.0, steps = 0.0;
     double sponge_values = 0.0, sponge_every = 0.0; // 0: no sponge
     double felt = 0.0;                              // planes of receptor stress per frame
+    double reactions = 0.0;                         // solves per step for forces of rigid bodies
     double from_memory = 0.0;                       // share of the solves that is limited by memory
 };
 

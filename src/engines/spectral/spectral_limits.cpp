@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/limits.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/spectral_engine.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "medium/body.hpp"
@@ -11,9 +12,11 @@ namespace shearwake::spectral {
 std::vector<Remark> SpectralEngine::limits(const Case& c) const {
     std::vector<Remark> refused = engines::refused_losses(c);
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
-        if (is_fluid(c.scene().medium.bodies[i]))
+        if (is_fluid(c.scene().medium.bodies[i]) && !c.scene().medium.bodies[i].rigid)
             refused.push_back({Severity::error, fmt::format("medium.body[{}].c_s_m_s", i + 1),
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
+    for (Remark& remark : rigid_limits(c))
+        refused.push_back(std::move(remark));
     return refused;
 }
 

@@ -12,9 +12,10 @@ using namespace kinds;
 
 SpectralMarch::SpectralMarch(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                              const TimeStep& time, const Comm& team)
-    : case_(c), slabs_(slabs), per_frame_(time.per_frame),
-      stepper_(c, mesh, slabs, time.step_s, team), tensors_(c, mesh, slabs, time.step_s, team),
-      receptors_(c, mesh, slabs, time.step_s, team) {
+    : case_(c), layers_(without_rigid_bodies(c)), slabs_(slabs), per_frame_(time.per_frame),
+      stepper_(c, mesh, slabs, time.step_s, team),
+      tensors_(layers_, mesh, slabs, time.step_s, team),
+      receptors_(layers_, mesh, slabs, time.step_s, team) {
     for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
         levels_m_.push_back(mesh.z_m(level));
     together(team, [&] { plane_.resize(static_cast<std::size_t>(slabs.share().reals)); });

@@ -40,6 +40,7 @@ private:
     View2<const double> plane() const;
 
     const Case& case_;
+    Case layers_; // and elastic bodies: those whose material the tensors need
     const fft::SlabTransform& slabs_;
     std::ptrdiff_t per_frame_;
     Stepper stepper_;

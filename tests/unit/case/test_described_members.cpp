@@ -40,6 +40,9 @@ auto members(auto& s) {
     } else if constexpr (N == 8) {
         auto& [a, b, c, d, e, f, g, h] = s;
         return std::tie(a, b, c, d, e, f, g, h);
+    } else if constexpr (N == 10) {
+        auto& [a, b, c, d, e, f, g, h, i, j] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j);
     } else if constexpr (N == 12) {
         auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
         return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
@@ -107,7 +110,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<1, KelvinVoigt>();
     check_members<2, FractionalKelvinVoigt>();
     check_members<2, StandardLinearSolid>();
-    check_members<8, Body>();
+    check_members<10, Body>();
     check_members<1, Ellipsoid>();
     check_members<4, Cylinder>();
     check_members<1, Box>();

@@ -188,12 +188,12 @@ std::vector<Vec2> spiral(int points) {
 /// Between them, these hold every alternative.
 std::vector<Case> samples() {
     Case first;
-    first.scene().medium = {.layers = {layer(Lossless{}), layer(KelvinVoigt{1.0}),
-                                       layer(FractionalKelvinVoigt{1e-4, 0.3}),
-                                       layer(StandardLinearSolid{1e-4, 0.5})},
-                            .bodies = {{.name = "a", .shape = Ellipsoid{{1e-3, 2e-3, 3e-3}}},
-                                       {.name = "b", .shape = Cylinder{1e-3, 5e-3, 30.0}},
-                                       {.name = "c", .shape = Box{{1e-3, 1e-3, 1e-3}}}}};
+    first.scene().medium = {
+        .layers = {layer(Lossless{}), layer(KelvinVoigt{1.0}),
+                   layer(FractionalKelvinVoigt{1e-4, 0.3}), layer(StandardLinearSolid{1e-4, 0.5})},
+        .bodies = {{.name = "a", .shape = Ellipsoid{{1e-3, 2e-3, 3e-3}}},
+                   {.name = "b", .shape = Cylinder{1e-3, 5e-3, 30.0}},
+                   {.name = "c", .shape = Box{{1e-3, 1e-3, 1e-3}}, .rigid = true}}};
     first.scene().load.peak_Pa = 100.0;
     first.scene().load.footprint = ArrayFootprint{};
     first.scene().load.carrier = ResolvedCarrier{};

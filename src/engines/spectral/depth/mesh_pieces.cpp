@@ -28,7 +28,7 @@ Inclusion inclusion_of(const Body& body, double per_degree, double omega_rad_s) 
         in.longest_m = per_degree * body.edge_m;
     else if (is_curved(body))
         in.longest_m = per_degree * (in.bottom_m - in.top_m) / elements_of_body;
-    if (body.c_s_m_s)
+    if (body.c_s_m_s && !body.rigid)
         in.longest_m =
             std::min(in.longest_m, 20.0 * per_degree * *body.c_s_m_s / std::max(omega_rad_s, 1.0));
     return in;

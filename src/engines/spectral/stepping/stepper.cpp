@@ -16,14 +16,18 @@ using namespace kinds;
 
 Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                  double step_s, const Comm& team)
-    : case_(c), mesh_(mesh), slabs_(slabs), team_(team), vectors_(c.domain, slabs.share()),
-      step_s_(step_s), tolerance_(std::get<SpectralOptions>(c.solver).residual),
-      field_(lateral_variation(c, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
+    : case_(c), layers_(without_rigid_bodies(c)), mesh_(mesh), slabs_(slabs), team_(team),
+      vectors_(c.domain, slabs.share()), step_s_(step_s),
+      tolerance_(std::get<SpectralOptions>(c.solver).residual),
+      field_(lateral_variation(layers_, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
       load_(c, vectors_, step_s),
-      sponge_(c, vectors_, slabs, field_.variation().empty() ? Lateral::uniform : Lateral::varies,
+      sponge_(c, vectors_, slabs,
+              field_.variation().empty() && rigid_bodies(c).empty() ? Lateral::uniform
+                                                                    : Lateral::varies,
               step_s, team),
+      bodies_(c, mesh, vectors_, step_s, team),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
@@ -31,6 +35,9 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       strain_kernels_(simd::kernels<StrainKernels>()) {
     planes_.emplace(field_, slabs_, team_, clock_);
     together(team, [&] { assemble(); });
+    bodies_.assemble(operator_, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
+        operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+    });
 }
 
 void Stepper::assemble() {
@@ -45,6 +52,7 @@ void Stepper::assemble() {
     planes_->assemble();
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
+    if (!bodies_.empty()) reaction_ = change_;
     if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
@@ -63,6 +71,7 @@ void Stepper::advance() {
     clock_.lap(Phase::rest);
     if (variation.empty()) {
         first_pass();
+        constrain_step();
     } else {
         {
             const engines::Timed cells(of_cell);
@@ -73,18 +82,21 @@ void Stepper::advance() {
         planes_->set(stress_);
         first_pass();
         planes_->get(change_);
+        constrain_step();
         if (variation.iterates) iterate();
         advance_strains();
         clock_.lap(Phase::products, value_bytes(4.0));
         statistics_.transforms = planes_->transforms();
     }
     std::swap(now_, before_);
+    bodies_.end_step();
     ++step_;
     ++statistics_.steps;
 }
 
 template <class Use>
 void Stepper::each_pencil(Use use) {
+    bodies_.clear();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
         planes_->begin_row(row);
@@ -92,6 +104,7 @@ void Stepper::each_pencil(Use use) {
             use(row, block, row * vectors_.blocks() + block);
         planes_->end_row(row,
                          is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
+        bodies_.end_row(row);
     }
 }
 
@@ -101,7 +114,7 @@ void Stepper::first_pass() {
     Block* force = pencil_.data();
     kinetic_.clear();
     work_.clear();
-    const bool damps = sponge_.acts_at(step_) && field_.variation().empty();
+    const bool damps = sponge_.acts_at(step_) && is_uniform();
     each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
         if (damps) {
             if (block == 0) sponge_.begin_row(row);
@@ -130,6 +143,7 @@ void Stepper::first_pass() {
         clock_.lap(Phase::solves);
         put_strain(row, block, force);
         kernels_.advance(size, scale, u, force, before);
+        if (!bodies_.empty()) bodies_.evaluate(row, block, before);
         clock_.lap(Phase::solves);
     });
     watch_.look(step_, 0.5 * kinetic_.mine());
@@ -173,6 +187,7 @@ void Stepper::respond(const LateralField::Values& stress, Use use) {
         std::fill(pencil_.begin(), pencil_.end(), Block{});
         add_planes_force(row, block, force);
         operator_.solve_implicit(factor(at), force);
+        if (!bodies_.empty()) bodies_.evaluate(row, block, force);
         clock_.lap(Phase::solves, pencil_bytes(0.0));
         use(row, block, at, force);
     });
@@ -182,23 +197,38 @@ void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values
     respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
                         const Block* displacement) { put_strain(row, block, displacement); });
     planes_->get(strain);
+    if (bodies_.empty()) return;
+    bodies_.respond();
+    each_reaction({});
+    add_planes(strain);
 }
 
 void Stepper::displace(const LateralField::Values& stress) {
     const double scale = step_ == 0 ? 0.5 : 1.0;
-    const std::ptrdiff_t size = operator_.unknowns() * parts;
     double work = 0.0;
-    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
-                        const Block* displacement) {
-        kernels_.add_scaled(size, scale, displacement, before_.data() + pencil * size);
-        Block pressure[parts];
-        load_.put(row, block, pressure);
-        work += work_of(vectors_.counted(row, block), pressure,
-                        [&](std::ptrdiff_t p, std::ptrdiff_t lane) {
-                            return 0.5 * scale * displacement[parts + p][lane];
-                        });
-    });
+    const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
+                         const Block* displacement) {
+        work += add_to_next(row, block, pencil, scale, displacement);
+    };
+    respond(stress, add);
+    if (!bodies_.empty()) {
+        bodies_.respond();
+        bodies_.add_to_next(scale);
+        each_reaction(add);
+    }
     watch_.add_work(scale * work);
+}
+
+double Stepper::add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
+                            double scale, const Block* displacement) {
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    kernels_.add_scaled(size, scale, displacement, before_.data() + pencil * size);
+    Block pressure[parts];
+    load_.put(row, block, pressure);
+    return work_of(vectors_.counted(row, block), pressure,
+                   [&](std::ptrdiff_t p, std::ptrdiff_t lane) {
+                       return 0.5 * scale * displacement[parts + p][lane];
+                   });
 }
 
 double Stepper::block_bytes() const {
@@ -219,11 +249,12 @@ double Stepper::memory_B() const {
     const LateralVariation& v = field_.variation();
     const std::size_t blocks = factors_.size() + now_.size() + before_.size();
     std::size_t values = static_cast<std::size_t>(lane_count) * blocks;
-    for (const auto* kept : {&strain_, &strain_before_, &stress_, &change_, &v.lambda, &v.mu,
-                             &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
+    for (const auto* kept :
+         {&strain_, &strain_before_, &stress_, &change_, &reaction_, &v.lambda, &v.mu, &v.viscosity,
+          &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
     return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
-           (solver_ ? solver_->memory_B() : 0.0);
+           bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0);
 }
 
 /// On entry `change_` is E B^-1 rhs, on return e = E d.
@@ -272,6 +303,7 @@ void Stepper::save(StateWriter& state) const {
     state.put("work_J_m2", watch_.work_J_m2());
     state.put("now", state_rows(), scalars(now_.data()));
     state.put("before", state_rows(), scalars(before_.data()));
+    bodies_.save(state);
     if (field_.variation().empty()) return;
     const DistributedRows rows = field_.rows(case_.domain.nx);
     state.put("strain", rows, field_.to_rows(strain_).data());
@@ -286,6 +318,7 @@ void Stepper::restore(const StateReader& state) {
     watch_.restore(state.get("work_J_m2"));
     state.get("now", state_rows(), scalars(now_.data()));
     state.get("before", state_rows(), scalars(before_.data()));
+    bodies_.restore(state);
     if (field_.variation().empty()) return;
     const DistributedRows rows = field_.rows(case_.domain.nx);
     std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));

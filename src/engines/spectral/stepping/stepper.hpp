@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/checkpoint.hpp"
+#include "engines/spectral/bodies/endless_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/strains.hpp"
 #include "engines/spectral/lateral/lateral_field.hpp"
@@ -13,6 +14,7 @@
 #include "engines/spectral/stepping/energy_watch.hpp"
 #include "fft/slab_transform.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +45,8 @@ struct EnergyBalance {
 /// at least as stiff as the medium (one solve per step) or the true operator, A = B + E^T S E. With
 /// e = E d the latter becomes (1 + E B^-1 E^T S) e = E B^-1 rhs, which is solved by conjugate
 /// gradients. This takes the same number of iterations as preconditioning A with B, but its vectors
-/// cover only the cells where the medium varies.
+/// cover only the cells where the medium varies. Rigid bodies are a constraint (EndlessBodies):
+/// every solve with B is followed by one for the forces at their markers.
 class Stepper {
 public:
     /// Throws CaseFailure on all ranks together. Collective.
@@ -85,6 +88,7 @@ public:
     double memory_B() const;
     const StrainPlanes& planes() const { return *planes_; }
     const LateralField& field() const { return field_; }
+    const EndlessBodies& bodies() const { return bodies_; }
 
 private:
     void assemble();
@@ -92,14 +96,30 @@ private:
     DistributedRows state_rows() const;
     /// One pass over the pencils: forces, solve and update. Collective.
     void first_pass();
+    /// A pass over the pencils with the response to the forces of the rigid bodies, after all
+    /// pencils have been evaluated: use(row, block, pencil, displacement). Its strain is in the
+    /// planes afterwards. Not collective.
+    using Reaction = std::function<void(std::ptrdiff_t row, std::ptrdiff_t block,
+                                        std::ptrdiff_t pencil, const Block* displacement)>;
+    void each_reaction(const Reaction& use);
+    /// Determines the forces of the rigid bodies and adds the response to the next displacement and
+    /// its strain to change_. Collective.
+    void constrain_step();
+    /// Adds the planes to the values of the cells. Collective.
+    void add_planes(LateralField::Values& values);
+    /// Whether there are neither elastic nor rigid bodies.
+    bool is_uniform() const { return field_.variation().empty() && bodies_.empty(); }
     /// Apply B^-1 E^T to a stress with the sign of a force: strain_of() computes the strain of the
     /// result, displace() adds the result to the next displacement.
     void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
     void displace(const LateralField::Values& stress);
     /// Solves B for the force of the planes at every pencil and calls use(row, block, pencil,
-    /// displacement).
+    /// displacement), then determines the forces of the rigid bodies that this requires.
     template <class Use>
     void respond(const LateralField::Values& stress, Use use);
+    /// Adds `scale` times a displacement to the next one of a pencil. Returns the work of the load.
+    double add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
+                       double scale, const Block* displacement);
     /// Calls use(row, block, pencil) for all blocks of all ky while the lines of their planes are
     /// spectra.
     template <class Use>
@@ -121,12 +141,15 @@ private:
     double value_bytes(double times) const;
     void iterate();
     void advance_strains();
-    /// Removes the sponge's share of the velocity. In a laterally uniform medium this is part of
+    /// Removes the sponge's share of the velocity. In a medium without bodies this is part of
     /// first_pass(), when the factors are in the cache. Collective.
     void begin_damping();
+    void constrain_damping();
+    void add_impulse(std::ptrdiff_t pencil, const Block* change);
     void damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil, Block* change);
 
     const Case& case_;
+    Case layers_; // and elastic bodies
     DepthMesh mesh_;
     const fft::SlabTransform& slabs_;
     Comm team_;
@@ -139,6 +162,7 @@ private:
     StrainTransfer transfer_;
     MovingLoad load_;
     LateralSponge sponge_;
+    EndlessBodies bodies_;
     StepStatistics statistics_;
     EnergyWatch watch_;
     RowSums kinetic_, work_; // per ky: twice the kinetic energy before a step, and its work
@@ -148,7 +172,7 @@ private:
     fft::AlignedVector<Block> factors_, now_, before_, pencil_;
     StepClock clock_;
     std::optional<StrainPlanes> planes_;
-    LateralField::Values strain_, strain_before_, stress_, change_;
+    LateralField::Values strain_, strain_before_, stress_, change_, reaction_;
     std::optional<StrainSolver> solver_; // empty unless steps iterate
 };
 

@@ -16,33 +16,53 @@ using namespace kinds;
 /// of a stiff body.
 void Stepper::damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* change) {
     const engines::Timed timed(of_sponge);
-    const std::ptrdiff_t size = operator_.unknowns() * parts;
     sponge_.impulse(operator_, row, block, change);
     operator_.solve_implicit(factor(at), change);
-    kernels_.add_scaled(size, 1.0, change, now_.data() + at * size);
-    kernels_.add_scaled(size, -1.0, change, before_.data() + at * size);
+    add_impulse(at, change);
 }
 
 void Stepper::begin_damping() {
     const engines::Timed timed(of_sponge);
     sponge_.take_velocity(operator_, vectors_.blocks(), now_, before_);
-    if (field_.variation().empty()) return;
+    if (is_uniform()) return;
     Block* change = pencil_.data();
+    bodies_.clear();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
         sponge_.begin_row(row);
         for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block) {
             damp(row, block, row * vectors_.blocks() + block, change);
             put_strain(row, block, change);
+            if (!bodies_.empty()) bodies_.evaluate(row, block, change);
         }
         planes_->end_row(row,
                          is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
+        bodies_.end_row(row);
     }
     planes_->get(change_);
+    constrain_damping();
     for (std::size_t i = 0; i < change_.size(); ++i) {
         strain_[i] += change_[i];
         strain_before_[i] -= change_[i];
     }
+}
+
+/// The impulse on rigid bodies is that of the velocity removed from the material in their place;
+/// the mass in excess of it follows.
+void Stepper::constrain_damping() {
+    if (bodies_.empty()) return;
+    bodies_.respond();
+    bodies_.add_impulse();
+    each_reaction([&](std::ptrdiff_t, std::ptrdiff_t, std::ptrdiff_t at, const Block* change) {
+        add_impulse(at, change);
+    });
+    add_planes(change_);
+}
+
+void Stepper::add_impulse(std::ptrdiff_t at, const Block* change) {
+    const std::ptrdiff_t size = operator_.unknowns() * parts;
+    kernels_.add_scaled(size, 1.0, change, now_.data() + at * size);
+    kernels_.add_scaled(size, -1.0, change, before_.data() + at * size);
 }
 
 } // namespace shearwake::spectral

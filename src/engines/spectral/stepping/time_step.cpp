@@ -111,7 +111,7 @@ struct Inclusion {
 std::vector<Inclusion> inclusions_of(const Medium& medium) {
     std::vector<Inclusion> all;
     for (const Body& body : medium.bodies)
-        if (body.c_s_m_s)
+        if (body.c_s_m_s && !body.rigid)
             all.push_back(
                 {bounds(body).low_m.z, bounds(body).high_m.z, *body.c_s_m_s, body.density_kg_m3});
     if (medium.map && !medium.map->c_s_m_s.empty()) {

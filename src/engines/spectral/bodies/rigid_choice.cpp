@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/rigid_choice.hpp"
+
+#include "medium/bulk_modulus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace shearwake::spectral {
+namespace {
+
+/// Smallest width of a rigid body in grid spacings: markers stand half a spacing inside its faces.
+constexpr double least_spacings = 2.0;
+/// Samples along each axis of the box that two bodies share.
+constexpr int overlap_samples = 24;
+
+bool spans(double centre_m, double size_m, double extent_m) {
+    const double most_m = 0.5 * extent_m * (1.0 - 1e-9);
+    return centre_m - 0.5 * size_m <= -most_m && centre_m + 0.5 * size_m >= most_m;
+}
+
+bool shares_volume(const Body& a, const Body& b, const Domain& domain) {
+    const Bounds one = bounds(a), other = bounds(b);
+    const double half_x_m = 0.5 * domain.extent_x_m(), half_y_m = 0.5 * domain.extent_y_m();
+    const Vec3 low{std::max({one.low_m.x, other.low_m.x, -half_x_m}),
+                   std::max({one.low_m.y, other.low_m.y, -half_y_m}),
+                   std::max(one.low_m.z, other.low_m.z)},
+        high{std::min({one.high_m.x, other.high_m.x, half_x_m}),
+             std::min({one.high_m.y, other.high_m.y, half_y_m}),
+             std::min(one.high_m.z, other.high_m.z)};
+    if (low.x >= high.x || low.y >= high.y || low.z >= high.z) return false;
+    const auto at = [](double from, double to, int i) {
+        return from + (to - from) * (static_cast<double>(i) + 0.5) / overlap_samples;
+    };
+    for (int i = 0; i < overlap_samples; ++i)
+        for (int j = 0; j < overlap_samples; ++j)
+            for (int k = 0; k < overlap_samples; ++k) {
+                const Vec3 p{at(low.x, high.x, i), at(low.y, high.y, j), at(low.z, high.z, k)};
+                if (volume_fraction(a, p, {}) > 0.0 && volume_fraction(b, p, {}) > 0.0) return true;
+            }
+    return false;
+}
+
+std::string trouble_of(const Case& c, const Body& body, Endless along) {
+    if (along == Endless::no || along == Endless::both)
+        return "a rigid body must cross the whole domain along x or y: a cylinder parallel to x or "
+               "y without length_mm, or a box as wide as the domain in one of these directions";
+    if (!(bounds(body).low_m.z > 0.0))
+        return fmt::format("a rigid body must not touch the surface, but it begins at {:.4g} mm",
+                           1e3 * bounds(body).low_m.z);
+    const bool along_x = along == Endless::along_x;
+    const Bounds box = bounds(body);
+    const double width_m = along_x ? box.high_m.y - box.low_m.y : box.high_m.x - box.low_m.x;
+    if (width_m < least_spacings * c.domain.spacing_m)
+        return fmt::format("a rigid body must be at least {:.3g} grid spacings wide, but it is "
+                           "{:.4g} mm wide and domain.spacing_mm is {:.4g}",
+                           least_spacings, 1e3 * width_m, 1e3 * c.domain.spacing_m);
+    if (body.edge_m > 0.0) return "a rigid body has a sharp surface; remove edge_mm";
+    return "";
+}
+
+} // namespace
+
+Endless endless_along(const Body& body, const Domain& domain) {
+    if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
+        if (cylinder->axis == CylinderAxis::vertical || !cylinder->is_endless()) return Endless::no;
+        const double turn_deg = std::abs(std::remainder(cylinder->azimuth_deg, 180.0));
+        if (turn_deg == 0.0) return Endless::along_x;
+        return turn_deg == 90.0 ? Endless::along_y : Endless::no;
+    }
+    const auto* box = std::get_if<Box>(&body.shape);
+    if (!box) return Endless::no;
+    const bool x = spans(body.centre_m.x, box->size_m.x, domain.extent_x_m());
+    const bool y = spans(body.centre_m.y, box->size_m.y, domain.extent_y_m());
+    if (x && y) return Endless::both;
+    return x ? Endless::along_x : y ? Endless::along_y : Endless::no;
+}
+
+std::vector<Body> rigid_bodies(const Case& c) {
+    std::vector<Body> rigid;
+    for (const Body& body : c.scene().medium.bodies)
+        if (body.rigid) rigid.push_back(body);
+    return rigid;
+}
+
+Case without_rigid_bodies(Case c) {
+    std::erase_if(c.scene().medium.bodies, [](const Body& body) { return body.rigid; });
+    return c;
+}
+
+bool is_held(const Body& body, const Medium& medium) {
+    if (body.fixed) return true;
+    if (medium.base != Base::rigid) return false;
+    const double base_m = depths(medium, medium.layers.size() - 1).bottom_m;
+    return bounds(body).high_m.z >= base_m * (1.0 - 1e-9);
+}
+
+std::vector<Remark> rigid_limits(const Case& c) {
+    std::vector<Remark> refused;
+    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    Endless common = Endless::no;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        if (!bodies[i].rigid) continue;
+        const auto refuse = [&](std::string message) {
+            refused.push_back(
+                {Severity::error, fmt::format("medium.body[{}].rigid", i + 1), std::move(message)});
+        };
+        const Endless along = endless_along(bodies[i], c.domain);
+        const std::string trouble = trouble_of(c, bodies[i], along);
+        if (!trouble.empty()) {
+            refuse(trouble);
+            continue;
+        }
+        if (common == Endless::no) common = along;
+        if (along != common) refuse("all rigid bodies must be parallel to the same axis");
+        for (std::size_t j = 0; j < bodies.size(); ++j)
+            if ((j < i || !bodies[j].rigid) && j != i &&
+                shares_volume(bodies[i], bodies[j], c.domain))
+                refuse(fmt::format("a rigid body must not overlap another body, but it overlaps "
+                                   "medium.body[{}]",
+                                   j + 1));
+    }
+    return refused;
+}
+
+} // namespace shearwake::spectral

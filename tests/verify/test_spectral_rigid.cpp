@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rigid bodies in engine "spectral": the constraint, the energy, symmetries,
+// and the limit of a very stiff elastic body.
+#include "engines/spectral/bodies/section_markers.hpp"
+#include "engines/spectral/stepping/stepper.hpp"
+#include "support/memory_state.hpp"
+#include "support/spectral_cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
+
+using namespace shearwake;
+using test::last_frame;
+using test::relative_l2;
+using test::with_step;
+
+namespace {
+
+enum class Along { x, y };
+
+/// A 3 mm focus at 7 m/s over 12 mm of tissue, across a bone of 3 mm radius
+/// that is parallel to x or y. It is switched off after 2 ms.
+Case bone_case(Along axis, double viscosity_Pa_s) {
+    Case c = test::moving_focus({}, ConstantSpeed{7.0});
+    Layer layer = test::tissue(1500.0, viscosity_Pa_s);
+    layer.thickness_m = 12e-3;
+    c.scene().medium = {{layer}, Base::rigid};
+    const bool x = axis == Along::x;
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+        x ? Curve({2e-3, -7e-3}, {1e-3, 7e-3}) : Curve({-7e-3, 2e-3}, {7e-3, 1e-3});
+    c.scene().medium.bodies = {{.name = "bone",
+                                .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = x ? 0.0 : 90.0},
+                                .centre_m = x ? Vec3{0.0, 1.3e-3, 6e-3} : Vec3{1.3e-3, 0.0, 6e-3},
+                                .density_kg_m3 = 1900.0,
+                                .rigid = true}};
+    c.domain = x ? Domain{24, 32, 1.25e-3, 0.0} : Domain{32, 24, 1.25e-3, 0.0};
+    c.time = {40, 100e-6};
+    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    return c;
+}
+
+/// Advances a case on this rank alone and calls f(stepper) after each step.
+template <class F>
+void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
+                              *options.time_step_s, alone);
+    while (stepper.step() < steps) {
+        stepper.advance();
+        f(stepper);
+    }
+}
+
+/// The displacement at a point, smoothed across the axis as at a marker, by its
+/// definition: the sum over all wave vectors of u e^{i k.x} with u_x = i (c U -
+/// s V), u_y = i (s U + c V), u_z = W.
+Vec3 displacement_at(const Case& c, const spectral::Stepper& stepper, Vec3 at_m, bool along_x) {
+    using spectral::parts;
+    const spectral::DepthMesh mesh = spectral::choose_mesh(
+        c, std::get<SpectralOptions>(c.solver), *std::get<SpectralOptions>(c.solver).time_step_s);
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    const spectral::WaveVectors vectors(c.domain, slabs.share());
+    std::size_t e = 0;
+    while (mesh.ends_m[e + 1] < at_m.z)
+        ++e;
+    const auto weights = spectral::interpolation_weights(
+        mesh.rule, 2.0 * (at_m.z - mesh.ends_m[e]) / mesh.length_m(e) - 1.0);
+    const auto levels = static_cast<std::ptrdiff_t>(mesh.levels()) - 1;
+    Vec3 sum{};
+    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row) {
+        if (vectors.is_nyquist(row)) continue;
+        for (std::ptrdiff_t i = 0; 2 * i < c.domain.nx; ++i) {
+            for (const int sign : {1, -1}) {
+                if (sign < 0 && i == 0) continue;
+                const std::ptrdiff_t lane = i % lane_count,
+                                     pencil = row * vectors.blocks() + i / lane_count;
+                const Block* u = stepper.now().data() + pencil * 3 * levels * parts;
+                const std::ptrdiff_t part = sign > 0 ? 0 : 2;
+                const auto value = [&](std::ptrdiff_t unknown) {
+                    return std::complex<double>(u[unknown * parts + part][lane],
+                                                u[unknown * parts + part + 1][lane]);
+                };
+                std::complex<double> radial, down, turning;
+                for (std::ptrdiff_t j = 0; j <= mesh.degree; ++j) {
+                    const std::ptrdiff_t level = static_cast<std::ptrdiff_t>(e) * mesh.degree + j;
+                    if (level >= levels) continue;
+                    const double weight = weights[static_cast<std::size_t>(j)];
+                    radial += weight * value(2 * level);
+                    down += weight * value(2 * level + 1);
+                    turning += weight * value(2 * levels + level);
+                }
+                const double kx = sign * vectors.kx_rad_m(i), ky = vectors.ky_rad_m(row);
+                const double k = std::hypot(kx, ky);
+                const double cosine = k > 0.0 ? kx / k : 1.0, sine = k > 0.0 ? ky / k : 0.0;
+                const double width =
+                    spectral::marker_smoothing * c.domain.spacing_m * (along_x ? ky : kx);
+                // The conjugate wave vectors of ky > 0 are not stored.
+                const std::complex<double> wave =
+                    (row > 0 ? 2.0 : 1.0) * std::exp(-0.5 * width * width) *
+                    std::polar(1.0,
+                               kx * (at_m.x - c.domain.x_m(0)) + ky * (at_m.y - c.domain.y_m(0)));
+                const std::complex<double> imaginary(0.0, 1.0);
+                sum = sum + Vec3{(wave * imaginary * (cosine * radial - sine * turning)).real(),
+                                 (wave * imaginary * (sine * radial + cosine * turning)).real(),
+                                 (wave * down).real()};
+            }
+        }
+    }
+    return sum;
+}
+
+} // namespace
+
+TEST_CASE("markers of a rigid body move rigidly", "[verify]") {
+    const auto axis = GENERATE(Along::x, Along::y);
+    const bool along_x = axis == Along::x;
+    Case c = bone_case(axis, 0.5);
+    SECTION("free") {}
+    SECTION("fixed") {
+        c.scene().medium.bodies[0].fixed = true;
+    }
+    SECTION("with a sponge") {
+        c.domain.sponge_m = 8e-3;
+    }
+    SECTION("next to an elastic body, with iterations") {
+        c.scene().medium.bodies.push_back({.name = "lump",
+                                           .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
+                                           .centre_m = {0.0, 0.0, 1.5e-3},
+                                           .density_kg_m3 = 1200.0,
+                                           .c_s_m_s = 10.0});
+    }
+    const Body bone = c.scene().medium.bodies[0];
+    step_through(c, 30, [&](const spectral::Stepper& stepper) {
+        if (stepper.step() % 15 != 0) return;
+        const std::vector<double>& q = stepper.bodies().position();
+        double worst = 0.0, largest = 0.0;
+        const auto markers = spectral::section_markers(
+            bone, along_x ? spectral::Endless::along_x : spectral::Endless::along_y,
+            c.domain.spacing_m,
+            spectral::level_spacing_m(
+                spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver), 50e-6),
+                bounds(bone).low_m.z, bounds(bone).high_m.z));
+        for (std::size_t i = 0; i < markers.size(); i += 3) {
+            const auto [across_m, down_m] = markers[i];
+            for (const double along_m : {-3.3e-3, 5.1e-3}) {
+                const Vec3 at = bone.centre_m + (along_x ? Vec3{along_m, across_m, down_m}
+                                                         : Vec3{across_m, along_m, down_m});
+                const Vec3 u = displacement_at(c, stepper, at, along_x);
+                const Vec3 rigid = along_x
+                                       ? Vec3{q[0], q[1] + down_m * q[3], q[2] - across_m * q[3]}
+                                       : Vec3{q[1] + down_m * q[3], q[0], q[2] - across_m * q[3]};
+                worst = std::max(worst, norm(u - rigid));
+            }
+            Vec3 surface = bone.centre_m;
+            surface.z = 0.0;
+            largest = std::max(largest, norm(displacement_at(c, stepper, surface, along_x)));
+        }
+        CAPTURE(stepper.step(), worst, largest, q[2]);
+        CHECK(worst < 1e-11 * largest); // rounding, amplified by the condition of G, up to 1e4
+        CHECK((q[2] != 0.0) == !bone.fixed);
+    });
+}
+
+TEST_CASE("energy of a lossless medium with a rigid body is conserved", "[verify]") {
+    const double step_s = GENERATE(25e-6, 50e-6, 200e-6);
+    const auto axis = GENERATE(Along::x, Along::y);
+    Case c = bone_case(axis, 0.0);
+    std::get<SpectralOptions>(c.solver).time_step_s = step_s;
+    SECTION("free and dense") {}
+    SECTION("free and light") {
+        c.scene().medium.bodies[0].density_kg_m3 = 300.0;
+    }
+    SECTION("fixed") {
+        c.scene().medium.bodies[0].fixed = true;
+    }
+    double after = 0.0, worst = 0.0, work = 0.0;
+    const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction
+    step_through(c, std::lround(14e-3 / step_s), [&](spectral::Stepper& stepper) {
+        if (stepper.step() < end) return;
+        if (stepper.step() > end && stepper.step() % 7 != 0) return;
+        const spectral::EnergyBalance balance = stepper.energy();
+        if (stepper.step() == end) after = balance.energy_J, work = balance.work_J;
+        worst = std::max(worst, std::abs(balance.energy_J / after - 1.0));
+    });
+    CAPTURE(step_s, after, work, worst);
+    CHECK(after > 0.0);
+    CHECK(worst < 1e-8);                        // as without bodies
+    CHECK(after == Approx(work).epsilon(1e-8)); // the forces on the bodies do no work
+}
+
+TEST_CASE("a rigid body along x is equivalent to one along y", "[verify]") {
+    const Case x = bone_case(Along::x, 0.5), y = bone_case(Along::y, 0.5);
+    const auto of_x = last_frame(x), of_y = last_frame(y);
+    std::vector<double> turned;
+    for (std::ptrdiff_t i = 0; i < y.domain.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < y.domain.ny; ++j)
+            turned.push_back(of_x[static_cast<std::size_t>(j * x.domain.ny + i)]);
+    CHECK(relative_l2(turned, of_y) < 1e-10); // sums in a different order
+}
+
+TEST_CASE("mirror image of a rigid body yields the mirror image of the field", "[verify]") {
+    Case c = bone_case(Along::y, 0.5);
+    const auto frame = last_frame(c);
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+        Curve({7e-3, 2e-3}, {-7e-3, 1e-3});
+    c.scene().medium.bodies[0].centre_m.x *= -1.0;
+    const auto mirrored = last_frame(c);
+    double worst = 0.0;
+    for (std::ptrdiff_t i = 1; i < c.domain.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
+            const auto at = [&](std::ptrdiff_t x) {
+                return static_cast<std::size_t>(x * c.domain.ny + j);
+            };
+            worst = std::max(worst, std::abs(frame[at(i)] - mirrored[at(c.domain.nx - i)]));
+        }
+    CHECK(worst < 1e-10 * test::largest(frame)); // required
+}
+
+TEST_CASE("a rigid body across the periodic edge is the same body elsewhere", "[verify]") {
+    Case c = bone_case(Along::y, 0.5);
+    const auto frame = last_frame(c);
+    const std::ptrdiff_t shift = c.domain.nx / 2 - 1; // the body then crosses the edge
+    const double by_m = static_cast<double>(shift) * c.domain.spacing_m;
+    auto& path = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path;
+    path = Curve({-7e-3 + by_m, 2e-3}, {7e-3 + by_m, 1e-3});
+    c.scene().medium.bodies[0].centre_m.x += by_m;
+    const auto moved = last_frame(c);
+    std::vector<double> back;
+    for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
+            back.push_back(
+                moved[static_cast<std::size_t>((i + shift) % c.domain.nx * c.domain.ny + j)]);
+    CHECK(relative_l2(back, frame) < 1e-9); // rounding of the phases
+}
+
+TEST_CASE("a restored run with a rigid body continues with the same bits", "[verify]") {
+    const Case c = bone_case(GENERATE(Along::x, Along::y), 0.5);
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+    const spectral::DepthMesh mesh =
+        spectral::choose_mesh(c, std::get<SpectralOptions>(c.solver), 50e-6);
+    spectral::Stepper through(c, mesh, slabs, 50e-6, alone), resumed(c, mesh, slabs, 50e-6, alone);
+    test::MemoryState saved, end, other;
+    for (int i = 0; i < 20; ++i) {
+        if (i == 9) through.save(saved);
+        through.advance();
+    }
+    resumed.restore(saved);
+    for (int i = 9; i < 20; ++i)
+        resumed.advance();
+    through.save(end);
+    resumed.save(other);
+    CHECK(end == other);
+    CHECK(end.rows("rigid_bodies")[2] != 0.0);
+}
+
+TEST_CASE("a fixed box below a layer is equivalent to a rigid base", "[verify]") {
+    Case c = with_step(bone_case(Along::y, 0.5), 12.5e-6);
+    c.time.frames = 30;
+    Case layer = c;
+    c.scene().medium.bodies[0] = {.name = "box",
+                                  .shape = Box{{c.domain.extent_x_m(), 1.0, 4e-3}},
+                                  .centre_m = {0.0, 0.0, 7e-3},
+                                  .rigid = true,
+                                  .fixed = true};
+    layer.scene().medium.bodies.clear();
+    layer.scene().medium.layers[0].thickness_m = 5e-3;
+    layer.solver = LayeredOptions{};
+    const double difference = relative_l2(last_frame(c), last_frame(layer));
+    CAPTURE(difference);
+    CHECK(difference < 2e-3); // required
+}
+
+TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
+    // The change of the surface field due to a bone of 3 mm radius, at the points of the coarsest
+    // grid, compared with a spacing of 0.3 mm.
+    const bool fixed = GENERATE(false, true);
+    const auto effect = [&](std::ptrdiff_t times) {
+        Case c = with_step(bone_case(Along::y, 0.5), 25e-6);
+        c.domain = {32 * times, 4 * times, 1.2e-3 / static_cast<double>(times), 0.0};
+        c.time.frames = 15;
+        c.scene().medium.bodies[0].fixed = fixed;
+        Case none = c;
+        none.scene().medium.bodies.clear();
+        const auto with = last_frame(c), without = last_frame(none);
+        std::vector<double> change;
+        for (std::ptrdiff_t i = 0; i < c.domain.nx; i += times)
+            for (std::ptrdiff_t j = 0; j < c.domain.ny; j += times) {
+                const auto at = static_cast<std::size_t>(i * c.domain.ny + j);
+                change.push_back(with[at] - without[at]);
+            }
+        return change;
+    };
+    const auto finest = effect(4);
+    const double at_2 = relative_l2(effect(2), finest), at_3 = relative_l2(effect(3), finest);
+    CAPTURE(fixed, at_2, at_3);
+    // Observed: .023 and .010 if it is free, .008 and .005 if it is fixed. Of an error of first
+    // order, two thirds and a quarter of that at 1.2 mm (.10 and .04) would remain.
+    CHECK(at_2 < 0.03);
+    CHECK(at_3 < 0.015);
+}
