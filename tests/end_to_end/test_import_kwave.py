@@ -148,6 +148,14 @@ class Studies(ImportTest):
             self.assertEqual(study["source_0/weights"][()], [-3.5])
             numpy.testing.assert_array_equal(study["source_0/series"][()], [[1.0, 1.0]])
 
+    def test_the_centre_of_a_symmetric_source_has_no_rounding_error(self):
+        mask = numpy.zeros(POINTS)
+        mask[20:29, 16:25, 13] = 1.0
+        i, j = numpy.meshgrid(numpy.arange(9) - 4, numpy.arange(9) - 4, indexing="xy")
+        series = numpy.exp(-0.1 * (i ** 2 + j ** 2)).ravel()[:, None] * numpy.ones((1, 30))
+        with self.study({"source": {"u_mask": mask, "uz": series}}):
+            self.says((self.folder / "study.toml").read_text(encoding="utf-8"), "position_mm = [0, 0]")
+
     def test_stress_sources_are_scaled_by_dx_and_dirichlet_sources_are_not_scaled(self):
         mask = numpy.zeros(POINTS)
         mask[3, 4, 5] = 1
@@ -174,7 +182,7 @@ class Errors(ImportTest):
                 ({"source": {"p0": numpy.ones(POINTS)}}, ["smooth"]),
                 ({"kgrid": {"Nz": 1}}, ["at least 2"]), ({"kgrid": {"dt": None}}, ["kgrid.dt is missing"]),
                 ({"kgrid": {"dy": 2e-3}}, ["kgrid.dx and kgrid.dy differ"]),
-                ({"sensor": {"record": "I"}}, ["sensor.record I"])):
+                ({"sensor": {"record": "q"}}, ["sensor.record 'q' is unknown"])):
             with self.subTest(words=words):
                 structures = structures_of("a_additive_pml10", of)
                 for name, fields in changes.items():
