@@ -122,7 +122,8 @@ public:
     /// The choices that the engine will make for the case with their reasons, one line each, as far
     /// as they follow from the case alone. Not collective.
     virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }
-    /// Errors for parts of the case that the engine does not support. Not collective.
+    /// Errors for parts of the case that the engine does not support, and warnings about those that
+    /// it approximates, as far as they follow from the case alone at little cost. Not collective.
     virtual std::vector<Remark> limits(const Case& c) const = 0;
     /// How the engine treats waves at the edges for this case. Not collective.
     virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }

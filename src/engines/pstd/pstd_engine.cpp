@@ -53,17 +53,6 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
                                : step_of(c, options).per_frame;
 }
 
-/// The notes and warnings of a run.
-engines::SolverReport report_of(const std::vector<Choice>& choices, std::ptrdiff_t steps) {
-    engines::SolverReport report{.notes = {}, .steps = steps};
-    for (const Choice& choice : choices) {
-        report.notes.push_back(choice.text);
-        if (!choice.key.empty())
-            report.warnings.push_back({Severity::warning, choice.key, choice.text});
-    }
-    return report;
-}
-
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
@@ -87,7 +76,9 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints) ==
         engines::MarchEnd::stopped)
         return;
-    observer.solved(report_of(pstd::choices(c, options, step), stepper.steps()));
+    observer.solved({.notes = engines::notes_of(pstd::choices(c, options, step)),
+                     .steps = stepper.steps(),
+                     .warnings = engines::warnings_of(step_choices(options, step))});
 }
 
 } // namespace
@@ -126,7 +117,7 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return {};
-    return report_of(pstd::choices(c, options, step_of(c, options)), 0).notes;
+    return engines::notes_of(pstd::choices(c, options, step_of(c, options)));
 }
 
 bool PstdEngine::probes_step(const Case& c) const {

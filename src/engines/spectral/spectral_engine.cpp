@@ -26,8 +26,7 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
             .iterations = s.iterations,
             .most_iterations = s.most_iterations,
             .work_J = balance.work_J,
-            .energy_J = balance.energy_J,
-            .warnings = stepper.warnings()};
+            .energy_J = balance.energy_J};
 }
 
 } // namespace
@@ -46,7 +45,8 @@ std::vector<std::string> SpectralEngine::choices(const Case& c) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
-    for (const auto& more : {edge_notes(c), rigid_notes(c), variation_notes(c, options)})
+    for (const auto& more :
+         {edge_notes(c), rigid_notes(c), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
     return notes;
 }
