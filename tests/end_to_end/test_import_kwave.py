@@ -108,12 +108,13 @@ class Studies(ImportTest):
         mask = numpy.zeros(POINTS)
         mask[3, 5, 7], mask[9, 5, 7], mask[20, 6, 8] = 2, 1, 2
         series = numpy.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]])
-        with self.study({"medium": {"sound_speed_compression": c_p}, "source": {"u_mask": mask, "uz": series}}) as study:
+        with self.study({"kgrid": {"dt": 5e-6}, "medium": {"sound_speed_compression": c_p},
+                         "source": {"u_mask": mask, "uz": series}}) as study:
             source = study["source_0"]
             numpy.testing.assert_array_equal(source["nodes"][()], [[3, 5, 7], [9, 5, 7], [20, 6, 8]])
             numpy.testing.assert_array_equal(source["rows"][()], [1, 0, 1])
             # 2 c_p dt/dz; the first row uses c_p of the first node, the second row c_p of the second node.
-            numpy.testing.assert_allclose(source["weights"][()], [2 * 29 * 1e-2, 2 * 23 * 1e-2, 2 * 29 * 1e-2],
+            numpy.testing.assert_allclose(source["weights"][()], [2 * 29 * 5e-3, 2 * 23 * 5e-3, 2 * 29 * 5e-3],
                                           rtol=1e-14)
 
     def test_absorption_is_converted_to_viscosities(self):
