@@ -63,7 +63,8 @@ focal_radius_mm = 4.0
 [solver]
 engine = "springs"
 [solver.springs]
-stiffness_Pa_m = 4e7
+modulus_kPa = 200
+length_mm = 5
 """
 
 
@@ -125,8 +126,7 @@ class NewEngine(unittest.TestCase):
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         table = (self.tree / "out/springs/tables/springs.csv").read_text(encoding="utf-8")
         row = dict(zip(*(line.split(",") for line in table.splitlines()[-2:])))
-        print(row)
-        # 200 Pa / 4e7 Pa/m = 5 um; the peak lies within half a spacing of a point.
+        # 200 Pa * 5 mm / 200 kPa = 5 um; the peak lies within half a spacing of a point.
         self.assertAlmostEqual(float(row["peak_um"]), 5.0, delta=0.01)
 
 
