@@ -103,6 +103,19 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
             only_remark(c).message,
             "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off"));
     }
+    SECTION("a rigid body continues at the opposite edge") {
+        c.scene().medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
+                                      .centre_m = {47e-3, 0.0, 5e-3},
+                                      .rigid = true};
+        CHECK(remarks_on(c).empty());
+    }
+    SECTION("a box as wide as the domain has no ends") {
+        c.scene().medium.bodies[0].shape = Box{{4e-3, 1.0, 4e-3}};
+        c.domain.sponge_m = 5e-3;
+        CHECK(remarks_on(c).empty());
+        c.scene().medium.bodies[0].rigid = true;
+        CHECK(remarks_on(c).empty());
+    }
     SECTION("its smooth edge counts") {
         c.scene().medium.bodies[0].centre_m.x = 45.5e-3;
         c.scene().medium.bodies[0].edge_m = 2e-3;
