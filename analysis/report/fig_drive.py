@@ -3,6 +3,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_medium
 import layout
 import references
 import style
@@ -84,9 +85,12 @@ def figures(sweep, folder):
         columns.append(("place", draw_place))
     if any(lead_mm(sweep, c) is not None for c in cases):
         columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
-    steady = not any(map(changes, cases))
-    if not steady or not columns:
+    is_driven = not any(map(fig_medium.is_study, cases))  # the force of a study is that of its sources
+    steady = is_driven and not any(map(changes, cases))
+    if is_driven and (not steady or not columns):
         columns.append(("force (mN)", draw_force))
+    if not columns:
+        return []
     figure, made = plt.subplots(len(cases), len(columns), squeeze=False, sharex=True, sharey="col",
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.25 * len(cases)))

@@ -51,6 +51,12 @@ def compute(case):
     return [(at, *spectrogram(u, interval_s, window)) for at, u in points(case)]
 
 
+def extent(x, y):
+    """The edges of a picture of equidistant values."""
+    half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
+    return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
+
+
 def figures(sweep, folder):
     cases = chosen(sweep)
     if not cases:
@@ -71,8 +77,8 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
         level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
-        image = axes.pcolormesh(1e3 * times, frequency, level, vmin=LOWEST_dB, vmax=0.0,
-                                cmap=style.sequential_map(), shading="gouraud", rasterized=True)
+        image = axes.imshow(level, extent=extent(1e3 * times, frequency), origin="lower", aspect="auto", vmin=LOWEST_dB,
+                            vmax=0.0, cmap=style.sequential_map(), interpolation="bilinear")
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (

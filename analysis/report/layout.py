@@ -84,6 +84,12 @@ def setting_text(sweep, key, value):
     return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
 
 
+def medium_label(sweep, case):
+    """The swept keys of the medium with their values; the label of the case if no such key is swept."""
+    keys = [k for k in axes(sweep) if k.startswith("medium.") and k in case.settings]
+    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys) or case_label(sweep, case)
+
+
 def case_label(sweep, case):
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
     if case.is_reference or not sweep.swept_keys:
@@ -185,6 +191,13 @@ def fewer_lines(sweep, most=8, kept=6):
     ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
     ids |= {sweep.by_id(i).reference_id for i in ids}
     return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], label_keys=group_keys(sweep))
+
+
+def lines_of_one_panel(sweep, most=7):
+    """The sweep; if its curves have too many cases for the lines of one panel, reduced to some that are spread
+    evenly."""
+    curves = len(groups(sweep))
+    return fewer_lines(sweep) if curves < 2 else fewer_lines(sweep, max(1, most // curves), max(1, most // curves))
 
 
 def references(sweep, group):

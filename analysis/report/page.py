@@ -42,10 +42,10 @@ def warnings(sentences):
     return "".join(f'<p class="warning">{escape(w)}</p>' for w in sentences)
 
 
-def small_picture(path):
+def small_picture(path, reduction=1):
     """The picture with few colours as base64 text of a lossless WebP, a fifth of the size of the file."""
     file = io.BytesIO()
-    few = Image.open(path).convert("RGB").quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few = Image.open(path).convert("RGB").reduce(reduction).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     few.convert("RGB").save(file, format="WEBP", lossless=True, method=2)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
@@ -57,10 +57,12 @@ def json_script(data):
 
 
 def picture(figure, folder, level):
-    """A figure with its heading: interactive if it has charts, else as picture."""
+    """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
+    are pictures of half the resolution."""
     name = escape(figure.name)
+    stored = small_picture(folder / (figure.name + ".png"), 2 if figure.charts else 1)
     still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
-             f'src="data:image/webp;base64,{small_picture(folder / (figure.name + ".png"))}"></div>')
+             f'src="data:image/webp;base64,{stored}"></div>')
     shown = still
     if figure.charts:
         shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
