@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import medium_files
 import style
@@ -150,6 +151,7 @@ def draw(axes, plane, norm, title):
         axes.plot(*np.unique(plane.marks, axis=0).T, "o", color=ORANGE, markersize=5 if is_point else 2, clip_on=False)
     axes.plot(*np.unique(plane.sensors, axis=0).T, "x", color="white", markersize=5, path_effects=style.halo(2.5, "black"))
     axes.set_ylim(plane.extent[2], plane.extent[3])
+    hover.attach(axes, plane.c_s, plane.extent[:2], plane.extent[:1:-1], "shear-wave speed", plane.label, "z (mm)", "m/s")
     axes.set_title(title + plane.name, loc="left", fontsize=9)
     axes.grid(False)
     return image
@@ -198,7 +200,7 @@ def figures(sweep, folder):
         mark_speeds(bar, values, norm)
     style.save(figure, folder / "medium.png")
     return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
-                   "Shear-wave speed over position and depth")]
+                   "Shear-wave speed over position and depth", maps=hover.maps_of(figure))]
 
 
 def caption(cases, every):

@@ -5,6 +5,7 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import references
 import style
@@ -80,6 +81,7 @@ def figures(sweep, folder):
         image = axes.imshow(level, extent=extent(1e3 * times, frequency), origin="lower", aspect="auto", vmin=LOWEST_dB,
                             vmax=0.0, cmap=style.sequential_map(), interpolation="bilinear")
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
+        hover.attach(axes, level, *np.reshape(extent(1e3 * times, frequency), (2, 2)), "amplitude", "t (ms)", "f (Hz)", "dB")
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({number(1e3 * at[0])}, {number(1e3 * at[1])}) mm")
@@ -106,4 +108,5 @@ def figures(sweep, folder):
         x, y = where.pop()
         text += f" At ({number(1e3 * x)}, {number(1e3 * y)}) mm."
     return [Figure("spectrograms", "Spectrograms at the trace points", text,
-                   "Amplitude of the displacement over time and frequency, one panel per case")]
+                   "Amplitude of the displacement over time and frequency, one panel per case",
+                   maps=hover.maps_of(figure))]

@@ -64,6 +64,9 @@ def picture(figure, folder, level):
     still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
              f'src="data:image/webp;base64,{stored}"></div>')
     shown = still
+    if figure.maps:
+        shown = (f'<div class="maps" id="maps-{name}">{still}{json_script(figure.maps)}<output>Point at a picture to read '
+                 "its values.</output></div>")
     if figure.charts:
         shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
                  f"<noscript>{still}</noscript>")
@@ -128,7 +131,7 @@ def scripts():
     """uPlot with its licence, and the scripts of the page."""
     uplot = read("uplot/uPlot.iife.min.js").partition("*/")[2]  # without the comment with its address
     licence = read("uplot/LICENSE").replace("*/", "")
-    own = "\n".join(read(name) for name in ("charts.js", "page.js", "player.js"))
+    own = "\n".join(read(name) for name in ("charts.js", "maps.js", "page.js", "player.js"))
     return f"<script>/* uPlot {read('uplot/VERSION').strip()}\n{licence}*/{uplot}</script><script>{own}</script>"
 
 
@@ -143,8 +146,8 @@ def parts(sweep, figures, folder, problems, moving):
         made.append(("missing", "Not in the figures", notice, []))
     if moving:
         notice = warnings(warnings_of.of_figure(sweep, "player"))
-        made.append(("player", "The surface over time", f'<h2 id="player">The surface over time</h2>{notice}{moving}',
-                     []))
+        made.append(("player", "The surface seen from above",
+                     f'<h2 id="player">The surface seen from above</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
     for title, members in topics(figures):
         inner = "".join(picture(f, folder, "h3") for f in members)
