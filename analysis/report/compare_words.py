@@ -2,7 +2,7 @@
 """The result of a comparison as text."""
 import math
 
-from words import counted, key_name, value_text
+from words import counted, key_name, setting_text
 
 COLUMNS = 12  # per pair of cases; of several pairs, the columns with their largest change
 EQUAL = 1e-12  # relative changes up to here are rounding errors
@@ -21,15 +21,9 @@ def grid(pair):
     return parts[0] if parts[0] == parts[1] else " and ".join(parts)
 
 
-def setting(key, value):
-    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm'."""
-    title, _, place_of = key_name(key).partition(", ")
-    return f"{title} of {place_of} = {value_text(key, value)}" if place_of else f"{title} {value_text(key, value)}"
-
-
 def settings(pair, side):
     """The swept keys of one case; keys with the same name and value, which are swept together, once."""
-    return list(dict.fromkeys(setting(key, value) for key, value in pair["settings"][side].items()))
+    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in pair["settings"][side].items()))
 
 
 def label(pair, side):

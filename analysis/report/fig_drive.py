@@ -5,6 +5,7 @@ import numpy as np
 
 import fig_medium
 import layout
+import periods
 import references
 import style
 import wake
@@ -107,8 +108,14 @@ def figures(sweep, folder):
     if columns[0][1] is draw_place:
         name_places(made, len(cases) // 2)
     style.save(figure, folder / "drive.png")
-    return [Figure("drive", "How the skin is driven", caption(cases, columns, steady, name),
-                   "Position and force over time")]
+    title = "How the skin is driven"
+    drawn = [Figure("drive", title, caption(cases, columns, steady, name), "Position and force over time")]
+    if span := periods.last_span_ms(cases):
+        made[0, 0].set_xlim(span[0], span[1] + 0.04 * (span[1] - span[0]))  # all panels share it; room for the last tick
+        style.save(figure, folder / "drive_last.png")
+        drawn.append(Figure("drive_last", f"{title}: the last periods",
+                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods"))
+    return drawn
 
 
 def name_places(made, middle):
@@ -116,8 +123,7 @@ def name_places(made, middle):
     label = "position" if len(lines) > 1 else next(iter(lines))
     made[middle, 0].set_ylabel(f"{label} (mm)")
     if len(lines) > 1:
-        made[0, 0].legend(handles=list(lines.values()), loc="lower right", ncol=2,
-                          bbox_to_anchor=(1.02, 0.94), borderaxespad=0.0)
+        style.legend_strip(made[0, 0].figure, list(lines.values()))
 
 
 def caption(cases, columns, steady, name):

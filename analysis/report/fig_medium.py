@@ -171,8 +171,7 @@ def different(sweep):
     """The first case of each medium."""
     found = {}
     for case in layout.ordinary(sweep):
-        key = json.dumps([case.setting("medium", default={}), case.setting("domain", default={}),
-                          case.setting("solver", "study", default="")], default=str)
+        key = json.dumps([case.setting("medium", default={}), case.setting("solver", "study", default="")], default=str)
         found.setdefault(key, case)
     return list(found.values())
 
