@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <optional>
 
 namespace shearwake::pstd {
@@ -141,6 +142,15 @@ Case PstdEngine::with_step(const Case& c, double step_s) const {
     Case given = c;
     std::get<PstdOptions>(given.solver).time_step_s = step_s;
     return given;
+}
+
+engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
+    auto options = std::get<PstdOptions>(c.solver);
+    const double step_s = 0.5 * options.time_step_s.value_or(probed_step_s(c));
+    options.time_step_s = step_s;
+    return {.options = options,
+            .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),
+            .order = 2.0};
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
