@@ -42,6 +42,10 @@ class Imported(ImportTest):
                 self.out = self.folder / "out" / run
                 self.shearwake("run", f"{run}.toml", ranks=ranks)
                 self.assertLess(self.worst(of), 1e-12)  # rounding errors of 400 steps
+                with h5py.File(case_files(self.out)[0], "r") as file:
+                    impulse = file["impulse_mN_ms"]
+                    self.assertTrue(numpy.isnan(impulse[()]))
+                    self.assertIn(b"not a force on the surface", impulse.attrs["note"])
 
     def test_single_precision_agrees_with_kwave(self):
         of = reference("a_additive_pml10")
