@@ -26,18 +26,23 @@ std::span<Complex> room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size)
 } // namespace
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs)
-    : RunTransform(slabs, team, std::move(runs), {slabs.share().ky_start, slabs.share().ky_count}) {
-}
+    : RunTransform(slabs, team, std::move(runs),
+                   Lines{slabs.share().ky_start, slabs.share().ky_count}) {}
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
                            Lines lines)
+    : RunTransform(slabs, team, std::move(runs),
+                   Layout{lines, slabs.share().x_start, slabs.nx(), slabs.line_pitch(),
+                          slabs.lines_reals(lines.ky_count)}) {}
+
+RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                           const Layout& layout)
     : slabs_(slabs), team_(team), runs_(std::move(runs)),
       begin_(runs_.empty() ? 0 : runs_.front().row), end_(runs_.empty() ? 0 : runs_.back().row + 1),
-      mine_(lines), me_(static_cast<std::size_t>(team.rank())),
-      lines_reals_(slabs.lines_reals(lines.ky_count)) {
-    const SlabShare& share = slabs.share();
+      layout_(layout), mine_(layout.lines), me_(static_cast<std::size_t>(team.rank())),
+      lines_reals_(layout.reals) {
     const std::vector<long> all = team.all_gather(std::vector<long>{
-        share.x_start + begin_, share.x_start + end_, lines.ky_start, lines.ky_count});
+        layout.x_start + begin_, layout.x_start + end_, mine_.ky_start, mine_.ky_count});
     for (std::size_t at = 0; at < all.size(); at += 4)
         shares_.push_back({all[at], all[at + 1], all[at + 2], all[at + 3]});
 }
@@ -96,7 +101,7 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
                 const Complex* modes = w.line(0) + to.ky_start;
                 if (rank == me_)
                     rows_to_columns(modes, w.pitch, count, to.ky_count,
-                                    here + to.x_begin + i - begin_, w.line_pitch);
+                                    here + to.x_begin + i - begin_, layout_.pitch);
                 else
                     rows_to_columns(modes, w.pitch, count, to.ky_count,
                                     parcel.rows.data() + parcel.of_rows_at[rank] +
@@ -111,7 +116,7 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
     for (std::ptrdiff_t p = 0; p < planes; ++p)
         for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             fill_line(parcel, p * mine_.ky_count + k,
-                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * w.line_pitch);
+                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * layout_.pitch);
 }
 
 void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Complex* line) const {
@@ -125,7 +130,7 @@ void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Comple
                         of.rows(), line + of.x_begin);
         filled = of.x_end;
     }
-    std::fill(line + filled, line + slabs_.nx(), 0.0);
+    std::fill(line + filled, line + layout_.length, 0.0);
 }
 
 void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double* values,
@@ -140,7 +145,7 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
         for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             for (std::size_t rank = 0; rank < shares_.size(); ++rank)
                 if (const Share& of = shares_[rank]; rank != me_)
-                    std::copy_n(of_plane(p) + k * w.line_pitch + of.x_begin, of.rows(),
+                    std::copy_n(of_plane(p) + k * layout_.pitch + of.x_begin, of.rows(),
                                 parcel.lines.data() + parcel.of_lines_at[rank] +
                                     (p * mine_.ky_count + k) * of.rows());
     if (shares_.size() > 1)
@@ -155,7 +160,7 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
                 const Share& from = shares_[rank];
                 Complex* modes = w.line(0) + from.ky_start;
                 if (rank == me_)
-                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, w.line_pitch, count,
+                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, layout_.pitch, count,
                                     from.ky_count, modes, w.pitch);
                 else
                     columns_to_rows(parcel.rows.data() + parcel.of_rows_at[rank] +

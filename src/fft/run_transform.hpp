@@ -25,11 +25,22 @@ public:
     struct Lines {
         std::ptrdiff_t ky_start, ky_count;
     };
+    /// Where the lines of a rank are, and what they contain. Row 0 of this rank is point `x_start`
+    /// of a line of `length` points; consecutive lines are `pitch` complex numbers apart,
+    /// consecutive planes `reals` doubles. Any distribution of the rows will do that ascends with
+    /// the rank.
+    struct Layout {
+        Lines lines;
+        std::ptrdiff_t x_start, length, pitch, reals;
+    };
     /// `runs` are those of this rank, in ascending order. The first constructor uses the ky of the
-    /// SlabTransform, the second one any distribution that covers all ky. Collective.
+    /// SlabTransform, the second one any distribution that covers all ky, both with the lines of
+    /// the SlabTransform. Collective.
     RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs);
     RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
                  Lines lines);
+    RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                 const Layout& layout);
 
     /// Number of doubles between the lines of consecutive planes.
     std::ptrdiff_t lines_reals() const { return lines_reals_; }
@@ -65,6 +76,7 @@ private:
     std::vector<RowRun> runs_;
     std::ptrdiff_t begin_ = 0, end_ = 0; // local indices of this rank's rows with runs
     std::vector<Share> shares_;          // by rank
+    Layout layout_;
     Lines mine_;
     std::size_t me_;
     std::ptrdiff_t lines_reals_;
