@@ -38,6 +38,7 @@ struct Reach {
 
     double furthest_m() const { return std::max(-low_m, high_m); }
     bool is_outside() const { return low_m >= half_m || high_m <= -half_m; }
+    bool crosses() const { return low_m <= -half_m && high_m >= half_m; }
 };
 
 void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
@@ -59,7 +60,7 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
     for (const Reach& reach :
          {Reach{'x', box.low_m.x, box.high_m.x, 0.5 * c.domain.extent_x_m()},
           Reach{'y', box.low_m.y, box.high_m.y, 0.5 * c.domain.extent_y_m()}}) {
-        if (std::isinf(reach.high_m)) continue;
+        if (reach.crosses()) continue; // without ends in the periodic domain
         const double beyond_m = reach.furthest_m() - reach.half_m;
         if (reach.is_outside())
             remarks.push_back(
@@ -68,13 +69,13 @@ void check_place(const Case& c, std::size_t i, std::vector<Remark>& remarks) {
                              "to {:.4g} mm along {}, but the domain ends at {:.4g} mm",
                              milli(reach.low_m), milli(reach.high_m), reach.axis,
                              milli(reach.half_m))});
-        else if (beyond_m > 0.0)
+        else if (beyond_m > 0.0 && !body.rigid) // a rigid body continues at the opposite edge
             warn("center_mm",
                  fmt::format("it reaches {:.4g} mm along {}, but the domain ends at {:.4g} mm: its "
                              "last {:.3g} mm are cut off at the periodic edge",
                              milli(reach.furthest_m()), reach.axis, milli(reach.half_m),
                              milli(beyond_m)));
-        else if (beyond_m + sponge_m > 0.0)
+        else if (sponge_m > 0.0 && beyond_m + sponge_m > 0.0)
             warn("center_mm",
                  fmt::format("it reaches {:.4g} mm along {} and thus into the margin "
                              "domain.sponge_mm, {:.4g} mm wide, at the edge of the domain at "

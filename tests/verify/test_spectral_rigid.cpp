@@ -2,57 +2,22 @@
 // Rigid bodies in engine "spectral": the constraint, the energy, symmetries,
 // and the limit of a very stiff elastic body.
 #include "engines/spectral/bodies/section_markers.hpp"
-#include "engines/spectral/stepping/stepper.hpp"
 #include "support/memory_state.hpp"
-#include "support/spectral_cases.hpp"
+#include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <complex>
 
 using namespace shearwake;
+using test::Along;
+using test::bone_case;
 using test::last_frame;
 using test::relative_l2;
+using test::step_through;
 using test::with_step;
 
 namespace {
-
-enum class Along { x, y };
-
-/// A 3 mm focus at 7 m/s over 12 mm of tissue, across a bone of 3 mm radius
-/// that is parallel to x or y. It is switched off after 2 ms.
-Case bone_case(Along axis, double viscosity_Pa_s) {
-    Case c = test::moving_focus({}, ConstantSpeed{7.0});
-    Layer layer = test::tissue(1500.0, viscosity_Pa_s);
-    layer.thickness_m = 12e-3;
-    c.scene().medium = {{layer}, Base::rigid};
-    const bool x = axis == Along::x;
-    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
-        x ? Curve({2e-3, -7e-3}, {1e-3, 7e-3}) : Curve({-7e-3, 2e-3}, {7e-3, 1e-3});
-    c.scene().medium.bodies = {{.name = "bone",
-                                .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = x ? 0.0 : 90.0},
-                                .centre_m = x ? Vec3{0.0, 1.3e-3, 6e-3} : Vec3{1.3e-3, 0.0, 6e-3},
-                                .density_kg_m3 = 1900.0,
-                                .rigid = true}};
-    c.domain = x ? Domain{24, 32, 1.25e-3, 0.0} : Domain{32, 24, 1.25e-3, 0.0};
-    c.time = {40, 100e-6};
-    c.solver = SpectralOptions{.time_step_s = 50e-6};
-    return c;
-}
-
-/// Advances a case on this rank alone and calls f(stepper) after each step.
-template <class F>
-void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {
-    const Comm alone = Comm::world().split(Comm::world().rank());
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    const auto& options = std::get<SpectralOptions>(c.solver);
-    spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
-                              *options.time_step_s, alone);
-    while (stepper.step() < steps) {
-        stepper.advance();
-        f(stepper);
-    }
-}
 
 /// The displacement at a point, smoothed across the axis as at a marker, by its
 /// definition: the sum over all wave vectors of u e^{i k.x} with u_x = i (c U -
@@ -298,8 +263,7 @@ TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
     const auto finest = effect(4);
     const double at_2 = relative_l2(effect(2), finest), at_3 = relative_l2(effect(3), finest);
     CAPTURE(fixed, at_2, at_3);
-    // Observed: .023 and .010 if it is free, .008 and .005 if it is fixed. Of an error of first
-    // order, two thirds and a quarter of that at 1.2 mm (.10 and .04) would remain.
-    CHECK(at_2 < 0.03);
-    CHECK(at_3 < 0.015);
+    // Observed: .005 and .002 if it is free, .003 and .002 if it is fixed.
+    CHECK(at_2 < 0.01);
+    CHECK(at_3 < 0.005);
 }

@@ -75,7 +75,9 @@ TEST_CASE("only the engine pstd supports a fluid body", "[check_variation]") {
     c.solver = SpectralOptions{};
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(only_remark(c).key == "medium.body[1].c_s_m_s");
-    c.solver = PstdOptions{};
+    PstdOptions pstd;
+    pstd.top = PstdTop::continued; // without the error of a free surface
+    c.solver = pstd;
     CHECK(remarks_on(c).empty());
 }
 
@@ -100,6 +102,19 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
         CHECK(has(
             only_remark(c).message,
             "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off"));
+    }
+    SECTION("a rigid body continues at the opposite edge") {
+        c.scene().medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
+                                      .centre_m = {47e-3, 0.0, 5e-3},
+                                      .rigid = true};
+        CHECK(remarks_on(c).empty());
+    }
+    SECTION("a box as wide as the domain has no ends") {
+        c.scene().medium.bodies[0].shape = Box{{4e-3, 1.0, 4e-3}};
+        c.domain.sponge_m = 5e-3;
+        CHECK(remarks_on(c).empty());
+        c.scene().medium.bodies[0].rigid = true;
+        CHECK(remarks_on(c).empty());
     }
     SECTION("its smooth edge counts") {
         c.scene().medium.bodies[0].centre_m.x = 45.5e-3;

@@ -13,7 +13,6 @@ namespace {
 /// Spacings of the grid and of the levels.
 struct Spacings {
     double across_m, down_m;
-    double inset_m() const { return marker_inset * across_m; }
 };
 
 double half_width_m(const Box& box, Endless along) {
@@ -48,7 +47,7 @@ std::vector<SectionMarker> on_circle(double radius_m, const Spacings& h) {
         const double share = (at - above[-1]) / (above[0] - above[-1]);
         const double angle = (static_cast<double>(above - length.begin()) - 1.0 + share) * step;
         const double across = std::sin(angle), down = std::cos(angle);
-        const double inner_m = radius_m - h.inset_m() * across;
+        const double inner_m = radius_m - curved_inset * h.across_m * across;
         add_mirrored(inner_m * across, inner_m * down, markers);
     }
     return markers;
@@ -56,7 +55,7 @@ std::vector<SectionMarker> on_circle(double radius_m, const Spacings& h) {
 
 std::vector<SectionMarker> on_rectangle(double half_across_m, double half_down_m,
                                         const Spacings& h) {
-    const double inner_m = half_across_m - h.inset_m();
+    const double inner_m = half_across_m - flat_inset * h.across_m;
     const auto parts_of = [](double length, double spacing) {
         return std::max(1L, std::lround(length / (marker_spacing * spacing)));
     };

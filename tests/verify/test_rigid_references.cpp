@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rigid cylinders in engine "spectral" compared with closed forms: the forces that move one, and
+// the scattering of a shear wave. Both are evaluated at real exponential growth e^{st} instead of
+// e^{i omega t}, where the engine's implicit operator is that of a viscoelastic medium.
+#include "engines/spectral/bodies/endless_systems.hpp"
+#include "engines/spectral/bodies/section_markers.hpp"
+#include "support/spectral_cases.hpp"
+
+#include <Eigen/Dense>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+using namespace shearwake;
+
+namespace {
+
+constexpr double radius_m = 3e-3, density_kg_m3 = 1000.0, mu_Pa = 25e3;
+constexpr double pi = std::numbers::pi;
+
+double bessel_i(int n, double x) {
+    return std::cyl_bessel_i(static_cast<double>(n), x);
+}
+double bessel_k(int n, double x) {
+    return std::cyl_bessel_k(static_cast<double>(n), x);
+}
+
+/// The forces at the markers of a cylinder along y in the middle of a large domain, for motion
+/// that is constant along the axis.
+class Cylinder2D {
+public:
+    /// kappa = s radius/c_s for growth e^{st}.
+    Cylinder2D(double spacings_per_radius, double kappa) : kappa_(kappa) {
+        const double spacing_m = radius_m / spacings_per_radius;
+        const auto nx = 2 * std::lround(0.5 * 20.0 * spacings_per_radius);
+        Case c = test::small_tissue();
+        Layer layer = test::tissue(1500.0, 0.0);
+        layer.thickness_m = 20.0 * radius_m;
+        c.scene().medium = {{layer}, Base::rigid};
+        c.scene().medium.bodies = {{.name = "cylinder",
+                                    .shape = Cylinder{.radius_m = radius_m, .azimuth_deg = 90.0},
+                                    .centre_m = {0.2 * spacing_m, 0.0, 10.0 * radius_m},
+                                    .rigid = true}};
+        c.domain = {nx, 4, spacing_m, 0.0};
+        const SpectralOptions options{.time_step_s = 1e-3, .longest_element_m = 2.0 * radius_m};
+        c.solver = options;
+        const Comm alone = Comm::world().split(Comm::world().rank());
+        const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
+        const spectral::WaveVectors vectors(c.domain, slabs.share());
+        const spectral::DepthMesh mesh = spectral::choose_mesh(c, options, 1e-3);
+        const spectral::VerticalOperator op(mesh, material(mesh, c.scene().medium));
+        const spectral::SectionMarkers markers(c, mesh, vectors);
+        markers_ = markers.all();
+        spectral::EndlessSystems systems(markers, vectors, alone);
+        fft::AlignedVector<Block> factor(static_cast<std::size_t>(op.factor_size()));
+        systems.assemble(op, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {
+            op.factorise_implicit(vectors.waves(row, block).k, 1.0, factor.data());
+            op.solve_implicit(factor.data(), pencil);
+        });
+        const auto n = static_cast<Eigen::Index>(systems.unknowns());
+        inverse_ = Eigen::Map<const Eigen::MatrixXd>(systems.inverse(0), n, n);
+    }
+
+    const std::vector<spectral::SectionMarkers::Marker>& markers() const { return markers_; }
+
+    /// The forces per length [N/m] for a displacement (along, across, down) of the markers [m].
+    template <class Displacement>
+    Eigen::VectorXd forces(const Displacement& displacement) const {
+        return inverse_ * values(displacement);
+    }
+    /// The same vector of (along, across, down) at all markers.
+    template <class Displacement>
+    Eigen::VectorXd values(const Displacement& displacement) const {
+        Eigen::VectorXd all(inverse_.rows());
+        for (std::size_t i = 0; i < markers_.size(); ++i) {
+            const Vec3 u = displacement(markers_[i].across_m, markers_[i].down_m);
+            const auto at = static_cast<Eigen::Index>(3 * i);
+            all[at] = u.x, all[at + 1] = u.y, all[at + 2] = u.z;
+        }
+        return all;
+    }
+    /// Work of the forces of a motion on this motion, in units of mu.
+    template <class Displacement>
+    double stiffness(const Displacement& displacement) const {
+        const Eigen::VectorXd motion = values(displacement);
+        return motion.dot(inverse_ * motion) / mu_Pa;
+    }
+
+private:
+    /// M s^2 + K as the implicit operator of a step of 1 s with the weights .26 and 1/12.
+    spectral::Background material(const spectral::DepthMesh& mesh, const Medium& medium) const {
+        spectral::Background b = spectral::background_of(mesh, medium);
+        const double growth_1_s2 = std::pow(kappa_ / radius_m, 2) * mu_Pa / density_kg_m3;
+        for (std::size_t i = 0; i < b.density_kg_m3.size(); ++i) {
+            b.density_kg_m3[i] = density_kg_m3 * growth_1_s2;
+            b.lambda_Pa[i] = 1e5 * mu_Pa / 0.26; // incompressible
+            b.mu_accurate_Pa[i] = 12.0 * mu_Pa;
+            b.mu_stable_Pa[i] = 0.0;
+            b.viscosity_Pa_s[i] = 0.0;
+        }
+        return b;
+    }
+
+    double kappa_;
+    std::vector<spectral::SectionMarkers::Marker> markers_;
+    Eigen::MatrixXd inverse_;
+};
+
+/// Forces per length, displacement and mu that move a rigid cylinder full of background. Outside:
+/// Stokes' second problem (K_0 and K_1); inside: its mass.
+double along_axis(double x) {
+    return 2.0 * pi * x * bessel_k(1, x) / bessel_k(0, x) + pi * x * x;
+}
+double across_axis(double x) {
+    return pi * x * x * (2.0 + 4.0 * bessel_k(1, x) / (x * bessel_k(0, x)));
+}
+double about_axis(double x) { // torque over radius^2
+    return 2.0 * pi * (2.0 + x * bessel_k(0, x) / bessel_k(1, x)) + 0.5 * pi * x * x;
+}
+
+/// Relative errors of the force along the axis, across it, and of the torque.
+Vec3 errors(double spacings_per_radius, double kappa) {
+    const Cylinder2D cylinder(spacings_per_radius, kappa);
+    const double axial = cylinder.stiffness([](double, double) { return Vec3{1.0, 0.0, 0.0}; });
+    const double level = cylinder.stiffness([](double, double) { return Vec3{0.0, 1.0, 0.0}; });
+    const double upright = cylinder.stiffness([](double, double) { return Vec3{0.0, 0.0, 1.0}; });
+    const double torque = cylinder.stiffness([](double across, double down) {
+        return Vec3{0.0, down / radius_m, -across / radius_m};
+    });
+    // The images of the cylinder at the surface, the base and the periodic edges increase one of
+    // level and upright and decrease the other by the same amount.
+    return {axial / along_axis(kappa) - 1.0, 0.5 * (level + upright) / across_axis(kappa) - 1.0,
+            torque / about_axis(kappa) - 1.0};
+}
+
+} // namespace
+
+TEST_CASE("force on an oscillating rigid cylinder agrees with the closed form", "[verify]") {
+    const double kappa = GENERATE(0.5, 1.0, 2.0); // at 3 mm and 5 m/s: 130, 270 and 530 Hz
+    const Vec3 at_6 = errors(6.0, kappa);
+    CAPTURE(kappa, at_6.x, at_6.y, at_6.z);
+    // Required for spheres at 6 spacings per radius.
+    CHECK(std::abs(at_6.x) < 0.02);
+    CHECK(std::abs(at_6.y) < 0.02);
+    CHECK(std::abs(at_6.z) < 0.02);
+}
+
+TEST_CASE("force on a rigid cylinder converges as the grid is refined", "[verify]") {
+    const Vec3 at_4 = errors(4.0, 1.0), at_12 = errors(12.0, 1.0);
+    CAPTURE(at_4.x, at_4.y, at_4.z, at_12.x, at_12.y, at_12.z);
+    CHECK(std::abs(at_12.z) < 0.5 * std::abs(at_4.z)); // first order would leave a third
+    CHECK(std::abs(at_12.x) < 0.01);
+    CHECK(std::abs(at_12.y) < 0.01);
+}
+
+TEST_CASE("a rigid cylinder scatters a shear wave as the closed form", "[verify]") {
+    // The wave e^{kappa x/a}, polarised along the axis, is the sum of e_n I_n(kappa r/a) cos(n
+    // theta) with e_n = 2 - [n = 0]. It is scattered to -e_n I_n(kappa)/K_n(kappa) K_n(kappa r/a)
+    // cos(n theta). Of that, the amplitude in the direction phi is
+    //     sum of F e^{kappa (x cos phi + z sin phi)/a}/(2 pi mu)
+    // over the forces F, and the sum of -e_n I_n/K_n cos(n phi).
+    const double kappa = GENERATE(0.5, 1.0);
+    const bool is_level = GENERATE(true, false); // the wave travels across the axis or upwards
+    const double per_radius = 12.0;
+    const Cylinder2D cylinder(per_radius, kappa);
+    const auto wave = [&](double across_m, double down_m, double phi) {
+        // At a marker it is smoothed across the axis.
+        const double smoothing = spectral::marker_smoothing * std::cos(phi) / per_radius;
+        return std::exp(kappa * (across_m * std::cos(phi) + down_m * std::sin(phi)) / radius_m +
+                        0.5 * std::pow(kappa * smoothing, 2));
+    };
+    const double incident = is_level ? 0.0 : -0.5 * pi;
+    const Eigen::VectorXd forces = cylinder.forces([&](double across_m, double down_m) {
+        return Vec3{-wave(across_m, down_m, incident), 0.0, 0.0};
+    });
+    for (const double phi : {0.0, 0.5 * pi, pi}) {
+        double scattered = 0.0, exact = 0.0;
+        for (std::size_t i = 0; i < cylinder.markers().size(); ++i)
+            scattered +=
+                forces[static_cast<Eigen::Index>(3 * i)] *
+                wave(cylinder.markers()[i].across_m, cylinder.markers()[i].down_m, incident + phi) /
+                (2.0 * pi * mu_Pa);
+        for (int n = 0; n < 12; ++n)
+            exact -=
+                (n > 0 ? 2.0 : 1.0) * bessel_i(n, kappa) / bessel_k(n, kappa) * std::cos(n * phi);
+        CAPTURE(kappa, is_level, phi, scattered, exact, scattered / exact - 1.0);
+        CHECK(scattered == Approx(exact).epsilon(0.03)); // required for spheres
+    }
+}
+
+TEST_CASE("a rigid body is the limit of a stiff elastic one", "[verify]") {
+    // A bar of 5.4 x 5.4 mm and a load on a line, as plane strain. The faces of the bar coincide
+    // with those of grid cells at both spacings, 0.9 and 0.3 mm. Between the cells an elastic body
+    // is stiff up to a part of a spacing beyond its face. This error is of first order, and three
+    // halves of the finer minus half of the coarser result do not contain it.
+    const auto effect = [](std::ptrdiff_t times, const Body& bar) {
+        Case c = test::moving_focus({}, ConstantSpeed{7.0});
+        Layer layer = test::tissue(1500.0, 0.5);
+        layer.thickness_m = 9e-3;
+        c.scene().medium = {{layer}, Base::rigid};
+        std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path =
+            Curve({-5e-3, 0.0}, {7e-3, 0.0});
+        c.domain = {24 * times, 4, 0.9e-3 / static_cast<double>(times), 0.0};
+        c.time = {6, 100e-6};
+        c.measure = {.at_s = 6e-4, .settled_after_s = 1e-4, .focal_radius_m = 1e-3};
+        c.solver =
+            SpectralOptions{.time_step_s = 10e-6, .longest_element_m = 1.8e-3, .contrast_cap = 1e5};
+        const auto without = test::last_frame(c);
+        c.scene().medium.bodies = {bar};
+        const auto with = test::last_frame(c);
+        std::vector<double> change; // of the mean along y, whose width is four spacings
+        for (std::ptrdiff_t i = 0; i < c.domain.nx; i += times)
+            change.push_back(
+                (with[static_cast<std::size_t>(4 * i)] - without[static_cast<std::size_t>(4 * i)]) /
+                static_cast<double>(times));
+        return change;
+    };
+    const Body rigid{.name = "bar",
+                     .shape = Box{{5.4e-3, 1.0, 5.4e-3}},
+                     .centre_m = {-4.05e-3, 0.0, 4.5e-3},
+                     .density_kg_m3 = 1900.0,
+                     .rigid = true};
+    Body elastic = rigid;
+    elastic.rigid = false;
+    elastic.c_s_m_s = 1619.0;
+    elastic.c_p_m_s = 3517.0;
+    const auto coarse = effect(1, elastic), fine = effect(3, elastic);
+    std::vector<double> limit;
+    for (std::size_t i = 0; i < fine.size(); ++i)
+        limit.push_back(1.5 * fine[i] - 0.5 * coarse[i]);
+    const auto of_rigid = effect(3, rigid);
+    const double difference = test::relative_l2(limit, of_rigid);
+    CAPTURE(difference, test::relative_l2(fine, of_rigid), test::relative_l2(coarse, of_rigid));
+    CHECK(difference < 0.03);                                // required
+    CHECK(test::relative_l2(fine, of_rigid) < 0.04);         // before extrapolation
+    CHECK(test::relative_l2(coarse, of_rigid) > difference); // the error of the elastic body
+}
