@@ -4,10 +4,19 @@
 #include "engines/spectral/depth/work_kinds.hpp"
 
 #include <algorithm>
+#include <complex>
 
 namespace shearwake::spectral {
 
 using namespace kinds;
+
+namespace {
+
+/// Size of the data of all ranks that are exchanged together. Fewer messages reduce the latency;
+/// the buffers remain small.
+constexpr double exchanged_B = 8e6;
+
+} // namespace
 
 StrainPlanes::StrainPlanes(const LateralField& field, const fft::SlabTransform& slabs,
                            const Comm& team, StepClock& clock, Corner corner)
@@ -23,13 +32,28 @@ StrainPlanes::StrainPlanes(const LateralField& field, const fft::SlabTransform& 
                                            window_ ? window_->count() : nx_,
                                            window_ ? window_->count() : slabs.line_pitch(),
                                            stored_stride()};
-    for (const LateralVariation::Point& point : field.variation().points) {
-        std::vector<fft::RowRun> runs = point.runs;
-        for (fft::RowRun& run : runs) {
-            run.begin -= corner.y;
-            run.end -= corner.y;
+    const auto components = static_cast<std::size_t>(field.variation().components());
+    const double of_point_B = static_cast<double>(components) * sizeof(std::complex<double>) *
+                              static_cast<double>(extent.x_end - extent.x_begin) *
+                              static_cast<double>(slabs.ny() / 2 + 1);
+    const auto together = static_cast<std::size_t>(std::max(
+        1.0, std::min(static_cast<double>(field.points()), exchanged_B / (of_point_B + 1.0))));
+    for (std::size_t first = 0; first < field.points(); first += together) {
+        const std::size_t end = std::min(first + together, field.points());
+        std::vector<std::vector<fft::RowRun>> sheets;
+        std::vector<fft::RunTransform::Plane> planes;
+        for (std::size_t p = first; p < end; ++p) {
+            const LateralVariation::Point& point = field.variation().points[p];
+            sheets.push_back(point.runs);
+            for (fft::RowRun& run : sheets.back()) {
+                run.begin -= corner.y;
+                run.end -= corner.y;
+            }
+            for (std::size_t c = 0; c < components; ++c)
+                planes.push_back({p - first, field.range(p).first + c * point.cells});
         }
-        runs_.emplace_back(slabs, team, std::move(runs), layout);
+        groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(sheets), layout),
+                           std::move(planes)});
     }
 }
 
@@ -48,13 +72,8 @@ void StrainPlanes::assemble() {
 
 void StrainPlanes::set(const LateralField::Values& values) {
     const engines::Timed timed(kind());
-    double* plane = planes_.data();
-    const int components = field_.variation().components();
-    for (std::size_t p = 0; p < field_.points(); ++p) {
-        runs_[p].to_lines(values.data() + field_.range(p).first, field_.variation().points[p].cells,
-                          components, plane);
-        plane += components * stored_stride();
-    }
+    for (const Group& group : groups_)
+        group.transform.to_lines(values.data(), group.planes, stored_plane(group.first_point));
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
@@ -65,11 +84,9 @@ void StrainPlanes::get(LateralField::Values& values) {
 
 void StrainPlanes::get_from(std::size_t first, LateralField::Values& values) {
     const engines::Timed timed(kind());
-    const int components = field_.variation().components();
-    for (std::size_t p = first; p < field_.points(); ++p)
-        runs_[p].to_values(
-            planes_.data() + static_cast<std::ptrdiff_t>(p) * components * stored_stride(),
-            components, values.data() + field_.range(p).first, field_.variation().points[p].cells);
+    for (const Group& group : groups_)
+        if (group.end_point > first)
+            group.transform.to_values(stored_plane(group.first_point), group.planes, values.data());
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());
 }

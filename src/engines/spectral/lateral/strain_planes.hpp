@@ -68,7 +68,17 @@ private:
     const LateralField& field_;
     const fft::SlabTransform& slabs_;
     StepClock& clock_;
-    std::vector<fft::RunTransform> runs_; // per point
+    /// Consecutive points that are exchanged between the ranks together.
+    struct Group {
+        std::size_t first_point, end_point;
+        fft::RunTransform transform;
+        std::vector<fft::RunTransform::Plane> planes;
+    };
+    double* stored_plane(std::size_t point) {
+        return planes_.data() + static_cast<std::ptrdiff_t>(point) *
+                                    field_.variation().components() * stored_stride();
+    }
+    std::vector<Group> groups_;
     std::optional<LineWindow> window_;
     std::ptrdiff_t nx_, count_, transforms_ = 0;
     fft::AlignedVector<double> planes_;
