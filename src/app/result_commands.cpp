@@ -154,6 +154,8 @@ void add_bench(CLI::App& app, Action& action) {
             "spectral: stiffness of the body relative to the layer (default 4; 1: no body)")
         ->type_name("C")
         ->check(CLI::Range(1.0, 1e6));
+    command->add_flag("--rigid", arguments->rigid,
+                      "spectral: a rigid cylinder of 5 mm radius instead of the body");
     command
         ->add_option("--sponge", arguments->sponge_mm,
                      "spectral: absorbing margin, mm (default 0: none)")

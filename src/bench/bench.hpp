@@ -22,6 +22,8 @@ struct BenchArguments {
     // `sweep`:
     int cases = 2000;
     bool json = false; // print a document instead of text
+    // `spectral`:
+    bool rigid = false; // a rigid cylinder instead of the body
 };
 
 /// The command `bench`. Collective.

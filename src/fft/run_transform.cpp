@@ -26,38 +26,75 @@ std::span<Complex> room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size)
 } // namespace
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs)
-    : RunTransform(slabs, team, std::move(runs), {slabs.share().ky_start, slabs.share().ky_count}) {
-}
+    : RunTransform(slabs, team, std::move(runs),
+                   Lines{slabs.share().ky_start, slabs.share().ky_count}) {}
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
                            Lines lines)
-    : slabs_(slabs), team_(team), runs_(std::move(runs)),
-      begin_(runs_.empty() ? 0 : runs_.front().row), end_(runs_.empty() ? 0 : runs_.back().row + 1),
-      mine_(lines), me_(static_cast<std::size_t>(team.rank())),
-      lines_reals_(slabs.lines_reals(lines.ky_count)) {
-    const SlabShare& share = slabs.share();
+    : RunTransform(slabs, team, std::move(runs),
+                   Layout{lines, slabs.share().x_start, slabs.nx(), slabs.line_pitch(),
+                          slabs.lines_reals(lines.ky_count)}) {}
+
+RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                           const Layout& layout)
+    : RunTransform(slabs, team, std::vector<std::vector<RowRun>>{std::move(runs)}, layout) {}
+
+RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team,
+                           std::vector<std::vector<RowRun>> sheets, const Layout& layout)
+    : slabs_(slabs), team_(team), sheets_(std::move(sheets)), layout_(layout), mine_(layout.lines),
+      me_(static_cast<std::size_t>(team.rank())), lines_reals_(layout.reals) {
+    for (const std::vector<RowRun>& runs : sheets_) {
+        if (runs.empty()) continue;
+        begin_ = end_ == begin_ ? runs.front().row : std::min(begin_, runs.front().row);
+        end_ = std::max(end_, runs.back().row + 1);
+    }
     const std::vector<long> all = team.all_gather(std::vector<long>{
-        share.x_start + begin_, share.x_start + end_, lines.ky_start, lines.ky_count});
+        layout.x_start + begin_, layout.x_start + end_, mine_.ky_start, mine_.ky_count});
     for (std::size_t at = 0; at < all.size(); at += 4)
         shares_.push_back({all[at], all[at + 1], all[at + 2], all[at + 3]});
 }
 
-void RunTransform::transform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
-                                 const double* values, Complex* modes) const {
+void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
+                                 Complex* modes) const {
     SlabTransform::Work& w = *slabs_.work_;
+    if (runs.empty() || runs.front().row != row) {
+        std::fill_n(modes, w.modes, 0.0);
+        return;
+    }
     std::fill(w.row_.begin(), w.row_.end(), 0.0);
-    for (; run != runs_.end() && run->row == row; ++run)
-        std::copy_n(values + run->offset, run->end - run->begin, w.row_.data() + run->begin);
+    for (; !runs.empty() && runs.front().row == row; runs = runs.subspan(1))
+        std::copy_n(values + runs.front().offset, runs.front().end - runs.front().begin,
+                    w.row_.data() + runs.front().begin);
     fftw_execute_dft_r2c(w.y_to_spectral.get(), w.row_.data(), raw(modes));
 }
 
-void RunTransform::untransform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
-                                   Complex* modes, double* values) const {
-    if (run == runs_.end() || run->row != row) return;
+void RunTransform::untransform_row(std::ptrdiff_t row, Rest& runs, Complex* modes,
+                                   double* values) const {
+    if (runs.empty() || runs.front().row != row) return;
     SlabTransform::Work& w = *slabs_.work_;
     fftw_execute_dft_c2r(w.y_to_physical.get(), raw(modes), w.row_.data());
-    for (; run != runs_.end() && run->row == row; ++run)
-        std::copy_n(w.row_.data() + run->begin, run->end - run->begin, values + run->offset);
+    for (; !runs.empty() && runs.front().row == row; runs = runs.subspan(1))
+        std::copy_n(w.row_.data() + runs.front().begin, runs.front().end - runs.front().begin,
+                    values + runs.front().offset);
+}
+
+/// Planes of the first sheet whose values are `cells` apart.
+std::vector<RunTransform::Plane> RunTransform::equal_planes(std::ptrdiff_t count,
+                                                            std::size_t cells) {
+    std::vector<Plane> planes;
+    for (std::size_t p = 0; p < static_cast<std::size_t>(count); ++p)
+        planes.push_back({0, p * cells});
+    return planes;
+}
+
+void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdiff_t planes,
+                            double* lines) const {
+    to_lines(values, equal_planes(planes, cells), lines);
+}
+
+void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double* values,
+                             std::size_t cells) const {
+    to_values(lines, equal_planes(planes, cells), values);
 }
 
 // Data exchanged between two ranks is ordered as [plane][ky of the rank with the lines][row of the
@@ -78,25 +115,26 @@ RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
     return p;
 }
 
-void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdiff_t planes,
-                            double* lines) const {
+void RunTransform::to_lines(const double* values, std::span<const Plane> all, double* lines) const {
     SlabTransform::Work& w = *slabs_.work_;
+    const std::ptrdiff_t planes = std::ssize(all);
     const std::ptrdiff_t rows = end_ - begin_;
     const Parcels parcel = parcels(planes);
     for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        const double* of_plane = values + static_cast<std::size_t>(p) * cells;
+        const Plane& plane = all[static_cast<std::size_t>(p)];
+        const double* of_plane = values + plane.first;
         Complex* here = reinterpret_cast<Complex*>(lines + p * lines_reals_);
-        auto run = runs_.begin();
+        Rest rest = sheets_[plane.sheet];
         for (std::ptrdiff_t i = begin_; i < end_; i += width) {
             const std::ptrdiff_t count = std::min(width, end_ - i);
             for (std::ptrdiff_t r = 0; r < count; ++r)
-                transform_row(i + r, run, of_plane, w.line(r));
+                transform_row(i + r, rest, of_plane, w.line(r));
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
                 const Share& to = shares_[rank];
                 const Complex* modes = w.line(0) + to.ky_start;
                 if (rank == me_)
                     rows_to_columns(modes, w.pitch, count, to.ky_count,
-                                    here + to.x_begin + i - begin_, w.line_pitch);
+                                    here + to.x_begin + i - begin_, layout_.pitch);
                 else
                     rows_to_columns(modes, w.pitch, count, to.ky_count,
                                     parcel.rows.data() + parcel.of_rows_at[rank] +
@@ -111,7 +149,7 @@ void RunTransform::to_lines(const double* values, std::size_t cells, std::ptrdif
     for (std::ptrdiff_t p = 0; p < planes; ++p)
         for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             fill_line(parcel, p * mine_.ky_count + k,
-                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * w.line_pitch);
+                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * layout_.pitch);
 }
 
 void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Complex* line) const {
@@ -125,11 +163,12 @@ void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Comple
                         of.rows(), line + of.x_begin);
         filled = of.x_end;
     }
-    std::fill(line + filled, line + slabs_.nx(), 0.0);
+    std::fill(line + filled, line + layout_.length, 0.0);
 }
 
-void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double* values,
-                             std::size_t cells) const {
+void RunTransform::to_values(const double* lines, std::span<const Plane> all,
+                             double* values) const {
+    const std::ptrdiff_t planes = std::ssize(all);
     SlabTransform::Work& w = *slabs_.work_;
     const std::ptrdiff_t rows = end_ - begin_;
     const Parcels parcel = parcels(planes);
@@ -140,22 +179,23 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
         for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
             for (std::size_t rank = 0; rank < shares_.size(); ++rank)
                 if (const Share& of = shares_[rank]; rank != me_)
-                    std::copy_n(of_plane(p) + k * w.line_pitch + of.x_begin, of.rows(),
+                    std::copy_n(of_plane(p) + k * layout_.pitch + of.x_begin, of.rows(),
                                 parcel.lines.data() + parcel.of_lines_at[rank] +
                                     (p * mine_.ky_count + k) * of.rows());
     if (shares_.size() > 1)
         team_.all_to_all(std::span<const Complex>(parcel.lines), parcel.of_lines, parcel.rows,
                          parcel.of_rows);
     for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        double* to_plane = values + static_cast<std::size_t>(p) * cells;
-        auto run = runs_.begin();
+        const Plane& plane = all[static_cast<std::size_t>(p)];
+        double* to_plane = values + plane.first;
+        Rest rest = sheets_[plane.sheet];
         for (std::ptrdiff_t i = begin_; i < end_; i += width) {
             const std::ptrdiff_t count = std::min(width, end_ - i);
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
                 const Share& from = shares_[rank];
                 Complex* modes = w.line(0) + from.ky_start;
                 if (rank == me_)
-                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, w.line_pitch, count,
+                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, layout_.pitch, count,
                                     from.ky_count, modes, w.pitch);
                 else
                     columns_to_rows(parcel.rows.data() + parcel.of_rows_at[rank] +
@@ -163,7 +203,7 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
                                     rows, count, from.ky_count, modes, w.pitch);
             }
             for (std::ptrdiff_t r = 0; r < count; ++r)
-                untransform_row(i + r, run, w.line(r), to_plane);
+                untransform_row(i + r, rest, w.line(r), to_plane);
         }
     }
 }

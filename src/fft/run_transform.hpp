@@ -3,6 +3,7 @@
 
 #include "fft/slab_transform.hpp"
 
+#include <span>
 #include <vector>
 
 namespace shearwake::fft {
@@ -25,11 +26,25 @@ public:
     struct Lines {
         std::ptrdiff_t ky_start, ky_count;
     };
+    /// Where the lines of a rank are, and what they contain. Row 0 of this rank is point `x_start`
+    /// of a line of `length` points; consecutive lines are `pitch` complex numbers apart,
+    /// consecutive planes `reals` doubles. Any distribution of the rows will do that ascends with
+    /// the rank.
+    struct Layout {
+        Lines lines;
+        std::ptrdiff_t x_start, length, pitch, reals;
+    };
     /// `runs` are those of this rank, in ascending order. The first constructor uses the ky of the
-    /// SlabTransform, the second one any distribution that covers all ky. Collective.
+    /// SlabTransform, the second one any distribution that covers all ky, both with the lines of
+    /// the SlabTransform. Collective.
     RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs);
     RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
                  Lines lines);
+    RunTransform(const SlabTransform& slabs, const Comm& team, std::vector<RowRun> runs,
+                 const Layout& layout);
+    /// Planes with different runs that are exchanged together.
+    RunTransform(const SlabTransform& slabs, const Comm& team,
+                 std::vector<std::vector<RowRun>> sheets, const Layout& layout);
 
     /// Number of doubles between the lines of consecutive planes.
     std::ptrdiff_t lines_reals() const { return lines_reals_; }
@@ -40,6 +55,14 @@ public:
                   double* lines) const;
     void to_values(const double* lines, std::ptrdiff_t planes, double* values,
                    std::size_t cells) const;
+
+    /// The same for planes that differ in their runs: which of them a plane has, and where its
+    /// values begin. Collective.
+    struct Plane {
+        std::size_t sheet, first;
+    };
+    void to_lines(const double* values, std::span<const Plane> planes, double* lines) const;
+    void to_values(const double* lines, std::span<const Plane> planes, double* values) const;
 
 private:
     struct Share { // rows of x with runs and the ky of a rank
@@ -53,18 +76,22 @@ private:
         std::span<std::complex<double>> rows, lines;
     };
     Parcels parcels(std::ptrdiff_t planes) const;
+    static std::vector<Plane> equal_planes(std::ptrdiff_t count, std::size_t cells);
     /// Copies the data received for a line, and zeros for rows without runs.
     void fill_line(const Parcels& parcels, std::ptrdiff_t which, std::complex<double>* line) const;
-    void transform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
-                       const double* values, std::complex<double>* modes) const;
-    void untransform_row(std::ptrdiff_t row, std::vector<RowRun>::const_iterator& run,
-                         std::complex<double>* modes, double* values) const;
+    /// Runs that have not been processed yet, in ascending order.
+    using Rest = std::span<const RowRun>;
+    void transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
+                       std::complex<double>* modes) const;
+    void untransform_row(std::ptrdiff_t row, Rest& runs, std::complex<double>* modes,
+                         double* values) const;
 
     const SlabTransform& slabs_;
     Comm team_;
-    std::vector<RowRun> runs_;
+    std::vector<std::vector<RowRun>> sheets_;
     std::ptrdiff_t begin_ = 0, end_ = 0; // local indices of this rank's rows with runs
     std::vector<Share> shares_;          // by rank
+    Layout layout_;
     Lines mine_;
     std::size_t me_;
     std::ptrdiff_t lines_reals_;

@@ -41,6 +41,30 @@ double sponge_values_of(const SpongePlan& sponge, double levels) {
     return sponge.every > 0 ? 3.0 * levels * static_cast<double>(sponge.nx * sponge.ny) : 0.0;
 }
 
+double factor_entries(const DepthMesh& mesh) {
+    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
+    return static_cast<double>(SkylineMatrix(moving, mesh.degree, 2).entries() +
+                               SkylineMatrix(moving, mesh.degree, 1).entries());
+}
+
+/// The planes of strain on a grid of nx x ny points: lines over x, or a window of them and the
+/// spectra of one ky.
+double strain_planes_B(const VariationEstimate& v, double nx, double ny, int ranks) {
+    const double window = v.window(static_cast<std::ptrdiff_t>(nx));
+    const double lines = up(ny / 2.0 + 1.0, ranks);
+    return v.planes() * 2.0 * sizeof(double) *
+           (window > 0.0 ? lines * window + nx : std::max(lines * nx, up(nx, ranks) * ny / 2.0));
+}
+
+/// The matrices and planes of the box.
+double box_B(const VariationEstimate& v, int ranks) {
+    if (!v.box) return 0.0;
+    const double nx = static_cast<double>(v.box->nx), ny = static_cast<double>(v.box->ny);
+    return up(nx / 2.0, lane_count) * up(ny / 2.0 + 1.0, ranks) * 0.5 * v.planes() *
+               (v.planes() + 1.0) * sizeof(Block) +
+           strain_planes_B(v, nx, ny, ranks);
+}
+
 /// The program, the pencils, the planes of strain and the data of cells, the planes of the
 /// transform and of the engine. The material samples are released before the rest is allocated.
 Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& v,
@@ -50,10 +74,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const double levels = static_cast<double>(mesh.levels() - 1), nodes = mesh.degree + 1.0;
     const double pencil_lanes = up(modes_y, ranks) * up(nx / 2.0, lane_count);
     const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Block);
-    const auto moving = static_cast<std::ptrdiff_t>(mesh.levels() - 1);
-    const auto entries = SkylineMatrix(moving, mesh.degree, 2).entries() +
-                         SkylineMatrix(moving, mesh.degree, 1).entries();
-    const double factors_B = pencil_lanes * static_cast<double>(entries) * sizeof(Block);
+    const double factors_B = pencil_lanes * factor_entries(mesh) * sizeof(Block);
     const double plane_B =
         2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * up(modes_y, ranks));
     const double arrays = (v.iterations > 0.0 ? 7.0 : 4.0) * v.components + 3.0 +
@@ -65,8 +86,8 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
                                      [](VolumeField f) { return f != VolumeField::u; });
     const double felt = ReceptorStress::planes(c, mesh);
     Memory memory;
-    memory.stepper_B = factors_B + 2.0 * displacement_B + v.points * v.components * plane_B +
-                       sponge_B + arrays * v.fullest_cells * sizeof(double);
+    memory.stepper_B = factors_B + 2.0 * displacement_B + strain_planes_B(v, nx, ny, ranks) +
+                       box_B(v, ranks) + sponge_B + arrays * v.fullest_cells * sizeof(double);
     memory.all_B = engines::program_B + map_bytes(c.scene().medium) +
                    std::max(memory.stepper_B, sampled_B) + (ranks > 1 ? 3.0 : 2.0) * plane_B +
                    (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0) +
@@ -81,14 +102,18 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
     const double step_s = c.time.interval_s / static_cast<double>(steps_per_frame);
     const Case layers = without_rigid_bodies(c);
     const bool rigid = layers != c;
-    const VariationEstimate v = estimate_variation(layers, mesh, step_s, ranks);
+    const double frames = static_cast<double>(c.time.frames);
+    const double steps = frames * static_cast<double>(steps_per_frame);
+    VariationEstimate v = estimate_variation(layers, mesh, step_s, ranks);
+    if (v.iterations > 0.0 && !rigid)
+        v.box = box_grid(
+            c.domain, v.extent,
+            {.planes = v.planes(), .factor_entries = factor_entries(mesh), .steps = steps});
     const SpongePlan sponge =
         sponge_plan(c, rigid || v.points > 0.0 ? Lateral::varies : Lateral::uniform, step_s);
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
     if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
-    const double frames = static_cast<double>(c.time.frames);
-    const double steps = frames * static_cast<double>(steps_per_frame);
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
     e.memory_per_rank_B = memory.all_B;

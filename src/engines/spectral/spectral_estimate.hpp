@@ -3,6 +3,9 @@
 
 #include "engines/engine.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/spectral/lateral/box_response.hpp"
+
+#include <optional>
 
 namespace shearwake::spectral {
 
@@ -14,6 +17,15 @@ struct VariationEstimate {
     double cells = 0.0;         // cells with data, sum over all points
     double fullest_cells = 0.0; // on the rank with most cells
     double iterations = 0.0;    // per step
+    CellExtent extent;          // that of all cells
+    std::optional<BoxGrid> box; // on which iterations take place
+
+    double planes() const { return points * components; }
+    /// Points of the window of a line over x of nx points that is transformed; 0 for FFTs.
+    double window(std::ptrdiff_t nx) const {
+        const std::ptrdiff_t count = extent.x_end - extent.x_begin;
+        return LineWindow::pays(nx, count) ? static_cast<double>(count) : 0.0;
+    }
 };
 /// Not collective.
 VariationEstimate estimate_variation(const Case& c, const DepthMesh& mesh, double step_s,

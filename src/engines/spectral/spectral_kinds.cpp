@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace shearwake::spectral::kinds {
 namespace {
@@ -15,6 +16,8 @@ namespace {
 constexpr double planes_in_cache_B = 6e6, planes_in_memory_B = 25e6;
 // Share of the x transforms in a transfer; those in y are proportional to the rows with cells.
 constexpr double share_of_modes = 0.65;
+/// Points of a window whose sums take as long as the other work on a line.
+constexpr double window_overhead = 24.0;
 
 Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t steps) {
     Case c = engines::calibration_case({{16e-3, 5.0, 1.0}}, 6e-3, {nx, ny, 2e-3, 0.0},
@@ -35,32 +38,63 @@ Case with_body(Case c, double c_s_m_s, SpectralMethod method) {
 
 } // namespace
 
+namespace {
+
+using Add = std::function<void(const engines::WorkKind& kind, double amount)>;
+
+/// Transfers of `planes` planes of strain to and from a grid of nx x ny points.
+void add_transfers(const VariationEstimate& v, double nx, double ny, double planes,
+                   double rows_share, const Add& add) {
+    const double window = v.window(static_cast<std::ptrdiff_t>(nx));
+    if (window > 0.0)
+        return add(of_window, planes * nx * (ny / 2.0 + 1.0) * (window + window_overhead));
+    // In y only rows with cells are transformed.
+    const double moved = planes * nx * ny * (share_of_modes + (1.0 - share_of_modes) * rows_share);
+    const double far = engines::share_from_memory(v.planes() * nx * ny * 2.0 * sizeof(double),
+                                                  planes_in_cache_B, planes_in_memory_B);
+    add(of_transfer, moved * (1.0 - far));
+    add(of_far_transfer, moved * far);
+}
+
+/// Iterations on a box, and its setup: each plane of strain is a column of the matrices, which are
+/// symmetric.
+void add_box(const Case& c, const Measures& m, double modes, double rows_share, const Add& add) {
+    const VariationEstimate& v = m.variation;
+    const double planes = v.planes(), iterations = v.iterations * m.steps;
+    add(of_box, box_values(*v.box, planes) * iterations);
+    add_transfers(v, static_cast<double>(v.box->nx), static_cast<double>(v.box->ny),
+                  planes * iterations, rows_share, add);
+    add(of_iteration, modes * m.levels * m.nodes * planes);
+    add_transfers(v, static_cast<double>(c.domain.nx), static_cast<double>(c.domain.ny),
+                  0.25 * planes * planes, rows_share, add);
+}
+
+} // namespace
+
 void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     const VariationEstimate& v = m.variation;
     const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
     const double points = nx * ny, rows_ky = std::floor(ny / 2.0) + 1.0;
     const double modes = 2.0 * lane_count * std::ceil(nx / (2.0 * lane_count)) * rows_ky;
+    // With a box only the last solve, for the displacement, covers the complete plane; its strain
+    // is known.
     const double more = v.iterations > 0.0 ? v.iterations + 1.0 : 0.0;
     const double solves = modes * m.levels * m.nodes * m.steps;
-    const auto add = [&](const engines::WorkKind& kind, double amount) {
+    const Add add = [&](const engines::WorkKind& kind, double amount) {
         if (amount > 0.0) e.work.push_back({kind, amount});
     };
     add(of_solve, solves * (1.0 - m.from_memory));
     add(of_far_solve, solves * m.from_memory);
-    add(of_iteration, solves * (more + m.reactions));
+    add(of_iteration, solves * ((v.box ? 1.0 : more) + m.reactions));
     add(of_factors, modes * m.levels * m.nodes * m.nodes);
     add(of_materials, v.points * points);
-    // In y only rows with cells are transformed. The square root overestimates their number for a
-    // bar along x and never underestimates it.
+    // The square root overestimates the rows with cells for a bar along x and never underestimates
+    // them.
     const double rows =
         v.points > 0.0 ? std::sqrt(std::min(1.0, v.cells / (v.points * points))) : 0.0;
-    const double planes = v.points * v.components * (1.0 + more) * m.steps;
-    const double moved = planes * points * (share_of_modes + (1.0 - share_of_modes) * rows);
-    const double far =
-        engines::share_from_memory(v.points * v.components * modes * 2.0 * sizeof(double),
-                                   planes_in_cache_B, planes_in_memory_B);
-    add(of_transfer, moved * (1.0 - far));
-    add(of_far_transfer, moved * far);
+    const double passes = more > 0.0 ? (v.box ? 1.5 : v.iterations + 1.5) : 1.0;
+    add_transfers(v, nx, ny, v.planes() * passes * m.steps, rows, add);
+    if (v.box) add_box(c, m, modes, rows, add);
     add(of_cell, v.cells * v.components * (1.0 + more) * m.steps);
     if (m.sponge_every > 0.0) add(of_sponge, m.sponge_values * m.steps / m.sponge_every);
     const double frames = static_cast<double>(c.time.frames);
@@ -78,16 +112,23 @@ std::vector<engines::Calibration> calibrations() {
     std::get<SpectralOptions>(few.solver).longest_element_m = 8e-3;
     Case factors = calibration_case(96, 72, 1);
     Case materials = with_body(one, 6.0, SpectralMethod::one_solve);
+    // Bodies across the domain require FFTs, small ones sums over a window.
     Case transfer = with_body(few, 6.0, SpectralMethod::one_solve);
-    transfer.scene().medium.bodies[0].shape = Box{{2e-3, 2e-3, 12e-3}};
+    transfer.scene().medium.bodies[0].shape = Box{{1.0, 2e-3, 12e-3}};
+    Case window = transfer;
+    window.scene().medium.bodies[0].shape = Box{{2e-2, 2e-3, 12e-3}};
     Case far_transfer = with_body(calibration_case(192, 144, 4), 6.0, SpectralMethod::one_solve);
-    far_transfer.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 16e-3}};
+    far_transfer.scene().medium.bodies[0].shape = Box{{1.0, 2e-2, 16e-3}};
     Case cell = with_body(few, 6.0, SpectralMethod::one_solve);
     cell.scene().medium.bodies[0].shape = Box{{1.0, 1.0, 12e-3}};
     Case iteration = with_body(few, 20.0, SpectralMethod::iterative);
-    iteration.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
+    iteration.scene().medium.bodies[0].shape = Box{{1.0, 6e-2, 4e-3}}; // too large for a box
     iteration.time.interval_s = 4.0 * 50e-6;
     iteration.measure.at_s = iteration.time.interval_s;
+    Case box = iteration;
+    box.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
+    box.time.interval_s = 100.0 * 50e-6;
+    box.measure.at_s = box.time.interval_s;
     Case sponge = calibration_case(64, 48, 40);
     sponge.domain.sponge_m = 2e-2;
     Case frame = one;
@@ -114,6 +155,8 @@ std::vector<engines::Calibration> calibrations() {
             {of_materials.name, materials},
             {of_transfer.name, transfer},
             {of_far_transfer.name, far_transfer},
+            {of_window.name, window},
+            {of_box.name, box},
             {of_cell.name, cell},
             {of_sponge.name, sponge},
             {of_frame.name, frame},

@@ -142,6 +142,23 @@ bool lambda_varies(const PointEstimate& p) {
     return p.greatest.lambda_Pa > one_lambda * p.least.lambda_Pa;
 }
 
+/// Widens the extent to the grid points within the bounds of an inclusion.
+void widen(const Domain& domain, const Bounds& box, CellExtent& extent) {
+    const auto range = [&](double low_m, double high_m, double first_m, std::ptrdiff_t points,
+                           std::ptrdiff_t& begin, std::ptrdiff_t& end) {
+        const double n = static_cast<double>(points);
+        const auto cell = [&](double at_m) {
+            return std::clamp((at_m - first_m) / domain.spacing_m + 0.5, 0.0, n);
+        };
+        const auto from = static_cast<std::ptrdiff_t>(std::floor(cell(low_m))),
+                   to = static_cast<std::ptrdiff_t>(std::ceil(cell(high_m)));
+        begin = end == begin ? from : std::min(begin, from);
+        end = std::max(end, to);
+    };
+    range(box.low_m.x, box.high_m.x, domain.x_m(0), domain.nx, extent.x_begin, extent.x_end);
+    range(box.low_m.y, box.high_m.y, domain.y_m(0), domain.ny, extent.y_begin, extent.y_end);
+}
+
 /// Counts the cells at a point. All cells of the plane are kept if the layer itself exceeds the
 /// minimum.
 void count_cells(const Setting& s, const PointEstimate& p, const Material& layer, bool less_viscous,
@@ -152,6 +169,7 @@ void count_cells(const Setting& s, const PointEstimate& p, const Material& layer
                        (lambda_varies(p) && least.lambda_Pa < layer.lambda_Pa);
     const double ny = static_cast<double>(s.c.domain.ny);
     const double plane = static_cast<double>(s.c.domain.nx) * ny, mine = s.rows * ny;
+    if (whole) v.extent = {0, s.c.domain.nx, 0, s.c.domain.ny};
     v.points += 1.0;
     v.cells += whole ? plane : std::min(p.cells, plane);
     v.fullest_cells += whole ? mine : std::min(p.fullest, mine);
@@ -186,6 +204,9 @@ void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Co
     const double kappa_rad_m =
         std::hypot(s.k_max_rad_m, std::sqrt(s.finest) * 2.0 / mesh.length_m(element));
     const std::vector<PointEstimate> points = points_of_element(s, element);
+    for (const Inclusion& part : s.medium)
+        if (part.box.high_m.z > mesh.ends_m[element] && part.box.low_m.z < mesh.ends_m[element + 1])
+            widen(s.c.domain, part.box, v.extent);
     const bool less_viscous = std::any_of(points.begin(), points.end(), [&](const auto& p) {
         return p.least.viscosity_Pa_s < layer.viscosity_Pa_s;
     });

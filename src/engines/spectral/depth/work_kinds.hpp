@@ -19,6 +19,10 @@ inline constexpr engines::WorkKind of_materials = {"spectral.materials",
 // row.
 inline constexpr engines::WorkKind of_transfer = {"spectral.transfer.cached", 4e-9};
 inline constexpr engines::WorkKind of_far_transfer = {"spectral.transfer.memory", 9e-9};
+/// The same by sums over a window of x; unit: one plane, ky, kx and point of the window.
+inline constexpr engines::WorkKind of_window = {"spectral.window", 1.5e-10};
+/// Products with the matrices of a box; unit: one entry of a matrix.
+inline constexpr engines::WorkKind of_box = {"spectral.box", 6e-10};
 inline constexpr engines::WorkKind of_cell = {"spectral.cell", 1e-8}; // per cell and component
 inline constexpr engines::WorkKind of_sponge = {"spectral.sponge",
                                                 1.1e-8}; // per value that the sponge acts on

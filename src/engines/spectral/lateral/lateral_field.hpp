@@ -4,12 +4,19 @@
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/kernels/strains.hpp"
 #include "engines/spectral/lateral/lateral_variation.hpp"
+#include "parallel/comm.hpp"
 #include "parallel/row_sums.hpp"
 
 #include <utility>
 #include <vector>
 
 namespace shearwake::spectral {
+
+/// Range of the grid points of a plane, [begin, end), that contains all cells that differ from the
+/// background.
+struct CellExtent {
+    std::ptrdiff_t x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+};
 
 /// Strains and stresses at the cells where the medium varies, [point][component][cell], and the
 /// moduli of these cells. Not collective; sums cover this rank only.
@@ -28,6 +35,10 @@ public:
     void implicit(std::size_t point, const Values& strain, Values& out) const;
     /// Adds the product of two fields at one point to the sums of the rows of x.
     void add_product(std::size_t point, const Values& a, const Values& b, RowSums& sums) const;
+    /// Extent of the cells of all ranks. Collective.
+    CellExtent extent(const Comm& team) const;
+    /// Global index of the first row of x of this rank.
+    std::ptrdiff_t x_start() const { return share_.x_start; }
     std::size_t points() const { return variation_.points.size(); }
     /// Range of the indices of a point's values.
     std::pair<std::size_t, std::size_t> range(std::size_t point) const {

@@ -4,66 +4,121 @@
 #include "engines/spectral/depth/work_kinds.hpp"
 
 #include <algorithm>
+#include <complex>
 
 namespace shearwake::spectral {
 
 using namespace kinds;
 
+namespace {
+
+/// Size of the data of all ranks that are exchanged together. Fewer messages reduce the latency;
+/// the buffers remain small.
+constexpr double exchanged_B = 8e6;
+
+} // namespace
+
 StrainPlanes::StrainPlanes(const LateralField& field, const fft::SlabTransform& slabs,
-                           const Comm& team, StepClock& clock)
+                           const Comm& team, StepClock& clock, Corner corner)
     : field_(field), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
       count_(static_cast<std::ptrdiff_t>(field.points()) * field.variation().components()) {
-    for (const LateralVariation::Point& point : field.variation().points)
-        runs_.emplace_back(slabs, team, point.runs);
+    const CellExtent extent = field.extent(team);
+    if (LineWindow::pays(nx_, extent.x_end - extent.x_begin))
+        window_.emplace(nx_, extent.x_begin - corner.x, extent.x_end - extent.x_begin);
+    const fft::SlabShare& share = slabs.share();
+    const std::ptrdiff_t first = window_ ? extent.x_begin : corner.x;
+    const fft::RunTransform::Layout layout{{share.ky_start, share.ky_count},
+                                           field.x_start() - first,
+                                           window_ ? window_->count() : nx_,
+                                           window_ ? window_->count() : slabs.line_pitch(),
+                                           stored_stride()};
+    const auto components = static_cast<std::size_t>(field.variation().components());
+    const double of_point_B = static_cast<double>(components) * sizeof(std::complex<double>) *
+                              static_cast<double>(extent.x_end - extent.x_begin) *
+                              static_cast<double>(slabs.ny() / 2 + 1);
+    const auto together = static_cast<std::size_t>(std::max(
+        1.0, std::min(static_cast<double>(field.points()), exchanged_B / (of_point_B + 1.0))));
+    for (std::size_t first = 0; first < field.points(); first += together) {
+        const std::size_t end = std::min(first + together, field.points());
+        std::vector<std::vector<fft::RowRun>> sheets;
+        std::vector<fft::RunTransform::Plane> planes;
+        for (std::size_t p = first; p < end; ++p) {
+            const LateralVariation::Point& point = field.variation().points[p];
+            sheets.push_back(point.runs);
+            for (fft::RowRun& run : sheets.back()) {
+                run.begin -= corner.y;
+                run.end -= corner.y;
+            }
+            for (std::size_t c = 0; c < components; ++c)
+                planes.push_back({p - first, field.range(p).first + c * point.cells});
+        }
+        groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(sheets), layout),
+                           std::move(planes)});
+    }
+}
+
+const engines::WorkKind& StrainPlanes::kind() const {
+    return window_ ? of_window : of_transfer;
+}
+
+std::ptrdiff_t StrainPlanes::stored_stride() const {
+    return window_ ? 2 * slabs_.share().ky_count * window_->count() : slabs_.lines_reals();
 }
 
 void StrainPlanes::assemble() {
-    planes_.assign(static_cast<std::size_t>(count_ * stride()), 0.0);
+    planes_.assign(static_cast<std::size_t>(count_ * stored_stride()), 0.0);
+    if (window_) spectra_.assign(static_cast<std::size_t>(count_ * stride()), 0.0);
 }
 
 void StrainPlanes::set(const LateralField::Values& values) {
-    const engines::Timed timed(of_transfer);
-    double* plane = planes_.data();
-    const int components = field_.variation().components();
-    for (std::size_t p = 0; p < field_.points(); ++p) {
-        runs_[p].to_lines(values.data() + field_.range(p).first, field_.variation().points[p].cells,
-                          components, plane);
-        plane += components * stride();
-    }
+    const engines::Timed timed(kind());
+    for (const Group& group : groups_)
+        group.transform.to_lines(values.data(), group.planes, stored_plane(group.first_point));
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
 
 void StrainPlanes::get(LateralField::Values& values) {
-    const engines::Timed timed(of_transfer);
-    const double* plane = planes_.data();
-    const int components = field_.variation().components();
-    for (std::size_t p = 0; p < field_.points(); ++p) {
-        runs_[p].to_values(plane, components, values.data() + field_.range(p).first,
-                           field_.variation().points[p].cells);
-        plane += components * stride();
-    }
+    get_from(0, values);
+}
+
+void StrainPlanes::get_from(std::size_t first, LateralField::Values& values) {
+    const engines::Timed timed(kind());
+    for (const Group& group : groups_)
+        if (group.end_point > first)
+            group.transform.to_values(stored_plane(group.first_point), group.planes, values.data());
     transforms_ += count_;
     clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
 
 void StrainPlanes::begin_row(std::ptrdiff_t row) {
-    const engines::Timed timed(of_transfer);
-    for (std::ptrdiff_t p = 0; p < count_; ++p)
-        slabs_.line_to_spectral(line(row) + p * stride());
+    const engines::Timed timed(kind());
+    if (window_)
+        window_->to_line(count_, stored(row), stored_stride(), line(row), stride());
+    else
+        for (std::ptrdiff_t p = 0; p < count_; ++p)
+            slabs_.line_to_spectral(line(row) + p * stride());
     clock_.lap(Phase::transforms);
 }
 
 void StrainPlanes::end_row(std::ptrdiff_t row, Modes kept) {
-    const engines::Timed timed(of_transfer);
-    for (std::ptrdiff_t p = 0; p < count_; ++p) {
-        double* modes = line(row) + p * stride();
-        if (kept == Modes::emptied) {
-            std::fill_n(modes, 2 * nx_, 0.0);
-            continue;
+    if (kept == Modes::kept) return end_row_from(row, 0);
+    const std::ptrdiff_t length = window_ ? window_->count() : nx_;
+    for (std::ptrdiff_t p = 0; p < count_; ++p)
+        std::fill_n(stored(row) + p * stored_stride(), 2 * length, 0.0);
+}
+
+void StrainPlanes::end_row_from(std::ptrdiff_t row, std::ptrdiff_t first) {
+    const engines::Timed timed(kind());
+    if (window_) {
+        window_->to_window(count_ - first, line(row) + first * stride(), stride(),
+                           stored(row) + first * stored_stride(), stored_stride());
+    } else {
+        for (std::ptrdiff_t p = first; p < count_; ++p) {
+            double* modes = line(row) + p * stride();
+            modes[nx_] = modes[nx_ + 1] = 0.0; // kx = nx/2
+            slabs_.line_to_physical(modes);
         }
-        modes[nx_] = modes[nx_ + 1] = 0.0; // kx = nx/2
-        slabs_.line_to_physical(modes);
     }
     clock_.lap(Phase::transforms);
 }

@@ -2,46 +2,87 @@
 #pragma once
 
 #include "engines/spectral/lateral/lateral_field.hpp"
+#include "engines/spectral/lateral/line_window.hpp"
 #include "engines/spectral/lateral/step_clock.hpp"
+#include "engines/work.hpp"
 #include "fft/run_transform.hpp"
+
+#include <optional>
 
 namespace shearwake::spectral {
 
 /// The planes of strain or stress, [point][component], between the cells where the medium varies
 /// and the pencils, stored as lines over x, one per ky of this rank. A line is transformed to a
-/// spectrum only while its pencils are processed, when it is in the cache.
+/// spectrum only while its pencils are processed, when it is in the cache. If the cells occupy a
+/// small part of the lines (LineWindow), only this part is stored, and the spectra of one ky.
 class StrainPlanes {
 public:
+    /// Indices in the plane of the point that is the first one of `slabs`, which may be smaller
+    /// than the plane if it contains all cells.
+    struct Corner {
+        std::ptrdiff_t x = 0, y = 0;
+    };
     /// Collective; `field`, `slabs` and `clock` must outlive this object.
     StrainPlanes(const LateralField& field, const fft::SlabTransform& slabs, const Comm& team,
-                 StepClock& clock);
+                 StepClock& clock, Corner corner);
     /// Allocates the planes. Not collective.
     void assemble();
 
     std::ptrdiff_t count() const { return count_; }
     /// Number of plane transforms so far, in both directions.
     std::ptrdiff_t transforms() const { return transforms_; }
-    double memory_B() const { return static_cast<double>(planes_.size() * sizeof(double)); }
+    double memory_B() const {
+        return static_cast<double>((planes_.size() + spectra_.size()) * sizeof(double));
+    }
 
     /// Set the planes from the values at the cells, and read them back. Collective.
     void set(const LateralField::Values& values);
     void get(LateralField::Values& values);
+    /// get() for the points from `first` on. Collective.
+    void get_from(std::size_t first, LateralField::Values& values);
     /// Transform the lines of one ky to spectra and back. With Modes::emptied the Nyquist modes, of
     /// x or of the complete row, are set to zero. Not collective.
     void begin_row(std::ptrdiff_t row);
     enum class Modes { kept, emptied };
     void end_row(std::ptrdiff_t row, Modes modes);
-    /// The line of plane 0; that of the next plane begins stride() doubles later.
-    double* line(std::ptrdiff_t row) { return planes_.data() + 2 * row * slabs_.line_pitch(); }
-    std::ptrdiff_t stride() const { return slabs_.lines_reals(); }
+    /// end_row() with Modes::kept for the planes from `first` on.
+    void end_row_from(std::ptrdiff_t row, std::ptrdiff_t first);
+    /// The spectrum of plane 0 between begin_row() and end_row(); that of the next plane begins
+    /// stride() doubles later.
+    double* line(std::ptrdiff_t row) {
+        return window_ ? spectra_.data() : planes_.data() + 2 * row * slabs_.line_pitch();
+    }
+    std::ptrdiff_t stride() const {
+        return window_ ? 2 * slabs_.line_pitch() : slabs_.lines_reals();
+    }
+
+    /// The kind of work of the transforms and of transfers to and from the spectra.
+    const engines::WorkKind& kind() const;
 
 private:
+    /// Number of doubles between planes as stored, and the stored part of a line of plane 0.
+    std::ptrdiff_t stored_stride() const;
+    double* stored(std::ptrdiff_t row) {
+        return window_ ? planes_.data() + 2 * row * window_->count() : line(row);
+    }
     const LateralField& field_;
     const fft::SlabTransform& slabs_;
     StepClock& clock_;
-    std::vector<fft::RunTransform> runs_; // per point
+    /// Consecutive points that are exchanged between the ranks together.
+    struct Group {
+        std::size_t first_point, end_point;
+        fft::RunTransform transform;
+        std::vector<fft::RunTransform::Plane> planes;
+    };
+    double* stored_plane(std::size_t point) {
+        return planes_.data() + static_cast<std::ptrdiff_t>(point) *
+                                    field_.variation().components() * stored_stride();
+    }
+    std::vector<Group> groups_;
+    std::optional<LineWindow> window_;
     std::ptrdiff_t nx_, count_, transforms_ = 0;
     fft::AlignedVector<double> planes_;
+    fft::AlignedVector<double> spectra_; // of one ky; only with a window
 };
 
 } // namespace shearwake::spectral

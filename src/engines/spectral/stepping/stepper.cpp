@@ -33,11 +33,12 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
       work_(c.domain.ny / 2 + 1), kernels_(simd::kernels<PencilKernels>()),
       strain_kernels_(simd::kernels<StrainKernels>()) {
-    planes_.emplace(field_, slabs_, team_, clock_);
+    planes_.emplace(field_, slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
     bodies_.assemble(operator_, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
         operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
     });
+    assemble_box();
 }
 
 void Stepper::assemble() {
@@ -166,14 +167,14 @@ double Stepper::work_of(const Counted& counted, const Block* pressure, Motion mo
 }
 
 void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-    const engines::Timed timed(of_transfer);
+    const engines::Timed timed(planes_->kind());
     const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
     transfer_.add_force(row, block, planes_->line(row), planes_->stride(), per_point, force);
     clock_.lap(Phase::transfer, block_bytes());
 }
 
 void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement) {
-    const engines::Timed timed(of_transfer);
+    const engines::Timed timed(planes_->kind());
     transfer_.strain(row, block, displacement, planes_->line(row), planes_->stride());
     clock_.lap(Phase::transfer, block_bytes());
 }
@@ -254,7 +255,8 @@ double Stepper::memory_B() const {
           &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
     return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
-           bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0);
+           bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
+           (box_ ? box_->memory_B() : 0.0);
 }
 
 /// On entry `change_` is E B^-1 rhs, on return e = E d.
@@ -264,9 +266,13 @@ void Stepper::iterate() {
     // The products are sums over cells, the reference is per area. The tolerance refers to the
     // motion and not to d; otherwise it would be too loose while a load begins and too strict after
     // it ends.
-    const StrainSolver::Outcome outcome =
-        solver_->solve(change_, points * reference_, tolerance_,
-                       [&](const auto& stress, auto& strain) { strain_of(stress, strain); });
+    const StrainSolver::Outcome outcome = solver_->solve(change_, points * reference_, tolerance_,
+                                                         [&](const auto& stress, auto& strain) {
+                                                             if (box_)
+                                                                 box_->respond(stress, strain);
+                                                             else
+                                                                 strain_of(stress, strain);
+                                                         });
     if (!outcome.converged)
         throw CaseFailure(fmt::format(
             "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "

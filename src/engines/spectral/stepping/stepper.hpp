@@ -5,6 +5,7 @@
 #include "engines/spectral/bodies/endless_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/strains.hpp"
+#include "engines/spectral/lateral/box_response.hpp"
 #include "engines/spectral/lateral/lateral_field.hpp"
 #include "engines/spectral/lateral/lateral_sponge.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
@@ -82,6 +83,8 @@ public:
 
     const std::vector<std::string>& notes() const { return field_.variation().notes; }
     const StepStatistics& statistics() const { return statistics_; }
+    /// Whether the iterations use the matrices of a box instead of complete planes.
+    bool uses_box() const { return box_.has_value(); }
     const StepClock& clock() const { return clock_; }
     /// Memory of this rank's arrays in bytes.
     double memory_B() const;
@@ -91,6 +94,11 @@ public:
 
 private:
     void assemble();
+    /// Assembles the box of the elastic bodies if it accelerates the iterations. Collective.
+    void assemble_box();
+    /// Ends the rows of `planes` from `plane` on with the strain for a unit stress in this plane.
+    /// Not collective.
+    void respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes);
     /// Layout of now_ and before_ as rows of ky, which can be distributed over any number of ranks.
     DistributedRows state_rows() const;
     /// One pass over the pencils: forces, solve and update. Collective.
@@ -173,6 +181,7 @@ private:
     std::optional<StrainPlanes> planes_;
     LateralField::Values strain_, strain_before_, stress_, change_, reaction_;
     std::optional<StrainSolver> solver_; // empty unless steps iterate
+    std::optional<BoxResponse> box_;     // empty unless iterations use it
 };
 
 } // namespace shearwake::spectral
