@@ -170,11 +170,17 @@ void print_cases(const std::vector<PlannedCost>& cases, bool all) {
     fmt::print("--all lists every case\n");
 }
 
-void print_choices(const Estimates& e) {
+/// Choices that are not already among the warnings.
+void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& warnings) {
     if (!e.choices.empty()) fmt::print("\n");
-    for (const auto& [note, count] : e.choices)
+    for (const auto& [note, count] : e.choices) {
+        const bool known = std::ranges::any_of(warnings, [&](const config::Diagnostic& warning) {
+            return warning.message.find(": " + note) != std::string::npos;
+        });
+        if (known) continue;
         fmt::print("{}{}\n", note,
                    count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
+    }
     if (e.probed < e.cases.size())
         fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
                    "estimated from the most similar of these {} cases\n",
@@ -254,7 +260,7 @@ void print_text(const Estimates& e, const PlanArguments& arguments, const config
     for (const config::Diagnostic& diagnostic : job.diagnostics)
         fmt::print("{}\n", config::text(diagnostic));
     print_cases(e.cases, arguments.all_cases);
-    print_choices(e);
+    print_choices(e, job.diagnostics);
     print_totals(e);
     if (e.error.empty())
         fmt::print("next: {}\n", next);
