@@ -144,7 +144,7 @@ class Surroundings(ProgramTest):
             self.assertIn(process.returncode, (0, 4, 6), said)
             for word in NOISE:
                 self.assertNotIn(word, said)
-            LEDGER.add("`rm -rf cases` beside reduce, status, verify and report", "clean end")
+            LEDGER.add("`rm -rf cases` during reduce, status, verify and report", "clean end")
 
 
 class Kills(ProgramTest):
