@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_estimate.hpp"
 
-#include "engines/spectral/bodies/endless_systems.hpp"
+#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_sponge.hpp"
@@ -82,10 +82,11 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
     const Case layers = without_rigid_bodies(c);
     const bool rigid = layers != c;
     const VariationEstimate v = estimate_variation(layers, mesh, step_s, ranks);
-    const SpongePlan sponge =
-        sponge_plan(c, rigid || v.points > 0.0 ? Lateral::varies : Lateral::uniform, step_s);
+    const SpongePlan sponge = sponge_plan(
+        c, !section_bodies(c).empty() || v.points > 0.0 ? Lateral::varies : Lateral::uniform,
+        step_s);
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
-    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks);
+    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     const double frames = static_cast<double>(c.time.frames);
     const double steps = frames * static_cast<double>(steps_per_frame);
