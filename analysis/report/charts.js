@@ -48,6 +48,14 @@ function nearest(plot, lines) {
   return best;
 }
 
+// About six multiples of 1, 2 or 5 times a power of ten.
+function evenSteps(low, high) {
+  const wanted = (high - low) / 6 || 1, power = 10 ** Math.floor(Math.log10(wanted));
+  const step = [1, 2, 5, 10].map(factor => factor * power).find(size => size >= wanted);
+  const first = Math.ceil(low / step - 1e-9);
+  return Array.from({length: Math.max(0, Math.floor(high / step + 1e-9) - first + 1)}, (_, i) => Number(((first + i) * step).toPrecision(12)));
+}
+
 function axes(panel) {
   const look = {stroke: "#222", grid: {stroke: "#e6e6e6", width: 1}, ticks: {stroke: "#888", width: 1}, font: "12px sans-serif",
     labelFont: "12px sans-serif"};
@@ -57,10 +65,11 @@ function axes(panel) {
     x.values = (plot, splits) => splits.map(i => panel.x_names[i] ?? "");
   } else {
     const marked = [...new Set(panel.lines.filter(line => line.points).flatMap(line => line.x))].sort((a, b) => a - b);
-    if (marked.length && marked.length <= 12)  // ticks at the swept values
+    if (marked.length && marked.length <= 12)  // ticks at the swept values if all of them fit, else at even steps
       x.splits = (plot, axis, low, high) => {
         const shown = marked.filter(v => v >= low && v <= high);
-        return shown.filter((v, i) => i === 0 || plot.valToPos(v, "x") - plot.valToPos(shown[i - 1], "x") > 34);
+        const fit = shown.every((v, i) => i === 0 || plot.valToPos(v, "x") - plot.valToPos(shown[i - 1], "x") > 34);
+        return fit || panel.x_log ? shown.filter((v, i) => fit || i % 2 === 0) : evenSteps(low, high);
       };
     x.values = (plot, splits) => splits.map(v => v === null ? "" : numberText(v));
   }

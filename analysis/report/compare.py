@@ -9,13 +9,15 @@ A and B are case files or reduced output folders; B is the reference. Exit 0: co
 import argparse
 import json
 import math
+import os
 import sys
 from pathlib import Path
 
+import compare_fields
 import compare_words
 import numpy as np
-from compare_fields import compare_surfaces, compare_traces
-from load import Case, NoPlan, load, plain, read_case, text
+from compare_fields import compare_sensors, compare_surfaces, compare_traces
+from load import Case, NoPlan, first_line, load, plain, read_case, text
 from checksum import open_case
 
 USAGE, ENVIRONMENT = 2, 6
@@ -24,6 +26,10 @@ SCHEMA = 1
 
 class Incomparable(Exception):
     """The two have nothing in common."""
+
+
+class NotACase(Exception):
+    """A file is not a case file; the text states which and why."""
 
 
 class Side:
@@ -44,13 +50,22 @@ class Side:
 
 
 def one_case(path):
-    """The case of a file, with its scalars as columns."""
-    with open_case(path) as file:
-        case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
-                    text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
-        case.scalars = {name: float(plain(item[()])) for name, item in file.items()
-                        if getattr(item, "shape", None) == ()}
-    read_case(case)
+    """The case of a file, with its scalars as columns. Raises NotACase."""
+    try:
+        with open_case(path) as file:
+            case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
+                        text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
+            case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
+            case.scalars = {name: float(plain(item[()])) for name, item in file.items()
+                            if getattr(item, "shape", None) == ()}
+        read_case(case)
+    except FileNotFoundError as error:
+        raise NotACase(f"{path} does not exist") from error
+    except (KeyError, ValueError, TypeError) as error:
+        raise NotACase(f"{path} is not a case file of shearwake, or is incomplete ({first_line(error)}); arguments are "
+                       "files in the folder `cases` of an output folder, or output folders") from error
+    except (OSError, RuntimeError) as error:
+        raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
     return case
 
 
@@ -115,10 +130,11 @@ def compare_columns(a, b, counting):
 
 def compare_pair(a, b, counting):
     columns, excluded = compare_columns(a, b, counting)
-    return {"first": a.id, "second": b.id, "settings": a.settings, "is_reference": a.is_reference,
+    return {"first": a.id, "second": b.id, "settings": [a.settings, b.settings],
+            "is_reference": [a.is_reference, b.is_reference], "warnings": [a.warnings, b.warnings],
             "engines": [c.setting("solver", "engine", default="") for c in (a, b)],
             "grids": [grid_of(a), grid_of(b)], "fields": compare_surfaces(a, b),
-            "traces": compare_traces(a, b), "columns": columns, "columns_not_compared": excluded}
+            "traces": compare_traces(a, b), "sensors": compare_sensors(a, b), "columns": columns, "columns_not_compared": excluded}
 
 
 def without_nan(value):
@@ -139,7 +155,7 @@ def compare(first, second):
         raise Incomparable(f"{first.path} and {second.path} have no complete case in common: neither ids nor "
                            "the values of the swept keys that both have")
     counting = first.counting | second.counting
-    result = {"schema": SCHEMA, "first": str(first.path), "second": str(second.path),
+    result = {"schema": SCHEMA, "command": "compare", "first": str(first.path), "second": str(second.path),
               "pairs": [compare_pair(a, b, counting) for a, b in pairs],
               "only_in_first": [c.id for c in only_first], "only_in_second": [c.id for c in only_second]}
     return result, pairs
@@ -160,15 +176,18 @@ def main(arguments):
     except Incomparable as error:
         print(f"error: {error}", file=sys.stderr)
         return USAGE
-    except (NoPlan, OSError, KeyError, ValueError) as error:
+    except (NoPlan, NotACase, compare_fields.NothingToDraw, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
         return ENVIRONMENT
-    if given.json:
-        print(json.dumps(without_nan(result), indent=1))
-    else:
-        print(compare_words.words(result))
-        if given.picture:
-            print(f"picture: {given.picture}")
+    text = json.dumps(without_nan(result), indent=1) if given.json else compare_words.words(result)
+    if given.picture and not given.json:
+        text += f"\npicture: {given.picture}"
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        print(f"error: the output cannot be written: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
+        return ENVIRONMENT
     return 0
 
 

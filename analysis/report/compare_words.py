@@ -2,9 +2,10 @@
 """The result of a comparison as text."""
 import math
 
-from words import counted, value_text
+from words import counted, key_name, setting_text
 
 COLUMNS = 12  # per pair of cases; of several pairs, the columns with their largest change
+EQUAL = 1e-12  # relative changes up to here are rounding errors
 
 
 def percent(value):
@@ -20,36 +21,87 @@ def grid(pair):
     return parts[0] if parts[0] == parts[1] else " and ".join(parts)
 
 
-def name(pair):
-    settings = ", ".join(value_text(k, v) for k, v in pair["settings"].items())
-    ids = pair["first"] if pair["first"] == pair["second"] else f"{pair['first']} and {pair['second']}"
-    return f"{ids}{' (reference)' if pair['is_reference'] else ''}{': ' if settings else ''}{settings}"
+def settings(pair, side):
+    """The swept keys of one case; keys with the same name and value, which are swept together, once."""
+    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in pair["settings"][side].items()))
+
+
+def label(pair, side):
+    """The id of one case of a pair with its swept keys."""
+    words = ["reference"] if pair["is_reference"][side] else []
+    words += settings(pair, side)
+    return pair[("first", "second")[side]] + (f" ({', '.join(words)})" if words else "")
+
+
+def name_lines(pair):
+    if pair["first"] == pair["second"]:
+        return [f"case {label(pair, 0)}"]
+    return [f"first:  {label(pair, 0)}", f"second: {label(pair, 1)}"]
+
+
+def warnings_of(pairs, side):
+    """The wording of each kind of warning of one side, with the first of its cases and their number."""
+    found = {}
+    for pair in pairs:
+        for warning in pair["warnings"][side]:
+            start = "not valid" if warning["severity"] == "error" else "warning"
+            found.setdefault((start, warning["key"]), []).append((warning["message"], label(pair, side)))
+    lines = []
+    for (start, _), entries in found.items():
+        more = f", and {counted(len(entries) - 1, 'more case')}" if len(entries) > 1 else ""
+        lines.append((start, entries[0][0] + (f" ({entries[0][1]}{more})" if len(pairs) > 1 else "")))
+    return lines
+
+
+def warning_lines(pairs):
+    """The stored warnings of both sides."""
+    first, second = warnings_of(pairs, 0), warnings_of(pairs, 1)
+    both = [entry for entry in first if entry in second]
+    return [f"{start}, {title}: {message}" for title, entries in (("both", both), ("first", first), ("second", second))
+            for start, message in entries if title == "both" or (start, message) not in both]
+
+
+def difference(entry, largest, where):
+    """The relative L2 norm and the largest difference with its place, unless both are equal."""
+    if entry["relative_l2"] == 0.0:
+        return "equal"
+    return f"relative L2 {percent(entry['relative_l2'])}, largest difference {largest} {where}"
 
 
 def field_lines(pair):
-    lines = [f"  surface at {f['time_ms']:.6g} ms: relative L2 {percent(f['relative_l2'])}, largest difference "
-             f"{f['largest_um']:.3g} um ({percent(f['largest_relative'])} of the peak) at {place(f['at_mm'])}"
-             for f in pair["fields"]] or ["  surface: no common time"]
-    return lines + [f"  trace at {place(t['at_mm'])}: relative L2 {percent(t['relative_l2'])}, largest difference "
-                    f"{t['largest_um']:.3g} um at {t['time_ms']:.6g} ms" for t in pair["traces"]]
+    lines = [f"  surface at {f['time_ms']:.6g} ms: "
+             + difference(f, f"{f['largest_um']:.3g} um ({percent(f['largest_relative'])} of the peak)",
+                          f"at {place(f['at_mm'])}") for f in pair["fields"]] or ["  surface: no common time"]
+    lines += [f"  trace at {place(t['at_mm'])}: "
+              + difference(t, f"{t['largest_um']:.3g} um", f"at {t['time_ms']:.6g} ms") for t in pair["traces"]]
+    return lines + [f"  sensor, {s['field']} at {counted(s['nodes'], 'node')}: "
+                    + difference(s, f"{s['largest']:.3g} {s['unit']}", f"at node {s['at_node']} and {s['time_ms']:.6g} ms")
+                    for s in pair["sensors"]]
+
+
+def cell(value):
+    return f"{value:.6g}" if math.isfinite(value) else "none"
 
 
 def column_lines(rows):
-    rows = [r for r in rows if r["change"] != 0]
-    lines = [f"  {r['column']:<28} {r['first']:>12.6g} {r['second']:>12.6g}  "
-             f"{'' if not math.isfinite(r['change']) else format(100 * r['change'], '+.3g') + ' %'}".rstrip()
-             for r in rows[:COLUMNS]]
+    """A table of the columns that differ by more than rounding errors."""
+    rows = [r for r in rows if not abs(r["change"]) <= EQUAL]
+    if not rows:
+        return ["  all columns are equal"]
+    lines = [f"  {'column':<28} {'first':>12} {'second':>12}  change"]
+    lines += [f"  {r['column']:<28} {cell(r['first']):>12} {cell(r['second']):>12}  "
+              f"{'' if not math.isfinite(r['change']) else format(100 * r['change'], '+.3g') + ' %'}".rstrip()
+              for r in rows[:COLUMNS]]
     if len(rows) > COLUMNS:
         lines.append(f"  and {counted(len(rows) - COLUMNS, 'column')} with smaller changes (--json lists all)")
-    return lines or ["  all columns are equal"]
+    return lines
 
 
 def pair_lines(pair):
-    lines = [name(pair), f"  grid: {grid(pair)}"]
+    lines = [*name_lines(pair), f"  grid: {grid(pair)}"]
     if pair["engines"][0] != pair["engines"][1]:
         lines.append(f"  engines: {' and '.join(pair['engines'])}")
-    lines += field_lines(pair)
-    lines += [f"  {'column':<28} {'first':>12} {'second':>12}  change", *column_lines(pair["columns"])]
+    lines += [*field_lines(pair), *column_lines(pair["columns"])]
     if pair["columns_not_compared"]:
         lines.append("  not compared, because they count samples of different grids: "
                      + ", ".join(pair["columns_not_compared"]))
@@ -76,7 +128,7 @@ def largest_changes(pairs):
 
 def words(result):
     pairs = result["pairs"]
-    lines = [f"{result['first']} compared with {result['second']}"]
+    lines = [f"{result['first']} compared with {result['second']}", *warning_lines(pairs)]
     if len(pairs) == 1:
         lines += pair_lines(pairs[0])
     else:

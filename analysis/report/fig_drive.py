@@ -3,7 +3,9 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_medium
 import layout
+import periods
 import references
 import style
 import wake
@@ -84,9 +86,12 @@ def figures(sweep, folder):
         columns.append(("place", draw_place))
     if any(lead_mm(sweep, c) is not None for c in cases):
         columns.append((f"ahead of\n{name} (mm)", lambda axes, c: draw_lead(axes, sweep, c)))
-    steady = not any(map(changes, cases))
-    if not steady or not columns:
+    is_driven = not any(map(fig_medium.is_study, cases))  # the force of a study is that of its sources
+    steady = is_driven and not any(map(changes, cases))
+    if is_driven and (not steady or not columns):
         columns.append(("force (mN)", draw_force))
+    if not columns:
+        return []
     figure, made = plt.subplots(len(cases), len(columns), squeeze=False, sharex=True, sharey="col",
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.25 * len(cases)))
@@ -103,8 +108,14 @@ def figures(sweep, folder):
     if columns[0][1] is draw_place:
         name_places(made, len(cases) // 2)
     style.save(figure, folder / "drive.png")
-    return [Figure("drive", "How the skin is driven", caption(cases, columns, steady, name),
-                   "Position and force over time")]
+    title = "How the skin is driven"
+    drawn = [Figure("drive", title, caption(cases, columns, steady, name), "Position and force over time")]
+    if span := periods.last_span_ms(cases):
+        made[0, 0].set_xlim(span[0], span[1] + 0.04 * (span[1] - span[0]))  # all panels share it; room for the last tick
+        style.save(figure, folder / "drive_last.png")
+        drawn.append(Figure("drive_last", f"{title}: the last periods",
+                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods"))
+    return drawn
 
 
 def name_places(made, middle):
@@ -112,8 +123,7 @@ def name_places(made, middle):
     label = "position" if len(lines) > 1 else next(iter(lines))
     made[middle, 0].set_ylabel(f"{label} (mm)")
     if len(lines) > 1:
-        made[0, 0].legend(handles=list(lines.values()), loc="lower right", ncol=2,
-                          bbox_to_anchor=(1.02, 0.94), borderaxespad=0.0)
+        style.legend_strip(made[0, 0].figure, list(lines.values()))
 
 
 def caption(cases, columns, steady, name):

@@ -7,6 +7,7 @@ from itertools import product
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import style
 import wake
@@ -154,6 +155,9 @@ def heat_figure(sweep, folder, measure, plan):
     for axes, values, (grid, failed) in zip(made.flat, shown, every):
         draw(axes, grid, failed, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
         settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, values))
+        hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
+            layout.setting_text(sweep, x, v) for v in layout.values_of(sweep, x)], y_names=[
+                layout.setting_text(sweep, y, v) for v in layout.values_of(sweep, y)])
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
@@ -171,7 +175,7 @@ def heat_figure(sweep, folder, measure, plan):
     style.save(figure, folder / (name + ".png"))
     head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
     text = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
-    return Figure(name, head, text, head + ", as colours")
+    return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
 
 
 def caption(every, others, shown, of):

@@ -3,6 +3,7 @@
 import numpy as np
 
 import fig_surface
+import hover
 import load
 import style
 import wake
@@ -46,6 +47,7 @@ def figures(sweep, folder):
                             interpolation_stage="data")
         draw_lines(axes, cell[1][3])
         fig_surface.frame(axes, limits)
+        fig_surface.attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits, "rms of u")
         share = number(shot.case.value("sharpness_1"), 3)
         if share:
             fig_surface.note(axes, f"sharpness {share}", "white")
@@ -59,4 +61,4 @@ def figures(sweep, folder):
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
-                   "Time-averaged intensity of the surface seen from above")]
+                   "Time-averaged intensity of the surface seen from above", maps=hover.maps_of(figure))]

@@ -1,21 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Vertical slices of the medium: its layers and bodies, with the path of the focus at the surface."""
+"""Vertical slices of the medium: its layers, bodies, map or study, with the path of the focus or the sources."""
 import json
 import math
+from dataclasses import dataclass
 
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
+import medium_files
 import style
 import wake
 from figure import Figure
 from words import number
 
 CASES = 4
+ORANGE = "#D55E00"
 POINTS = 240         # of a slice along its longer side
 HALF_SPACE_mm = 20.0  # depth drawn of a half-space without deeper bodies
-UNLIKE = 20.0        # largest ratio of shear-wave speeds on a linear colour scale
+CLOSE = 0.08         # least distance between ticks of the colour bar, relative to its length
+UNLIKE = 4.0         # largest ratio of shear-wave speeds on a linear colour scale
 
 
 def is_inside(body, x, y, z):
@@ -61,70 +66,155 @@ def depth_mm(medium):
     return max(HALF_SPACE_mm, 1.3 * total, 1.5 * deepest)
 
 
-def planes(case):
-    """The slices: (title, label of the horizontal axis, extent in mm, c_s(z, horizontal), path in mm). They cross the
-    first body, or the centre of the domain."""
-    medium, domain = case.physics["medium"], case.physics["domain"]
-    bodies = medium.get("body", [])
-    x0, y0 = bodies[0]["centre_m"][:2] if bodies else (0.0, 0.0)
-    wide, deep = (1e3 * domain["spacing_m"] * domain[n] for n in ("nx", "ny"))
-    below = depth_mm(medium)
-    z = np.linspace(0.0, below, POINTS)[:, None]
-    path = wake.focus_at(case, case.series["time"][-1])[2]
+@dataclass
+class Slice:
+    name: str            # 'y = 0 mm'
+    label: str           # of the horizontal axis
+    extent: tuple        # in mm: left, right, bottom, top
+    c_s: np.ndarray      # (z, horizontal)
+    marks: np.ndarray    # (n, 2), the path of the focus or the sources in mm: horizontal, depth
+    sensors: np.ndarray  # likewise
+
+
+def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0, 3))):
+    """The planes y = centre and x = centre. x_mm and y_mm are the ends of the axes."""
+    z = np.linspace(0.0, below_mm, POINTS)[:, None]
     made = []
-    for axis, width, at in ((0, wide, y0), (1, deep, x0)):
-        places = np.linspace(-width / 2, width / 2, POINTS)[None, :]
-        x, y = (places * 1e-3, np.array(at)) if axis == 0 else (np.array(at), places * 1e-3)
-        made.append((f"{'yx'[axis]} = {number(1e3 * at)} mm", f"{'xy'[axis]} (mm)",
-                     (-width / 2, width / 2, below, 0.0), speed(medium, x, y, z * 1e-3), path[:, axis]))
+    for axis, (low, high) in enumerate((x_mm, y_mm)):
+        at = centre_mm[1 - axis]
+        row, number_m = 1e-3 * np.linspace(low, high, POINTS)[None, :], np.array(1e-3 * at)
+        x, y = (row, number_m) if axis == 0 else (number_m, row)
+        made.append(Slice(f"{'yx'[axis]} = {number(at)} mm", f"{'xy'[axis]} (mm)", (low, high, below_mm, 0.0),
+                          speed_at(x, y, 1e-3 * z), marks[:, [axis, 2]], sensors[:, [axis, 2]]))
     return made
 
 
-def has_slices(case):
-    medium = case.setting("medium", default={})
-    return bool(medium.get("layer")) and "map" not in medium and "nx" in case.setting("domain", default={})
+def scene(sweep, case):
+    """The slices of a case with layers, bodies or a map, through the first body or the centre; None without the file of
+    the map."""
+    medium, domain = case.physics["medium"], case.physics["domain"]
+    grid = None
+    if "map" in medium:
+        path = medium_files.file_of(sweep, case, "medium.map")
+        grid = path and medium_files.read_map(path)
+        if grid is None:
+            return None
+
+    def speed_at(x, y, z):
+        c_s = speed(medium, x, y, z)
+        if grid is not None:
+            mapped = grid.speed(x, y, z)
+            c_s = np.where(np.isfinite(mapped), mapped, c_s)
+        return c_s
+
+    bodies = medium.get("body", [])
+    centre = 1e3 * np.array(bodies[0]["centre_m"][:2] if bodies else (0.0, 0.0))
+    ends = [(-500.0 * domain["spacing_m"] * domain[n], 500.0 * domain["spacing_m"] * domain[n]) for n in ("nx", "ny")]
+    path = wake.focus_at(case, case.series["time"][-1])[2]
+    return slices(*ends, depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))
+
+
+def study(sweep, case):
+    """The slices of a k-Wave study through the middle of its sources; None without its file."""
+    path = medium_files.file_of(sweep, case, "solver.pstd.study")
+    found = path and medium_files.read_study(path, case)
+    if not found:
+        return None
+    grid = found.grid
+    sources = found.sources_mm if len(found.sources_mm) else np.zeros((1, 3))
+    ends = [(1e3 * axis[0], 1e3 * axis[-1]) for axis in (grid.x_m, grid.y_m)]
+    return slices(*ends, 1e3 * grid.z_m[-1], np.median(sources[:, :2], axis=0), grid.speed, found.sources_mm,
+                  found.sensors_mm)
+
+
+def is_study(case):
+    """Whether the grid, the medium and the sources are those of an imported k-Wave study; [medium] and [load] of such a
+    job do not affect the solution."""
+    return bool(case.setting("solver", "study", default=""))
+
+
+def slices_of(sweep, case):
+    if is_study(case):
+        return study(sweep, case)
+    has_layers = case.setting("medium", "layer", default=[]) and "nx" in case.setting("domain", default={})
+    return scene(sweep, case) if has_layers else None
 
 
 def draw(axes, plane, norm, title):
-    name, label, extent, c_s, path = plane
-    image = axes.imshow(c_s, extent=extent, aspect="auto", cmap=style.sequential_map(), norm=norm,
+    image = axes.imshow(plane.c_s, extent=plane.extent, aspect="auto", cmap=style.sequential_map(), norm=norm,
                         interpolation="nearest")
-    axes.plot([path.min(), path.max()], [0.0, 0.0], color="#D55E00", linewidth=3.0, clip_on=False,
-              marker="o" if np.ptp(path) == 0 else "", solid_capstyle="butt")
-    axes.set_xlabel(label)
-    axes.set_title(title + name, loc="left", fontsize=9)
+    is_point = np.ptp(plane.marks, axis=0).max(initial=0.0) == 0.0
+    if not is_point and np.ptp(plane.marks[:, 1]) == 0.0 and plane.marks[0, 1] == 0.0:  # a path on the surface
+        axes.plot([plane.marks[:, 0].min(), plane.marks[:, 0].max()], [0.0, 0.0], color=ORANGE, linewidth=3.0,
+                  clip_on=False, solid_capstyle="butt")
+    else:
+        axes.plot(*np.unique(plane.marks, axis=0).T, "o", color=ORANGE, markersize=5 if is_point else 2, clip_on=False)
+    axes.plot(*np.unique(plane.sensors, axis=0).T, "x", color="white", markersize=5, path_effects=style.halo(2.5, "black"))
+    axes.set_ylim(plane.extent[2], plane.extent[3])
+    hover.attach(axes, plane.c_s, plane.extent[:2], plane.extent[:1:-1], "shear-wave speed", plane.label, "z (mm)", "m/s")
+    axes.set_title(title + plane.name, loc="left", fontsize=9)
     axes.grid(False)
     return image
 
 
+def mark_speeds(bar, values, norm):
+    """Ticks of the colour bar at the speeds of the media; of close speeds only the first."""
+    marked = [values[0]]
+    for value in values[1:]:
+        if norm(value) - norm(marked[-1]) > CLOSE:
+            marked.append(value)
+    bar.set_ticks(marked, labels=[number(v, 4) for v in marked])
+    bar.ax.minorticks_off()
+
+
+def different(sweep):
+    """The first case of each medium."""
+    found = {}
+    for case in layout.ordinary(sweep):
+        key = json.dumps([case.setting("medium", default={}), case.setting("solver", "study", default="")], default=str)
+        found.setdefault(key, case)
+    return list(found.values())
+
+
 def figures(sweep, folder):
-    every = {json.dumps([c.physics["medium"], c.physics["domain"]["nx"]]): c
-             for c in reversed(layout.ordinary(sweep)) if has_slices(c)}
-    cases = layout.evenly(list(reversed(every.values())), CASES)
-    if not cases:
+    every = different(sweep)
+    pairs = [(c, found) for c in layout.evenly(every, CASES) if (found := slices_of(sweep, c))]
+    if not pairs:
         return []
-    rows = [planes(c) for c in cases]
-    values = np.unique(np.concatenate([np.unique(p[3][np.isfinite(p[3])]) for row in rows for p in row]))
-    logarithmic = values[-1] > UNLIKE * values[0] > 0
-    norm = (plt.matplotlib.colors.LogNorm if logarithmic else plt.Normalize)(
-        values[0], values[-1] if len(values) > 1 else 1.2 * values[0])
-    figure, made = plt.subplots(len(rows), 2, squeeze=False, layout="constrained", sharex="col",
-                                figsize=(style.WIDTH_in, 0.9 + 1.75 * len(rows)))
-    for axes, row, case in zip(made, rows, cases):
-        label = layout.case_label(sweep, case) + "\n" if len(every) > 1 else ""
-        image = draw(axes[0], row[0], norm, layout.wrapped(label, 3.4) + "\n" if label else "")
+    values = np.unique(np.concatenate([np.unique(p.c_s[np.isfinite(p.c_s)]) for _, row in pairs for p in row]))
+    low, high = values[0], values[-1] if values[-1] > values[0] else 1.2 * values[0] + 1e-3
+    norm = plt.matplotlib.colors.LogNorm(low, high) if high > UNLIKE * low > 0 else plt.Normalize(low, high)
+    figure, made = plt.subplots(len(pairs), 2, squeeze=False, layout="constrained", sharex="col",
+                                figsize=(style.WIDTH_in, 1.1 + 1.75 * len(pairs)))
+    for axes, (case, row) in zip(made, pairs):
+        label = layout.wrapped(layout.medium_label(sweep, case), 3.4) + "\n" if len(every) > 1 else ""
+        image = draw(axes[0], row[0], norm, label)
         draw(axes[1], row[1], norm, "")
         axes[0].set_ylabel("depth z (mm)")
+    for axes, plane in zip(made[-1], pairs[-1][1]):
+        axes.set_xlabel(plane.label)
     bar = figure.colorbar(image, ax=made.ravel().tolist(), label="shear-wave speed (m/s)", shrink=0.9)
     bar.ax.grid(False)
     if len(values) <= 6:
-        bar.set_ticks(values, labels=[number(v, 4) for v in values])
-        bar.ax.minorticks_off()
+        mark_speeds(bar, values, norm)
     style.save(figure, folder / "medium.png")
+    return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
+                   "Shear-wave speed over position and depth", maps=hover.maps_of(figure))]
+
+
+def caption(cases, every):
+    studies = any(map(is_study, cases))
     text = ("Vertical slices of the medium through "
-            + ("the first body" if any(c.physics["medium"].get("body") for c in cases) else "the centre")
-            + ", coloured by the shear-wave speed. Orange: path of the focus at the surface. The axes have "
-            "different scales. Bodies are drawn as the job defines them; an engine may cap their stiffness.")
-    if len(cases) < len(every):
-        text += f" {len(cases)} of {len(every)} media are drawn."
-    return [Figure("medium", "The medium in vertical slices", text, "Shear-wave speed over position and depth")]
+            + ("the middle of the sources" if studies else
+               "the first body" if any(c.physics["medium"].get("body") for c in cases) else "the centre")
+            + ", coloured by the shear-wave speed. ")
+    text += ("Orange: all source nodes; crosses: sensor nodes; both are projected onto the slices."
+             if studies else "Orange: path of the focus at the surface.")
+    text += " The axes have different scales."
+    if any(c.physics["medium"].get("body") for c in cases):
+        text += " Bodies are drawn as the job defines them; an engine may cap their stiffness."
+    if any("map" in c.physics["medium"] for c in cases):
+        text += " The map is read from its file, which has not changed since the run."
+    if len(cases) < every:
+        text += f" {len(cases)} of {every} media are drawn."
+    return text

@@ -56,7 +56,7 @@ def profile(shot, along):
 
 
 def draw(shots, colours, labels, titles, path):
-    figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.WIDTH_in, 4.9 + 0.07 * len(shots)))
+    figure, made = plt.subplots(2, 1, layout="constrained", figsize=(style.WIDTH_in, 4.8))
     charts = []
     for axes, along, title in zip(made, (True, False), titles):
         lines = []
@@ -78,7 +78,7 @@ def draw(shots, colours, labels, titles, path):
 
 
 def figures(sweep, folder):
-    some = layout.fewer_lines(sweep)
+    some = layout.lines_of_one_panel(sweep)
     cases = [*layout.ordinary(some), *layout.motions(layout.all_references(some))]
     shots = [shot for case in cases if (shot := last_shot(case))]
     if not shots:

@@ -5,6 +5,7 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import references
 import style
@@ -51,6 +52,12 @@ def compute(case):
     return [(at, *spectrogram(u, interval_s, window)) for at, u in points(case)]
 
 
+def extent(x, y):
+    """The edges of a picture of equidistant values."""
+    half_x, half_y = 0.5 * (x[1] - x[0]), 0.5 * (y[1] - y[0])
+    return x[0] - half_x, x[-1] + half_x, y[0] - half_y, y[-1] + half_y
+
+
 def figures(sweep, folder):
     cases = chosen(sweep)
     if not cases:
@@ -71,9 +78,10 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
         level = 20 * np.log10(np.maximum(amplitude / peaks[case.id], 1e-9))
-        image = axes.pcolormesh(1e3 * times, frequency, level, vmin=LOWEST_dB, vmax=0.0,
-                                cmap=style.sequential_map(), shading="gouraud", rasterized=True)
+        image = axes.imshow(level, extent=extent(1e3 * times, frequency), origin="lower", aspect="auto", vmin=LOWEST_dB,
+                            vmax=0.0, cmap=style.sequential_map(), interpolation="bilinear")
         axes.set_ylim(0.0, min(SHOWN_Hz, frequency[-1]))
+        hover.attach(axes, level, *np.reshape(extent(1e3 * times, frequency), (2, 2)), "amplitude", "t (ms)", "f (Hz)", "dB")
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
             f" at ({number(1e3 * at[0])}, {number(1e3 * at[1])}) mm")
@@ -100,4 +108,5 @@ def figures(sweep, folder):
         x, y = where.pop()
         text += f" At ({number(1e3 * x)}, {number(1e3 * y)}) mm."
     return [Figure("spectrograms", "Spectrograms at the trace points", text,
-                   "Amplitude of the displacement over time and frequency, one panel per case")]
+                   "Amplitude of the displacement over time and frequency, one panel per case",
+                   maps=hover.maps_of(figure))]

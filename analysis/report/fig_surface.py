@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import load
 import references
@@ -114,11 +115,20 @@ def draw(axes, shot, norm, limits):
                         extent=extent(shot), interpolation="bicubic", interpolation_stage="data")
     lines = wake.draw_theory(axes, shot.case, shot.t_s)
     frame(axes, limits)
+    attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits)
     fitted = shot.case.value("mach_angle_deg")
     if not math.isnan(fitted):
         text = note(axes, f"fitted: {number(fitted, 3)}°", style.INK)
         text.set_bbox({"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 1.0})
     return image, lines
+
+
+def attach_values(axes, x, y, u, limits, what="u", unit="µm"):
+    """Adds the values u(x, y) within the limits to a map of the surface."""
+    i, j = (np.flatnonzero((at >= low) & (at <= high)) for at, low, high in ((x, *limits[:2]), (y, *limits[2:])))
+    half_x, half_y = np.diff(x[:2])[0] / 2, np.diff(y[:2])[0] / 2
+    hover.attach(axes, u[np.ix_(i, j)].T, (x[i[0]] - half_x, x[i[-1]] + half_x), (y[j[0]] - half_y, y[j[-1]] + half_y), what,
+                 "x (mm)", "y (mm)", unit)
 
 
 def note(axes, text, colour):
@@ -208,7 +218,7 @@ def figures(sweep, folder):
     every = len(layout.ordinary(sweep))
     some = sum(not s.case.is_reference for s in shots)
     text += f" {some} of {every} cases are drawn." if some < every else ""
-    return [Figure("surface", title, text, title + ", seen from above")]
+    return [Figure("surface", title, text, title + ", seen from above", maps=hover.maps_of(figure))]
 
 
 def caption(shots, any_lines, clipped):

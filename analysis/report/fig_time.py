@@ -83,10 +83,14 @@ def colours_by_x(sweep, cases):
 
 
 def colours_in_one_panel(sweep, cases):
-    """The colours of cases that share a panel: those of x, or different ones if there are several curves. References
-    of a single curve are black."""
+    """The colours of cases that share a panel: those of x, or different ones if there are several curves. A reference
+    has the colour of its first case if there are several, otherwise it is black."""
     if len(layout.groups(sweep)) > 1:
-        return dict(zip((c.id for c in cases), style.distinct(len(cases))))
+        ordinary = [c for c in cases if not c.is_reference]
+        colours = dict(zip((c.id for c in ordinary), style.distinct(len(ordinary))))
+        several = sum(c.is_reference for c in cases) > 1
+        own = {c.reference_id: colours[c.id] for c in reversed(ordinary)} if several else {}
+        return {c.id: colours.get(c.id, own.get(c.id, "black")) for c in cases}
     return {**dict.fromkeys((c.id for c in cases), "black"), **colours_by_x(sweep, cases)}
 
 
@@ -149,8 +153,19 @@ def small_panels(sweep, measure, cases, colours):
         last.set_xlabel("time (ms)")
     figure.supylabel(measure["label"], fontsize=9.5, x=0.012)
     add_key(figure, sweep, cases)
-    figure.tight_layout(rect=(0.012, 0.0, 1.0, 1.0 - 0.26 / figure.get_figheight()), h_pad=0.5)
+    arrange(figure, [axes.get_title(loc="left") for axes in made.flat], rows, columns)
     return figure
+
+
+def arrange(figure, titles, rows, columns):
+    """Places the panels below the legend, with room for the longest title; lengths are in inches."""
+    lines = max(title.count("\n") + 1 for title in titles)
+    above = 0.1 + 0.16 * lines  # a panel: its title
+    total = figure.get_figheight()
+    height = (total - 0.32 - 0.55 - rows * above) / rows
+    width = (style.WIDTH_in - 0.98 - 0.34 * (columns - 1)) / columns
+    figure.subplots_adjust(left=0.72 / style.WIDTH_in, right=1.0 - 0.26 / style.WIDTH_in, bottom=0.55 / total,
+                           top=1.0 - (0.32 + above) / total, hspace=above / height, wspace=0.34 / width)
 
 
 def add_key(figure, sweep, cases):

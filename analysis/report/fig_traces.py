@@ -79,7 +79,7 @@ def charts_of(cases, places, colours):
 
 
 def figures(sweep, folder):
-    some = layout.fewer_lines(sweep)
+    some = layout.lines_of_one_panel(sweep)
     drawn = [c for c in [*layout.ordinary(some), *layout.motions(layout.all_references(some))] if c.traces]
     if not drawn:
         return []
@@ -88,7 +88,7 @@ def figures(sweep, folder):
     span = periods.last_span_ms(drawn)
     cases = [(c, layout.case_label(some, c)) for c in drawn]
     figure, made = plt.subplots(len(places), 3 if span else 2, squeeze=False, sharex="col", layout="constrained",
-                                figsize=(style.WIDTH_in, 1.1 + 0.12 * len(drawn) + 1.5 * len(places)))
+                                figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
     draw(figure, made, cases, places, colours, span)
     style.save(figure, folder / "traces.png")
     text = ("Left: displacement u of the surface over time. Right: its one-sided amplitude spectrum over the complete "

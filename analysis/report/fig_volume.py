@@ -5,6 +5,7 @@ import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
+import hover
 import layout
 import style
 import wake
@@ -27,11 +28,19 @@ def last_volume(case):
         return None
 
 
-def draw(axes, horizontal, vertical, values, end):
+def draw(axes, horizontal, vertical, values, end, labels):
     image = axes.pcolormesh(horizontal, vertical, values, cmap=style.DIVERGING, vmin=-end, vmax=end,
                             shading="nearest", rasterized=True)
     axes.grid(False)
+    hover.attach(axes, on_even_rows(values, vertical), (horizontal[0], horizontal[-1]), (vertical[0], vertical[-1]), "u",
+                 *labels, "µm")
     return image
+
+
+def on_even_rows(values, vertical):
+    """The rows nearest to even steps; the planes of a volume may be closer near the surface."""
+    even = np.linspace(vertical[0], vertical[-1], 72)
+    return values[np.abs(vertical[:, None] - even[None, :]).argmin(axis=0)]
 
 
 def row_of(axes, case, volume, end):
@@ -39,10 +48,10 @@ def row_of(axes, case, volume, end):
     t_s, _, x, y, z, u = volume
     focus = wake.focus_at(case, t_s)[0]
     j, k = int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
-    image = draw(axes[0], x, z, u[:, j, :], end)
+    image = draw(axes[0], x, z, u[:, j, :], end, ("x (mm)", "z (mm)"))
     axes[0].set_ylim(z[-1], z[0])
     axes[0].set_ylabel("depth z (mm)")
-    draw(axes[1], x, y, u[k], end)
+    draw(axes[1], x, y, u[k], end, ("x (mm)", "y (mm)"))
     axes[1].set_ylabel("y (mm)")
     axes[1].set_title(f"z = {number(z[k], 3)} mm", loc="left", fontsize=9)
     return image, f"y = {number(y[j], 3)} mm"
@@ -72,4 +81,5 @@ def figures(sweep, folder):
             "larger values are clipped.")
     if len(found) < len(candidates):
         text += f" {len(found)} of {len(candidates)} cases with volumes are drawn."
-    return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth")]
+    return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
+                   maps=hover.maps_of(figure))]

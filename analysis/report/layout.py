@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import words
-from words import value_text
 
 
 @dataclass
@@ -78,10 +77,14 @@ def is_logarithmic(values):
 
 
 def setting_text(sweep, key, value):
-    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM'."""
-    title, _, place = name(sweep, key).partition(", ")
-    amount = value_text(key, value).removeprefix("cs ").removeprefix("cp ")
-    return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
+    """Key, value and unit: 'AM frequency 400 Hz'."""
+    return words.setting_text(name(sweep, key), key, value)
+
+
+def medium_label(sweep, case):
+    """The swept keys of the medium with their values; the label of the case if no such key is swept."""
+    keys = [k for k in axes(sweep) if k.startswith("medium.") and k in case.settings]
+    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys) or case_label(sweep, case)
 
 
 def case_label(sweep, case):
@@ -181,10 +184,24 @@ def fewer_lines(sweep, most=8, kept=6):
     values = x_values(sweep)
     if not sweep.x or not is_numeric(sweep) or len(values) <= most:
         return sweep
-    some = set(evenly(values, kept))
+    return with_some(sweep, set(evenly(values, kept)))
+
+
+def with_some(sweep, some):
+    """The sweep with those cases whose x is one of some values, and their references."""
     ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
     ids |= {sweep.by_id(i).reference_id for i in ids}
     return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], label_keys=group_keys(sweep))
+
+
+def lines_of_one_panel(sweep, most=7):
+    """The sweep; if its curves have too many cases for the lines of one panel, reduced to some that are spread
+    evenly."""
+    curves, values = len(groups(sweep)), x_values(sweep) if sweep.x else []
+    each = max(1, most // max(1, curves))
+    if curves < 2 or len(values) <= each:
+        return fewer_lines(sweep)
+    return with_some(sweep, set(evenly(values, each)))
 
 
 def references(sweep, group):

@@ -70,11 +70,11 @@ class Picture:
         self.case = case
         self.end, self.peak, limits = player.common_view([case])
         x0, x1, y0, y1 = limits
-        height = 1.35 + (INCHES - 1.0) * (y1 - y0) / (x1 - x0)
+        height = 1.45 + (INCHES - 1.0) * (y1 - y0) / (x1 - x0)
         self.figure = plt.figure(figsize=(INCHES, height), dpi=2 * round(width_px / INCHES / 2))
-        self.axes = self.figure.add_axes([0.75 / INCHES, 0.95 / height, (INCHES - 1.0) / INCHES,
-                                          (height - 1.35) / height])
-        self.bar = self.figure.add_axes([0.22, 0.42 / height, 0.56, 0.1 / height])
+        self.axes = self.figure.add_axes([0.75 / INCHES, 1.05 / height, (INCHES - 1.0) / INCHES,
+                                          (height - 1.45) / height])
+        self.bar = self.figure.add_axes([0.22, 0.52 / height, 0.56, 0.1 / height])
         self.limits, self.slow_down = limits, slow_down
 
     def draw(self, index):

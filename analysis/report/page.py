@@ -42,10 +42,10 @@ def warnings(sentences):
     return "".join(f'<p class="warning">{escape(w)}</p>' for w in sentences)
 
 
-def small_picture(path):
+def small_picture(path, reduction=1):
     """The picture with few colours as base64 text of a lossless WebP, a fifth of the size of the file."""
     file = io.BytesIO()
-    few = Image.open(path).convert("RGB").quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few = Image.open(path).convert("RGB").reduce(reduction).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     few.convert("RGB").save(file, format="WEBP", lossless=True, method=2)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
@@ -57,11 +57,16 @@ def json_script(data):
 
 
 def picture(figure, folder, level):
-    """A figure with its heading: interactive if it has charts, else as picture."""
+    """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
+    are pictures of half the resolution."""
     name = escape(figure.name)
+    stored = small_picture(folder / (figure.name + ".png"), 2 if figure.charts else 1)
     still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
-             f'src="data:image/webp;base64,{small_picture(folder / (figure.name + ".png"))}"></div>')
+             f'src="data:image/webp;base64,{stored}"></div>')
     shown = still
+    if figure.maps:
+        shown = (f'<div class="maps" id="maps-{name}">{still}{json_script(figure.maps)}<output>Point at a picture to read '
+                 "its values.</output></div>")
     if figure.charts:
         shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
                  f"<noscript>{still}</noscript>")
@@ -126,7 +131,7 @@ def scripts():
     """uPlot with its licence, and the scripts of the page."""
     uplot = read("uplot/uPlot.iife.min.js").partition("*/")[2]  # without the comment with its address
     licence = read("uplot/LICENSE").replace("*/", "")
-    own = "\n".join(read(name) for name in ("charts.js", "page.js", "player.js"))
+    own = "\n".join(read(name) for name in ("charts.js", "maps.js", "page.js", "player.js"))
     return f"<script>/* uPlot {read('uplot/VERSION').strip()}\n{licence}*/{uplot}</script><script>{own}</script>"
 
 
@@ -141,8 +146,8 @@ def parts(sweep, figures, folder, problems, moving):
         made.append(("missing", "Not in the figures", notice, []))
     if moving:
         notice = warnings(warnings_of.of_figure(sweep, "player"))
-        made.append(("player", "The surface over time", f'<h2 id="player">The surface over time</h2>{notice}{moving}',
-                     []))
+        made.append(("player", "The surface seen from above",
+                     f'<h2 id="player">The surface seen from above</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
     for title, members in topics(figures):
         inner = "".join(picture(f, folder, "h3") for f in members)

@@ -180,6 +180,7 @@ class Player {
     this.view = this.data.view;
     const find = name => root.querySelector(name);
     this.slider = find("input[type=range]");
+    this.timed = [find(".play"), find(".back"), find(".forward"), this.slider, find(".speed").parentElement];
     this.button = find(".play");
     this.clock = find(".clock");
     this.speed = find(".speed");
@@ -201,6 +202,7 @@ class Player {
   retime() {  // the times of the cases shown; keeps the time as far as possible
     const before = this.times ? this.time() : 0;
     this.times = [...new Set(this.panels.flatMap(panel => panel.shown.times))].sort((a, b) => a - b);
+    for (const part of this.timed) part.hidden = this.times.length < 2;  // a single time cannot be played
     this.slider.max = this.times.length - 1;
     this.slider.value = Math.max(0, this.times.filter(t => t <= before + 1e-9).length - 1);
     this.draw();

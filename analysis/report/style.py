@@ -10,6 +10,8 @@ import numpy as np  # noqa: E402
 from matplotlib import patheffects  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
+import fonts  # noqa: E402
+
 WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
 INK = "#222222"
@@ -29,8 +31,10 @@ plt.rcParams.update({
     "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.axisbelow": True,
     "legend.frameon": False, "lines.linewidth": 1.6, "axes.unicode_minus": True,
     "pdf.fonttype": 42, "mathtext.default": "regular", "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-4, 5), "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-4, 5),
+    "axes.titley": 1.0,  # Matplotlib would measure all tick labels to find a place
 })
+fonts.install()
 
 
 # All formulas in the figures: labels of this package and ticks of matplotlib's formatters.
@@ -87,29 +91,35 @@ def spread(places, gap):
 
 
 def label_right(axes, labels):
-    """Writes each (y, text, colour) at the right edge near the height y, without overlaps."""
+    """Writes each (y, text, colour) at the right edge near the height y, without overlaps and within the height of the
+    axes if there is room."""
     if not labels:
         return
     fractions = [axes.transLimits.transform(axes.transScale.transform((1.0, y)))[1]
                  for y, _, _ in labels]
     height_pt = 72.0 * axes.figure.get_figheight() * axes.get_position().height
     lines = max(text.count("\n") + 1 for _, text, _ in labels)
-    for place, (_, text, colour) in zip(spread(fractions, 12.0 * lines / height_pt), labels):
+    gap = 12.0 * lines / height_pt
+    places = spread(fractions, gap)
+    places -= max(0.0, places.max() + gap / 2 - 1.0)
+    places += max(0.0, gap / 2 - places.min())
+    for place, (_, text, colour) in zip(places, labels):
         axes.text(1.015, place, text, transform=axes.transAxes, va="center", ha="left", fontsize=9,
                   color=colour, clip_on=False, linespacing=1.15)
 
 
 def legend_strip(figure, handles):
-    """A legend in a strip above the panels of a figure with constrained layout; handles have labels."""
+    """Adds a strip with a legend above the panels of a figure with constrained layout; handles have labels."""
     across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
+    strip_in = 0.15 + 0.2 * -(-len(handles) // across)
+    figure.set_figheight(figure.get_figheight() + strip_in)
     figure.legend(handles=handles, loc="upper center", ncol=across)
-    strip = (0.15 + 0.2 * -(-len(handles) // across)) / figure.get_figheight()
-    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip))
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip_in / figure.get_figheight()))
 
 
 def save(figure, path):
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
-    figure.savefig(path, dpi=DPI, facecolor="white")
+    figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
     figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
     figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
     plt.close(figure)

@@ -175,4 +175,5 @@ def span(low, high):
 def summary(sweep):
     if not layout.ordinary(sweep):
         return "No case is complete yet, so there is nothing to draw."
-    return efficiency(sweep) + strength(choices(sweep))
+    text = efficiency(sweep) + strength(choices(sweep))
+    return text[:1].upper() + text[1:]

@@ -10,10 +10,11 @@ from words import number, value_text
 
 def measures(sweep):
     """The columns that the table of measures (src/measures/measure_table.cpp) lists for the page; columns of
-    shapes only if the focus draws a shape, not a straight line."""
+    shapes only if the focus draws a shape, not a straight line, and ratios only if there are references."""
     shapes = not all(wake.runs_straight_on(c) for c in layout.ordinary(sweep))
-    return [c["name"] for c in sweep.columns
-            if c["shown"] == "page" or (c["shown"] == "shapes" and shapes)]
+    references = bool(layout.all_references(sweep))
+    return [c["name"] for c in sweep.columns if (c["shown"] == "page" or (c["shown"] == "shapes" and shapes))
+            and (references or not c["over_reference_of"])]
 
 
 def numeric_cell(amount):
@@ -58,8 +59,9 @@ def tools(sweep):
             f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
 
 
-def row(case, keys, shown, followers, mark):
-    cells = [id_cell(case), f'<td>{"yes" if case.is_reference else ""}</td>']
+def row(case, kinds, keys, shown, followers, mark):
+    """The cells of a case; `kinds` is the column that marks references, or empty without references."""
+    cells = [id_cell(case), *(f'<td>{"yes" if case.is_reference else ""}</td>' for _ in kinds)]
     cells += [setting_cell(case, k) for k in keys]
     cells += [numeric_cell(case.value(m)) for m in shown]
     cells += [setting_cell(case, k) for k in followers]
@@ -73,14 +75,15 @@ def table(sweep):
     keys = layout.axes(sweep)
     followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
     shown = measures(sweep)
+    kinds = ["reference"] if any(c.is_reference for c in sweep.cases) else []
     notes, rows = {}, []
     for case in sweep.cases:
         mark = ""
         if case.reason:
             n = notes.setdefault(case.reason, len(notes) + 1)
             mark = f'<a href="#note-{n}">{n}</a>'
-        rows.append(row(case, keys, shown, followers, mark))
-    columns = ["id", "reference", *keys, *shown, *followers, "wall_s", "status", "note"]
+        rows.append(row(case, kinds, keys, shown, followers, mark))
+    columns = ["id", *kinds, *keys, *shown, *followers, "wall_s", "status", "note"]
     body = (f'{tools(sweep)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())

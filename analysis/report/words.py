@@ -88,6 +88,17 @@ def value_text(key, value):
     return f"{number(float(value), 6)}{gap}{unit}"
 
 
+def setting_text(name, key, value):
+    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM', '4 foci'. `name` is that
+    of the key, as from key_name()."""
+    title, _, place = name.partition(", ")
+    amount = value_text(key, value)
+    if split_unit(key)[0] == "foci":
+        return amount
+    amount = amount.removeprefix("cs ").removeprefix("cp ")  # the title states which speed it is
+    return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
+
+
 def table_text(value):
     """'{ shape = "circle", radius_mm = 15 }' -> 'circle, radius 15 mm'."""
     try:

@@ -122,6 +122,26 @@ def of_mat(value, level=0):
     return of_array(value)
 
 
+# The first bytes of files that are mistaken for .mat files.
+KINDS = {b"PK\3\4": "a zip archive (such as .npz, .mlx or .zip)", b"\x93NUMPY": "a NumPy array (.npy)",
+         b"\x1f\x8b": "a gzip archive", b"\x89PNG": "a PNG image", b"%PDF": "a PDF document",
+         b"\x80\4": "a Python pickle", b"\x80\5": "a Python pickle",
+         b"# Created by Octave": "a text file of Octave: use save -v7"}
+
+
+def kind_of_file(path):
+    """What the file is, as far as its first bytes show; otherwise empty."""
+    with open(path, "rb") as file:
+        start = file.read(512)
+    if not start:
+        return "an empty file"
+    for first, kind in KINDS.items():
+        if start.startswith(first):
+            return kind
+    is_text = all(byte >= 32 or byte in b"\t\n\r\f" for byte in start)
+    return f"a text file, which begins with \"{decoded(start.split(bytes([10]))[0][:40])}\"" if is_text else ""
+
+
 def read_mat(path):
     try:
         import scipy.io
@@ -133,8 +153,9 @@ def read_mat(path):
     except OSError:
         raise
     except Exception as problem:  # SciPy documents no exceptions for damaged files
-        raise BadInput(f"{path} is neither an HDF5 file nor a .mat file ({problem}); in MATLAB, use "
-                       "save(file, '-v7.3', ...)") from problem
+        kind = kind_of_file(path)
+        raise BadInput(f"{path} is neither an HDF5 file nor a .mat file" + (f" but {kind}" if kind else
+                       f" ({problem})") + "; in MATLAB, use save(file, '-v7.3', ...)") from problem
     return {name: of_mat(value) for name, value in found.items() if name in NAMES}
 
 

@@ -4,6 +4,8 @@
 same as pstdElastic3D. docs/how-to/kwave.md has an example."""
 import argparse
 import contextlib
+import difflib
+import errno
 import os
 import sys
 from pathlib import Path
@@ -11,20 +13,43 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from describe import lines_of, summary_of
 from files import structures
 from structures import BadInput
-from study import FIELDS, Study
+from study import Study
 
 SCHEMA = "shearwake grid study 1"
 
 
+DESCRIPTION = """\
+Converts a simulation of k-Wave (pstdElastic3D) to a job NAME.toml and its grid study NAME.h5 for the engine
+pstd. Errors name the field of k-Wave to change."""
+
+EPILOG = """\
+structures in FILE (all fields: docs/how-to/kwave.md):
+  kgrid    Nx, Ny, Nz, dx, dy, dz, dt, Nt (a struct, not the object kWaveGrid)
+  medium   sound_speed_compression, sound_speed_shear, density; optionally absorption
+  source   u_mask with ux, uy, uz; s_mask with sxx ... syz; p0
+  sensor   mask, record (optional)
+  options  PMLSize, PMLAlpha, PMLInside, MultiAxialPMLRatio, ScaleSourceTerms, Smooth (optional)
+
+example:
+  scripts/import-kwave study.mat        writes study.toml and study.h5
+  shearwake check study.toml
+  mpirun -n 2 shearwake run study.toml
+
+The output lists the ranges of indices of sources and sensor, counted from 1 along x, y and z. Compare them
+with k-Wave: an array that was stored with reversed indices (h5py without array.T) appears with x and z swapped.
+
+exit codes: 0 done, 2 wrong arguments, 3 the simulation cannot be imported, 6 a file cannot be read or written
+"""
+
+
 def options():
-    parser = argparse.ArgumentParser(
-        prog="import-kwave", description="Converts a k-Wave simulation to a job NAME.toml and its grid study "
-        "NAME.h5 for the engine pstd. The input is a .mat file of MATLAB, Octave or SciPy, or an HDF5 file, with the structures "
-        "medium, source, kgrid, sensor and, optionally, options (PMLSize, PMLAlpha, PMLInside, "
-        "MultiAxialPMLRatio, Smooth, ScaleSourceTerms). Then run: shearwake run NAME.toml")
-    parser.add_argument("file", type=Path, help="file saved from MATLAB (see docs/how-to/kwave.md)")
+    parser = argparse.ArgumentParser(prog="import-kwave", description=DESCRIPTION, epilog=EPILOG,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", type=Path, metavar="FILE",
+                        help=".mat file of MATLAB, Octave or SciPy, or an HDF5 file with the structures below")
     parser.add_argument("--out", type=Path, metavar="NAME", help="output files without extension (default: the "
                         "name of the input file, in the working directory)")
     parser.add_argument("--plane", type=int, metavar="K", help="index along z, counted from 1, of the plane in "
@@ -96,7 +121,7 @@ def place_of_sources(study):
     power = power / power.sum() if power.sum() > 0 else np.full(len(nodes), 1.0 / len(nodes))
     plane = int(np.bincount(nodes[:, 2]).argmax())
     at = (nodes[:, :2] - study.points[:2] // 2) * study.spacing_m[:2]
-    centre = power @ at
+    centre = np.round(power @ at, 9) + 0.0  # 1 nm: jobs do not accept rounding errors as lengths
     width = np.sqrt(8.0 * np.log(2.0) * (power @ np.sum((at - centre) ** 2, axis=1)) / 2.0)
     return plane, centre, max(float(width), 2.0 * float(study.spacing_m[0]))
 
@@ -116,9 +141,7 @@ def material_of_plane(study, plane):
 
 def job_text(name, study, plane, precision, source_file):
     d_mm = 1e3 * study.spacing_m
-    driven, centre, width_m = place_of_sources(study)
-    if plane is None:
-        plane = driven
+    _, centre, width_m = place_of_sources(study)
     density, c_p, c_s = material_of_plane(study, plane)
     if c_s == 0.0:
         raise BadInput("medium.sound_speed_shear is 0 everywhere: at least a part of the medium must be solid")
@@ -189,6 +212,13 @@ def complete(path):
         part.unlink(missing_ok=True)
 
 
+def missing_file(path):
+    near = difflib.get_close_matches(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()]
+                                     if path.parent.is_dir() else [], n=1)
+    return (f"{path}: no such file" + (f"; did you mean {path.with_name(near[0])}?" if near else
+            f"; the working directory is {Path.cwd()}"))
+
+
 def main():
     chosen = options()
     try:
@@ -196,12 +226,14 @@ def main():
         if abs(study.spacing_m[0] - study.spacing_m[1]) > 1e-9 * study.spacing_m[0]:
             raise BadInput("kgrid.dx and kgrid.dy differ, but must be equal; permute the axes so that only the "
                            "spacing along z differs")
-        plane = None
+        plane = place_of_sources(study)[0]
         if chosen.plane is not None:
             plane = chosen.plane - 1 + int(study.first[2])
             if not 0 <= plane < study.points[2]:
                 raise BadInput(f"--plane must be 1 to {study.points[2] - 2 * study.first[2]}")
         out = chosen.out or Path(chosen.file.stem)
+        if not out.parent.is_dir():
+            raise NotADirectoryError(errno.ENOENT, "the folder of the output files does not exist", str(out.parent))
         job = job_text(out.name, study, plane, chosen.precision, chosen.file.name)
         with complete(out.with_name(out.name + ".h5")) as part:
             write_study(part, study)
@@ -210,8 +242,11 @@ def main():
     except BadInput as problem:
         print(f"import-kwave: {problem}", file=sys.stderr)
         return 3
+    except FileNotFoundError as problem:
+        print(f"import-kwave: {missing_file(Path(problem.filename))}", file=sys.stderr)
+        return 6
     except OSError as problem:
-        print(f"import-kwave: {problem}", file=sys.stderr)
+        print(f"import-kwave: {problem.filename or chosen.file}: {problem.strerror or problem}", file=sys.stderr)
         return 6
     except MemoryError:
         print(f"import-kwave: {chosen.file} needs more memory than there is", file=sys.stderr)
@@ -222,9 +257,9 @@ def main():
         return 3
     for note in study.notes:
         print(f"note: {note}")
-    print(f"{out}.toml and {out}.h5: {' x '.join(map(str, study.points))} nodes, {study.steps} steps of "
-          f"{1e6 * study.time_step_s:.6g} us, {len(study.sources)} sources, {len(study.sensor_nodes)} sensor nodes "
-          f"({', '.join(f for f in FIELDS if f in study.sensor_fields)})")
+    print(summary_of(out, study))
+    for line in lines_of(study, plane):
+        print(f"  {line}")
     print(f"next: shearwake run {out}.toml")
     return 0
 

@@ -15,6 +15,17 @@ class Unreadable:
         self.reason = reason
 
 
+def kind_of(value):
+    """The type of a value in the words of MATLAB."""
+    if isinstance(value, dict):
+        return "a struct"
+    if isinstance(value, list):
+        return "a cell array of " + " and ".join(sorted({kind_of(item) for item in value}))
+    if isinstance(value, str):
+        return f"the text \"{value:.20}\""
+    return "numbers" if isinstance(value, np.ndarray) else "nothing" if value is None else value.reason
+
+
 class Structure:
     """A struct. The values of `fields` are arrays of float64 (a scalar has the shape ()), texts, lists of values for
     cell arrays, dictionaries for structs, or Unreadable."""
@@ -30,7 +41,7 @@ class Structure:
 
     def _refuse(self, field, wanted):
         value = self.values[field]
-        reason = f": {value.reason}" if isinstance(value, Unreadable) else ""
+        reason = f": {value.reason}" if isinstance(value, Unreadable) else f" but {kind_of(value)}"
         raise BadInput(f"{self.name}.{field} does not contain {wanted}{reason}")
 
     def array(self, field):

@@ -4,9 +4,10 @@ import math
 
 import numpy as np
 
+from checks import check_medium, check_range, check_time_step
+from record import FIELDS, recorded_fields
 from structures import BadInput, Structure
 
-FIELDS = ["ux", "uy", "uz", "sxx", "syy", "szz", "sxy", "sxz", "syz"]
 # The fields that pstdElastic3D uses. Others, which belong to other k-Wave functions, are rejected.
 KNOWN = {
     "medium": {"sound_speed_compression", "sound_speed_shear", "density", "alpha_coeff_compression",
@@ -30,10 +31,17 @@ def grid_of(points):
     return tuple(int(n) for n in points)
 
 
-def reversed_hint(values, points):
-    if values.shape != grid_of(points)[::-1]:
-        return ""
-    return "; its indices are in reverse order: HDF5 files that were not written by MATLAB need array.T"
+def shape_hint(values, points):
+    """What may be wrong with an array that does not have the shape of the grid."""
+    shape = grid_of(points)
+    if values.shape == shape[::-1]:
+        return "; its indices are in reverse order: HDF5 files that were not written by MATLAB need array.T"
+    if sorted(values.shape) == sorted(shape):
+        return f"; its axes are permuted: they must be in the order x, y, z, as in {shape}"
+    if values.size == math.prod(shape):
+        return (f"; it has the right number of values: reshape it to {shape}, in Python with order='F' if x is the "
+                "fastest index")
+    return ""
 
 
 class Study:
@@ -46,6 +54,7 @@ class Study:
                 raise BadInput(f"{name}.{unknown[0]} is not a field that pstdElastic3D uses; the fields are "
                                f"{', '.join(sorted(KNOWN[name]))}")
         self.notes = []
+        self.first = np.zeros(3, dtype=int)  # index of the first point of kgrid in the enlarged grid
         self.options = parts.get("options") or Structure({}, "options")
         self.read_grid(parts["kgrid"])
         self.read_medium(parts["medium"])
@@ -67,9 +76,14 @@ class Study:
             times = np.ravel(kgrid.array("t_array"))
             if times.size < 2:
                 raise BadInput("kgrid.t_array must contain the times of all steps")
-            self.time_step_s, self.steps = float(times[1] - times[0]), times.size
+            self.time_step_s, self.steps = float(times[-1] - times[0]) / (times.size - 1), times.size
+            if np.any(np.abs(np.diff(times) - self.time_step_s) > 1e-6 * abs(self.time_step_s)):
+                raise BadInput("kgrid.t_array must be uniformly spaced")
         else:
-            self.time_step_s, self.steps = kgrid.number("dt"), int(kgrid.number("Nt"))
+            self.time_step_s, steps = kgrid.number("dt"), kgrid.number("Nt")
+            self.steps = int(steps)
+            if self.steps != steps:
+                raise BadInput(f"kgrid.Nt is {steps:g}; it must be a whole number")
         if self.time_step_s <= 0 or np.any(self.spacing_m <= 0) or self.steps < 1:
             raise BadInput("kgrid.dx, dy, dz, dt and Nt must be greater than 0")
         option = self.options
@@ -77,7 +91,16 @@ class Study:
         self.layer_strength = three(option.array("PMLAlpha") if "PMLAlpha" in option else 2.0, "options.PMLAlpha")
         self.layer_ratio = option.number("MultiAxialPMLRatio", 0.1)
         self.scaled = option.number("ScaleSourceTerms", 1.0) != 0.0
-        self.first = np.zeros(3, dtype=int)  # index of the first point of kgrid in the enlarged grid
+        self.check_layer()
+
+    def check_layer(self):
+        outside = self.options.number("PMLInside", 1.0) == 0.0
+        for axis, points, layer in zip("xyz", self.points, self.layer_points):
+            if not outside and 2 * layer > points:
+                raise BadInput(f"options.PMLSize is {layer:g} along {axis}: two such layers do not fit into "
+                               f"kgrid.N{axis} = {points}")
+        if self.layer_ratio < 0.0:
+            raise BadInput("options.MultiAxialPMLRatio must be 0 or more")
 
     def enlarge_if_layer_is_outside(self):
         if self.options.number("PMLInside", 1.0) != 0.0:
@@ -96,7 +119,8 @@ class Study:
             found = medium.array(field)
             if found.shape not in ((), tuple(self.points)):
                 raise BadInput(f"medium.{field} has the shape {found.shape}; it must be one number, or have the "
-                               f"shape {grid_of(self.points)} of the grid{reversed_hint(found, self.points)}")
+                               f"shape {grid_of(self.points)} of the grid{shape_hint(found, self.points)}")
+            check_range(found, f"medium.{field}", self, positive=field in ("density", "sound_speed_compression"))
             return found
 
         for field in ("sound_speed_compression", "sound_speed_shear", "density"):
@@ -125,6 +149,10 @@ class Study:
                     raise BadInput("medium.sound_speed_ref must be a number, \"min\", \"mean\" or "
                                    "\"max\"") from no_number
                 self.layer_speed_m_s = float(named[word](c_p))
+            if self.layer_speed_m_s <= 0.0:
+                raise BadInput(f"medium.sound_speed_ref is {self.layer_speed_m_s:g}; it must be greater than 0")
+        check_medium(self)
+        check_time_step(self)
 
     def c_p_at(self, nodes):
         c_p = self.medium["c_p_m_s"]
@@ -137,7 +165,7 @@ class Study:
         given = tuple(self.points - 2 * self.first)
         if mask.shape != given:
             raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, "
-                           f"{grid_of(given)}{reversed_hint(mask, given)}")
+                           f"{grid_of(given)}{shape_hint(mask, given)}")
         flat = mask.ravel(order="F")
         at = np.flatnonzero(flat)
         if at.size == 0:
@@ -178,8 +206,10 @@ class Study:
         elif count == len(nodes):
             rows = np.arange(count)
         else:
+            transposed = series.shape[1] == len(nodes)
             raise BadInput(f"source.{field} has {count} rows, but its mask has {len(nodes)} nodes: there must be "
-                           "one row, or one per node")
+                           "one row, or one per node" +
+                           ("; it appears to be transposed: its columns must be the time steps" if transposed else ""))
         weights = np.ones(len(nodes))
         if mode == "additive" and self.scaled:
             # k-Wave scales by 2 c_p dt/d, where d is the spacing along the axis of a velocity, and dx for a
@@ -204,21 +234,12 @@ class Study:
     # ---- the sensor
 
     def read_sensor(self, sensor):
-        record = sensor.texts("record", ["p"])
-        fields = []
-        for word in record:
-            if word in FIELDS:  # an extension of k-Wave's record
-                fields.append(word)
-            elif word in ("p", "p_final", "p_max", "p_rms"):
-                fields += ["sxx", "syy", "szz"]  # p is minus their mean
-            elif word.startswith("u"):
-                fields += ["ux", "uy", "uz"]
-                if word != "u":
-                    self.notes.append(f"sensor.record {word}: u is recorded at its staggered positions")
-            else:
-                raise BadInput(f"sensor.record {word} is unknown; known are p, u and {', '.join(FIELDS)}")
-        self.sensor_fields = [field for field in FIELDS if field in fields]
-        self.sensor_start = int(sensor.number("record_start_index", 1.0))
+        self.sensor_fields = recorded_fields(sensor.texts("record", ["p"]), self.notes)
+        start = sensor.number("record_start_index", 1.0)
+        self.sensor_start = int(start)
+        if self.sensor_start != start or not 1 <= start <= self.steps:
+            raise BadInput(f"sensor.record_start_index is {start:g}; it must be a whole number from 1 to kgrid.Nt = "
+                           f"{self.steps}")
         if "mask" not in sensor:
             self.sensor_nodes = np.zeros((0, 3), dtype=int)
             return
@@ -237,7 +258,9 @@ class Study:
             self.sensor_nodes = at.astype(int) + self.first
             self.notes.append("sensor.mask: Cartesian points are moved to the nearest nodes")
         else:
+            transposed = mask.ndim == 2 and mask.shape[1] in (3, 6)
             raise BadInput(f"sensor.mask has the shape {mask.shape}; it must have the shape of the grid, 6 rows "
-                           "(corners of cuboids) or 3 rows (coordinates)")
+                           "(corners of cuboids) or 3 rows (coordinates)" +
+                           ("; it appears to be transposed" if transposed else ""))
         if np.any(self.sensor_nodes < 0) or np.any(self.sensor_nodes >= self.points):
             raise BadInput("sensor.mask has points outside of the grid")

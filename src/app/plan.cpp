@@ -197,12 +197,13 @@ void print_totals(const Estimates& e) {
     fmt::print("performance model: {}\n", e.calibrated.empty()
                                               ? "not calibrated, assumes a server of 2020"
                                               : "calibrated " + e.calibrated);
-    fmt::print("{} case{} on {} rank{} ({} team{} of {}{}): {:.2g} core hours, about {:.2g} s "
-               "({}) of wall time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
+    fmt::print("{} case{} on {} rank{} ({} team{} of {}{}): {:.2g} core hours, about {} of wall "
+               "time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
                e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s",
                e.busy, e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
                idle > 0 ? fmt::format(", {} ranks stay idle", idle) : "", e.core_hours(),
-               e.layout.seconds, hours_and_minutes(e.layout.seconds),
+               e.layout.seconds < 60.0 ? fmt::format("{:.2g} s", e.layout.seconds)
+                                       : hours_and_minutes(e.layout.seconds),
                e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
 }
 

@@ -27,6 +27,13 @@ const CLI::App* find_command(const CLI::App& app, const std::string& name) {
         if (command->get_name() == name) return command;
         names.push_back(command->get_name());
     }
+    for (const char* script : {"import-kwave", "make-map", "submit", "nightly"})
+        if (name == script)
+            throw UsageError(
+                fmt::format("{0} is a script: run scripts/{0} in the source folder, or "
+                            "shearwake-{0} if the program is installed; --help "
+                            "describes it",
+                            script));
     const auto meant = nearest(name, names);
     throw UsageError(fmt::format("unknown command: {}; {}", name,
                                  meant ? "did you mean " + *meant + "?"

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "config/expand.hpp"
 #include "config/sections/read_case.hpp"
+#include "config/study_keys.hpp"
 #include "config/table_options.hpp"
 
 #include <algorithm>
@@ -66,7 +67,8 @@ void read_identity(Reader reader, Plan& plan) {
     if (given) check_name(reader, plan.name);
 }
 
-Plan read_plan(const NodePtr& tree, const FileLoaders& files, DiagnosticList& diagnostics) {
+Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const FileLoaders& files,
+               DiagnosticList& diagnostics) {
     Plan plan;
     Reader root(tree, "", diagnostics);
     check_schema(root, tree->at);
@@ -78,6 +80,7 @@ Plan read_plan(const NodePtr& tree, const FileLoaders& files, DiagnosticList& di
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
     plan.cases = expand(tree, sweep, table.reference, files, diagnostics);
+    check_study_keys(plan, sweep, overrides, diagnostics);
     return plan;
 }
 
@@ -112,7 +115,7 @@ Job read_job(std::string_view text, const std::string& file_name,
     DiagnosticList diagnostics;
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
     if (const NodePtr tree = parse(text, file_name, overrides, diagnostics))
-        job.plan = read_plan(tree, {load_map, load_text, load_study}, diagnostics);
+        job.plan = read_plan(tree, overrides, {load_map, load_text, load_study}, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;

@@ -2,6 +2,8 @@
 #include "config/override.hpp"
 
 #include "base/text.hpp"
+#include "config/key_names.hpp"
+#include "config/sections/read_case.hpp"
 #include "config/sweep_axes.hpp"
 
 #include <algorithm>
@@ -64,14 +66,31 @@ void warn_if_swept(const NodePtr& root, const Override& override, const Place& a
                                         override.key, override.key));
 }
 
+/// Whether the key begins with the name of a table or key of a job.
+bool is_full(const Path& path) {
+    const auto tables = case_tables();
+    const std::string& first = path.front().key;
+    return first == "schema" || first == "job" || first == "sweep" || first == "table" ||
+           std::ranges::find(tables, first) != tables.end();
+}
+
 } // namespace
 
+Place place_of(const Override& override) {
+    return {std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
+}
+
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics) {
-    const Place at{std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
+    const Place at = place_of(override);
     const auto path = split_path(override.key);
     if (!path) {
         diagnostics.error(at,
                           "this is not a valid key; give it in full, as in -S load.peak_Pa=200");
+        return root;
+    }
+    if (const std::string meant = is_full(*path) ? "" : full_key_hint(override.key);
+        !meant.empty()) {
+        diagnostics.error(at, fmt::format("{} is unknown; {}", excerpt(override.key), meant));
         return root;
     }
     const NodePtr value = parse_value(override.value, at, diagnostics);

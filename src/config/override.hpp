@@ -13,6 +13,9 @@ struct Override {
     std::string value;
 };
 
+/// The place of an override in messages: "-S load.peak_Pa".
+Place place_of(const Override& override);
+
 /// Applies the override to `root`, whose [sweep] must be flattened. After an error, returns `root`
 /// unchanged and reports a diagnostic.
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);

@@ -3,6 +3,7 @@
 
 #include "base/text.hpp"
 #include "config/axis_values.hpp"
+#include "config/key_names.hpp"
 #include "config/sections/read_case.hpp"
 
 #include <algorithm>
@@ -83,10 +84,13 @@ private:
             std::find(tables.begin(), tables.end(), path->front().key) != tables.end();
         if (!of_case) {
             const std::vector<std::string> names(tables.begin(), tables.end());
-            diagnostics_.error(entry.key_at,
-                               fmt::format("sweep: \"{}\" is not a key of a case; a swept key is "
-                                           "given in full and starts with {}",
-                                           excerpt(entry.key), quoted_list(names)));
+            const std::string meant = full_key_hint(entry.key);
+            diagnostics_.error(
+                entry.key_at,
+                fmt::format("sweep: \"{}\" is not a key of a case; {}", excerpt(entry.key),
+                            meant.empty() ? "a swept key is given in full and starts with " +
+                                                quoted_list(names)
+                                          : meant));
             return std::nullopt;
         }
         if (!keys_.insert(entry.key).second) {

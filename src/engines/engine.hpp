@@ -9,6 +9,7 @@
 #include "parallel/comm.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,14 @@ enum class Edges {
     layer,    // an absorbing layer of the engine
 };
 
+/// Options of the engine with half the time step, or with a smaller tolerance that has this effect.
+struct StepRefinement {
+    SolverOptions options;
+    std::string change; // what differs: "half the time step, 5 us, "; empty: nothing
+    double ratio = 2.0; // by which the step is smaller
+    std::optional<double> order = std::nullopt; // of convergence in the step; none: unknown
+};
+
 /// Computes the frames of u_z of a case. Between cases an engine keeps only what they can share.
 class Engine {
 public:
@@ -122,7 +131,8 @@ public:
     /// The choices that the engine will make for the case with their reasons, one line each, as far
     /// as they follow from the case alone. Not collective.
     virtual std::vector<std::string> choices(const Case& /*c*/) const { return {}; }
-    /// Errors for parts of the case that the engine does not support. Not collective.
+    /// Errors for parts of the case that the engine does not support, and warnings about those that
+    /// it approximates, as far as they follow from the case alone at little cost. Not collective.
     virtual std::vector<Remark> limits(const Case& c) const = 0;
     /// How the engine treats waves at the edges for this case. Not collective.
     virtual Edges edges(const Case& /*c*/) const { return Edges::periodic; }
@@ -133,6 +143,13 @@ public:
     virtual double probed_step_s(const Case& /*c*/) const { return 0.0; }
     /// The case with this step specified, so that it need not be chosen. Not collective.
     virtual Case with_step(const Case& c, double /*step_s*/) const { return c; }
+    /// Order of convergence in the grid spacing for a laterally uniform medium; none: faster than
+    /// any power. Not collective.
+    virtual std::optional<double> order_in_spacing() const { return std::nullopt; }
+    /// The refinement in time for an estimate of the error. Not collective.
+    virtual StepRefinement half_the_step(const Case& c) const {
+        return {.options = c.solver, .change = ""};
+    }
     /// Computes the case and passes the results to the observer. With `checkpoints` it resumes from
     /// the newest checkpoint, and returns early after a save if a stop was requested; an engine
     /// that saves no checkpoints returns without one. Throws CaseFailure on all ranks together.

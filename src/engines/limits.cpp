@@ -5,6 +5,20 @@
 
 namespace shearwake::engines {
 
+std::vector<std::string> notes_of(const std::vector<Choice>& choices) {
+    std::vector<std::string> notes;
+    for (const Choice& choice : choices)
+        notes.push_back(choice.text);
+    return notes;
+}
+
+std::vector<Remark> warnings_of(const std::vector<Choice>& choices) {
+    std::vector<Remark> warnings;
+    for (const Choice& choice : choices)
+        if (!choice.key.empty()) warnings.push_back({Severity::warning, choice.key, choice.text});
+    return warnings;
+}
+
 std::vector<Remark> refused_losses(const Case& c) {
     std::vector<Remark> refused;
     for (const Layer& layer : c.scene().medium.layers)

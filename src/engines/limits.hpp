@@ -4,9 +4,20 @@
 #include "case/case.hpp"
 #include "case/remark.hpp"
 
+#include <string>
 #include <vector>
 
 namespace shearwake::engines {
+
+/// A choice of an engine. `key` is empty, or the key to change where the choice reduces the
+/// accuracy.
+struct Choice {
+    std::string key, text;
+};
+/// The texts of all choices.
+std::vector<std::string> notes_of(const std::vector<Choice>& choices);
+/// Warnings about the choices that reduce the accuracy.
+std::vector<Remark> warnings_of(const std::vector<Choice>& choices);
 
 /// Errors for the layers that are neither lossless nor Kelvin-Voigt, for engines that step in time.
 std::vector<Remark> refused_losses(const Case& c);

@@ -148,8 +148,12 @@ void add_surface(Columns& columns, const Case& c, const Readings& r) {
     add_focal_rms(columns, r);
 }
 
+/// The load of a grid study does not drive it; the study has sources of its own.
 void add_impulse(Columns& columns, const Case& c) {
-    columns.add("impulse_mN_ms", impulse_N_s(c.scene().load, c.measure.at_s) * 1e6, "");
+    if (c.study())
+        columns.add("impulse_mN_ms", nan, "the sources of a study are not a force on the surface");
+    else
+        columns.add("impulse_mN_ms", impulse_N_s(c.scene().load, c.measure.at_s) * 1e6, "");
 }
 
 struct Band {

@@ -4,6 +4,7 @@
 #include "check/check.hpp"
 #include "engines/registry/make_engine.hpp"
 
+#include <algorithm>
 #include <fmt/format.h>
 #include <numeric>
 
@@ -58,7 +59,8 @@ std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solv
     const auto edges = engines::make_engine(c.solver)->edges(c);
     if (!mean_u2.empty() && !c.study() && edges == engines::Edges::periodic)
         judge_returning_waves(edge_share(c.domain, mean_u2), warnings);
-    warnings.insert(warnings.end(), solver.begin(), solver.end());
+    for (const Remark& warning : solver) // some follow from the case alone
+        if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);
     for (const std::string& line : afferents) {
         const std::size_t colon = line.find(": ");
         if (colon == std::string::npos) continue;

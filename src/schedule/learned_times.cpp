@@ -2,6 +2,7 @@
 #include "schedule/learned_times.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 namespace shearwake::schedule {
@@ -11,11 +12,22 @@ namespace {
 constexpr int most_groups = 32;
 /// The share of a case after which its remaining time is extrapolated.
 constexpr double least_share = 0.01;
+/// Reports closer than this are not stored.
+constexpr double report_share = 0.001;
 
 } // namespace
 
-LearnedTimes::LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world)
-    : cases_(std::move(cases)), began_us_(cases_.size(), 0) {
+Clock_us steady_clock_us() {
+    return [] {
+        using namespace std::chrono;
+        return round<microseconds>(steady_clock::now().time_since_epoch()).count();
+    };
+}
+
+LearnedTimes::LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world, TeamOf team,
+                           Clock_us clock)
+    : cases_(std::move(cases)), team_(team), clock_(std::move(clock)), began_(clock_()),
+      began_us_(cases_.size(), 0) {
     const auto number_of = [&](const std::string& name, int otherwise) {
         const auto known = numbers_.find(name);
         if (known != numbers_.end()) return known->second;
@@ -28,7 +40,7 @@ LearnedTimes::LearnedTimes(std::vector<ExpectedCase> cases, const Comm& world)
         engines_.push_back(number_of(c.engine, -1));
         groups_.push_back(number_of(c.engine + ": " + c.kinds, engines_.back()));
     }
-    counters_.emplace(world, 3 * group_count_ + 3);
+    counters_.emplace(world, end_us(team_.teams));
     if (!world.is_root()) return;
     for (std::size_t i = 0; i < cases_.size(); ++i)
         counters_->fetch_add(left_counter(groups_[i]), std::lround(1e6 * cases_[i].estimated_s));
@@ -48,15 +60,16 @@ void LearnedTimes::recall(const storage::JournalContents& journal) {
     }
 }
 
-long LearnedTimes::now_us() const {
-    return std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began_)
-        .count();
+void LearnedTimes::expect_end(long at_us) {
+    counters_->fetch_add(end_us(team_.team), at_us - expected_end_us_);
+    expected_end_us_ = at_us;
 }
 
 void LearnedTimes::begin(std::size_t index) {
     began_us_[index] = now_us();
     counters_->fetch_add(begun_us(), began_us_[index]);
     counters_->fetch_add(at_work(), 1);
+    expect_end(began_us_[index] + std::lround(1e6 * cases_[index].estimated_s * factor(index)));
 }
 
 void LearnedTimes::replace(std::size_t index, long taken_us, long estimated_us, long left_us) {
@@ -74,19 +87,24 @@ void LearnedTimes::replace(std::size_t index, long taken_us, long estimated_us, 
 void LearnedTimes::progressed(std::size_t index, double share) {
     const auto [at, is_first] = partial_.try_emplace(index);
     Partial& p = at->second;
-    if (is_first) {
-        p.from_share = share;
-        p.from_us = now_us();
-    }
-    const double passed = share - p.from_share;
-    const long taken_us = now_us() - p.from_us;
+    const Report now{share, now_us()};
+    if (is_first) p.first = now;
+    if (is_first || share >= p.recent.back().share + report_share) p.recent.push_back(now);
+    const double half = 0.5 * (p.first.share + share);
+    while (p.recent.size() > 1 && p.recent[1].share <= half)
+        p.recent.pop_front();
+    const double passed = share - p.first.share;
+    const long taken_us = now.at_us - p.first.at_us;
     if (passed < least_share || taken_us <= 0) return;
     if (!p.counts) { // from its estimate to its progress
         p.counts = true;
         leave_estimates(index);
     }
-    replace(index, taken_us, std::lround(1e6 * cases_[index].estimated_s * passed),
-            std::lround(static_cast<double>(taken_us) * (1.0 - share) / passed));
+    const Report& from = p.recent.front();
+    const long left_us = std::lround(static_cast<double>(now.at_us - from.at_us) * (1.0 - share) /
+                                     (share - from.share));
+    replace(index, taken_us, std::lround(1e6 * cases_[index].estimated_s * passed), left_us);
+    expect_end(now.at_us + left_us);
 }
 
 void LearnedTimes::leave_estimates(std::size_t index) {
@@ -106,6 +124,7 @@ void LearnedTimes::end(std::size_t index) {
     else
         leave_estimates(index);
     if (at != partial_.end()) partial_.erase(at);
+    expect_end(0);
 }
 
 void LearnedTimes::learn(std::size_t index, double seconds, double estimated_s) {
@@ -139,6 +158,14 @@ double LearnedTimes::left_s() const {
         static_cast<double>(counters_->read(at_work()) * now_us() - counters_->read(begun_us()));
     const auto extrapolated = static_cast<double>(counters_->read(extrapolated_us()));
     return 1e-6 * (extrapolated + std::max(0.0, left_us - std::max(0.0, behind_us)));
+}
+
+double LearnedTimes::wall_left_s(int busy) const {
+    double left = left_s() / std::max(1, busy);
+    for (int team = 0; team < team_.teams; ++team)
+        if (const long end = counters_->read(end_us(team)); end > 0)
+            left = std::max(left, 1e-6 * static_cast<double>(end - now_us()));
+    return left;
 }
 
 } // namespace shearwake::schedule

@@ -81,7 +81,8 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
                const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
       journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
-      times_(expected(list), world) {
+      times_(expected(list), world,
+             {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
     });
@@ -357,8 +358,8 @@ void Worker::tick() {
     counts.running = counters_.read(begun) - counts.done - counts.failed;
     const long ended =
         counts.done + counts.failed + counters_.read(put_off) + counters_.read(elsewhere);
-    counts.left_s = times_.left_s() /
-                    static_cast<double>(std::clamp<long>(counts.total - ended, 1, list_.teams));
+    counts.left_s = times_.wall_left_s(
+        static_cast<int>(std::clamp<long>(counts.total - ended, 1, list_.teams)));
     counts.partial = 1e-6 * static_cast<double>(counters_.read(partial_ppm));
     progress_.update(counts);
 }

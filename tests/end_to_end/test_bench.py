@@ -57,7 +57,6 @@ class Bench(ProgramTest):
     def test_sweep_prints_overhead_and_idle_time(self):
         for ranks in (1, 2):
             said = self.shearwake("bench", "sweep", "--cases", 6, ranks=ranks).said
-            self.says(said, "6 computed now", "32 computed now")
             self.assertRegex(said, r" 6 small cases +[0-9.]+ s +[0-9.]+ ms overhead per case and team")
             idle = re.search(r"32 mixed cases +[0-9.]+ s +teams are idle ([0-9.]+) % of the time", said)
             self.assertTrue(0.0 <= float(idle.group(1)) < 100.0, said)
@@ -113,7 +112,7 @@ class Bench(ProgramTest):
     def test_a_plan_has_no_more_teams_than_cases(self):
         self.write_job(without_reference((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         said = self.shearwake("plan", "job.toml", "-n", 4096).said
-        self.assertRegex(said, r"on 4096 ranks: 1 team of \d+ \(\d+ ranks stay idle\)")
+        self.assertRegex(said, r"1 case on 4096 ranks \(1 team of \d+, \d+ ranks stay idle\)")
         self.assertIn("teams are busy 100 % of the time", said)
 
     def test_invalid_grids_are_rejected(self):

@@ -3,6 +3,8 @@
 import json
 import unittest
 
+import h5py
+
 from program import SWEEP, ProgramTest, case_files, without_reference
 
 JOB = without_reference(("frames = true", "snapshots_ms = [2.0, 4.0]"),
@@ -50,6 +52,25 @@ class Compare(ProgramTest):
         self.says(said, "the pair whose surfaces differ most", "largest difference", "not compared, because they count")
         self.assertEqual((self.folder / "map.png").read_bytes()[:4], b"\x89PNG")
 
+    def test_labels_and_stored_warnings_of_both_sides_are_printed(self):
+        self.shearwake("run", "job.toml", "-S", "time.duration_ms=20", "--out", "long", "--quiet")
+        said = self.shearwake("compare", "long", self.out).said
+        self.says(said, "not valid, first: waves of", "first:  ", "second: ", "(AM frequency 500\u00a0Hz)")
+        warnings = self.compare("long", self.out)["pairs"][0]["warnings"]
+        self.assertIn("domain.extent_mm", [w["key"] for w in warnings[0]])
+        self.assertNotIn("domain.extent_mm", [w["key"] for w in warnings[1]])
+
+    def test_files_that_are_not_case_files_are_named(self):
+        path = case_files(self.out)[0]
+        (self.folder / "text.h5").write_text("not HDF5")
+        with h5py.File(self.folder / "map.h5", "w") as file:
+            file["c_s_m_s"] = 5.0
+        for name, words in (("text.h5", "text.h5 cannot be read as a case file"),
+                            ("map.h5", "map.h5 is not a case file of shearwake"), ("none.h5", "none.h5 does not exist")):
+            said = self.shearwake("compare", name, path, expect=6).said
+            self.says(said, words)
+            self.assertNotIn("Traceback", said)
+
     def test_single_cases_of_two_engines(self):
         self.shearwake("run", "job.toml", "-S", "solver.engine=spectral", "--out", "other", "--quiet")
         pairs = self.compare(case_files(self.out)[0], case_files(self.out)[1])["pairs"]
@@ -64,7 +85,9 @@ class Compare(ProgramTest):
         [pair] = self.compare(path, path)["pairs"]
         self.assertEqual([f["relative_l2"] for f in pair["fields"]], [0.0, 0.0])
         self.assertTrue(all(c["change"] == 0.0 for c in pair["columns"]))
-        self.says(self.shearwake("compare", path, path).said, "all columns are equal")
+        said = self.shearwake("compare", path, path).said
+        self.says(said, "surface at 4 ms: equal", "all columns are equal")
+        self.assertNotIn("change", said)  # no heading of an empty table
 
     def test_sweeps_without_common_cases_are_rejected(self):
         self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),

@@ -156,8 +156,8 @@ class Errors(FilesTest):
 
     def test_files_that_are_no_studies_are_explained(self):
         (self.folder / "text.mat").write_text("no study", encoding="utf-8")
-        self.refused("text.mat", "is neither an HDF5 file nor a .mat file")
-        self.refused("nowhere.mat", "No such file", expect=6)
+        self.refused("text.mat", "is neither an HDF5 file nor a .mat file but a text file", '"no study"')
+        self.refused("nowhere.mat", "nowhere.mat: no such file", "the working directory is", expect=6)
         self.refused(".", "Is a directory", expect=6)
         scipy.io.savemat(self.folder / "other.mat", {"x": 1.0})
         self.refused("other.mat", "has no structure kgrid")
@@ -194,6 +194,93 @@ class Errors(FilesTest):
                     self.imported("study.mat")
                 else:
                     self.refused("study.mat", words)
+
+    def test_other_types_of_files_are_named(self):
+        numpy.save(self.folder / "study.npy", numpy.ones(3))
+        numpy.savez(self.folder / "study.npz", x=numpy.ones(3))
+        (self.folder / "empty.mat").write_bytes(b"")
+        for name, kind in (("study.npy", "a NumPy array"), ("study.npz", "a zip archive"), ("empty.mat", "an empty file")):
+            self.refused(name, f"is neither an HDF5 file nor a .mat file but {kind}")
+        self.refused("emty.mat", "did you mean empty.mat?", expect=6)
+
+    def test_a_simulation_without_meaning_names_the_field_to_change(self):
+        ones = numpy.ones(POINTS)
+        negative = ones.copy()
+        negative[2, 3, 4] = -1000.0
+        for group, fields, words in (
+                ("kgrid", {"dt": 1e-4}, ("kgrid.dt = 100 us is unstable", "are stable and steps above", "reduce kgrid.dt")),
+                ("kgrid", {"Nt": 20.5}, ("kgrid.Nt is 20.5", "whole number")),
+                ("kgrid", {"t_array": numpy.array([0.0, 1e-5, 3e-5]), "dt": numpy.zeros((0, 0))}, ("uniformly spaced",)),
+                ("medium", {"sound_speed_shear": 25.0}, ("medium.sound_speed_shear exceeds", "sound_speed_compression")),
+                ("medium", {"density": negative}, ("medium.density is -1000 at node (3, 4, 5)", "greater than 0")),
+                ("medium", {"sound_speed_shear": -5.0}, ("medium.sound_speed_shear is -5",)),
+                ("medium", {"alpha_coeff_compression": 1.0, "alpha_coeff_shear": -1.0}, ("medium.alpha_coeff_shear is -1",)),
+                ("medium", {"sound_speed_ref": -1.0}, ("medium.sound_speed_ref is -1",)),
+                ("medium", {"sound_speed_shear": 5.0 * numpy.ones((9, 10, 8))}, ("its axes are permuted",)),
+                ("medium", {"sound_speed_shear": 5.0 * numpy.ones(720)}, ("reshape it to (10, 9, 8)",)),
+                ("source", {"uz": numpy.ones((20, 3))}, ("source.uz", "it appears to be transposed")),
+                ("sensor", {"mask": numpy.ones((4, 6))}, ("sensor.mask", "it appears to be transposed")),
+                ("sensor", {"record_start_index": 21.0}, ("sensor.record_start_index is 21", "kgrid.Nt = 20")),
+                ("options", {"PMLSize": 5.0}, ("options.PMLSize is 5 along y", "kgrid.Ny = 9")),
+                ("medium", {"density": "heavy"}, ('medium.density does not contain numbers but the text "heavy"',))):
+            with self.subTest(words=words):
+                structures = study()
+                structures["sensor"]["record"] = cell(["p", "uz"])
+                structures[group].update(fields)
+                scipy.io.savemat(self.folder / "study.mat", structures)
+                self.refused("study.mat", *words)
+
+    def test_check_rejects_a_study_with_an_unstable_step(self):
+        """A run with 0.95 times the limit is stable, 1.15 times the limit is rejected, also without the import."""
+        structures = study()
+        structures["medium"].update(sound_speed_shear=5.0)
+        structures["kgrid"].update(Nt=2000)
+        structures["source"].update(uz=numpy.ones((1, 20)), u_mode="additive")
+        structures["sensor"]["record"] = cell(["p", "uz"])
+        limit_s = 2.0 / (20.0 * numpy.pi * numpy.sqrt(1e6 + 1e6 * (8 / 9) ** 2 + 0.25e6))  # 9 points along y
+        structures["kgrid"]["dt"] = 0.95 * limit_s
+        scipy.io.savemat(self.folder / "study.mat", structures)
+        self.imported("study.mat")
+        self.shearwake("run", "study.toml")
+        with h5py.File(self.folder / "study.h5", "r+") as file:
+            file["grid"].attrs["time_step_s"] = 1.15 * limit_s
+        self.says(self.shearwake("check", "study.toml", "-S", f"time.output_interval_us={1.15e7 * limit_s!r}",
+                                 "-S", f"time.duration_ms={1.15e6 * limit_s!r}", expect=3).said,
+                  "(kgrid.dt in k-Wave), which is unstable in this medium")
+
+    def test_records_that_are_not_computed_are_reported(self):
+        structures = study()
+        structures["sensor"]["record"] = cell(["p_max", "u", "u_final", "I_avg"])
+        scipy.io.savemat(self.folder / "study.mat", structures)
+        self.says(self.imported("study.mat"), "sensor.record 'p_max' is not computed: the time series of p is recorded",
+                  "sensor.record 'u_final' is not recorded", "sensor.record 'I_avg' is not computed")
+
+    def test_places_of_sources_and_sensor_are_printed(self):
+        structures = study()
+        structures["sensor"]["record"] = cell(["p", "uz"])
+        scipy.io.savemat(self.folder / "study.mat", structures)
+        self.says(self.imported("study.mat"), "10 x 9 x 8 nodes, 20 steps of 10 us, 1 source, 3 sensor nodes",
+                  "source uz (dirichlet): 3 nodes, x 4 to 7, y 5, z 3", "sensor (uz, sxx, syy, szz): 3 nodes, x 3 to 5, y 4, z 2",
+                  "measured: u_z in the plane z 3 (measure.depths_mm = [5])")
+        # A cube whose array was stored with reversed indices has the right shape, but another place.
+        cube = study()
+        for axis in "xyz":
+            cube["kgrid"][f"N{axis}"] = 10
+        mask = numpy.zeros((10, 10, 10))
+        mask[3, 4, 2] = 1.0
+        cube["medium"]["sound_speed_shear"] = 5.0
+        cube["source"].update(u_mask=mask, uz=numpy.ones((1, 20)))
+        cube["sensor"]["mask"] = cube["sensor"]["mask"].T
+        with h5py.File(self.folder / "study.h5py", "w") as file:
+            for group, fields in cube.items():
+                for name, value in fields.items():
+                    file[f"{group}/{name}"] = value  # without .T
+        self.says(self.imported("study.h5py"), "source uz (dirichlet): 1 node, x 3, y 5, z 4")
+
+    def test_help_describes_the_structures(self):
+        said = subprocess.run([ROOT / "scripts" / "import-kwave", "--help"], env=environment(), capture_output=True,
+                              encoding="utf-8", check=True).stdout
+        self.says(said, "kgrid", "sound_speed_shear", "MultiAxialPMLRatio", "exit codes", "--plane", "shearwake run")
 
     def test_objects_of_matlab_are_explained(self):
         save(self.folder / "study.mat", study())

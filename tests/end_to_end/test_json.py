@@ -63,6 +63,8 @@ class Json(ProgramTest):
         self.shearwake("reduce", "more")
         differs = self.document("diff", "more", self.out, expect=5)
         self.assertIn("peak_um", [column["column"] for column in differs["moved"]])
+        compared = self.document("compare", "more", self.out)
+        self.assertEqual(len(compared["pairs"]), 4)
         case_files(self.out)[0].write_bytes(b"damaged")
         damaged = self.document("verify", self.out, expect=4)
         self.assertEqual([entry["id"] for entry in damaged["damaged"]], [shown["id"]])
@@ -84,11 +86,15 @@ class Json(ProgramTest):
             self.assertTrue(any("lower bound" in m["name"] and m["value"] > 0 for m in found["measurements"]))
 
     def test_the_page_describes_every_member(self):
-        for command in ("check", "plan", "status", "verify", "diff", "show", "bench"):
+        for command in ("check", "plan", "status", "verify", "diff", "compare", "show", "bench"):
             section = PAGE.split(f"\n## `{command}`\n")[1].split("\n## ")[0]
             for member in SCHEMA["$defs"][command]["required"]:
                 if member not in ("schema", "command"):
                     self.assertIn(f"`{member}`", section, f"{command}: {member}")
+        pair = SCHEMA["$defs"]["compare"]["properties"]["pairs"]["items"]
+        section = PAGE.split("\n## `compare`\n")[1].split("\n## ")[0]
+        for member in pair["required"]:
+            self.assertIn(f"`{member}`", section)
 
 
 if __name__ == "__main__":

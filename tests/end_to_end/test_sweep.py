@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A complete sweep with the commands check, plan, run, status, reduce and show, and the content of its files."""
+import contextlib
 import json
+import os
+import pty
 import re
+import subprocess
 import tomllib
 import unittest
 
@@ -9,8 +13,8 @@ import h5py
 import numpy
 import xarray
 
-from program import (JOB, SWEEP, ProgramTest, assert_same_table, case_files, changed, exact_as, is_literal_ipr,
-                     journal, plan, plan_ids, started, table, without_reference)
+from program import (JOB, PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, changed, command, environment,
+                     exact_as, is_literal_ipr, journal, plan, plan_ids, started, table, without_reference)
 
 PROVENANCE = ["title", "case_id", "case", "job", "program", "git_id", "compiler", "build_type",
               "mpi_version", "fftw_version", "hdf5_version", "host", "ranks", "wall_s", "started",
@@ -163,9 +167,27 @@ class Sweep(ProgramTest):
         listed = re.findall(r"(?m)^([0-9a-f]{16}) ", short)
         self.assertEqual((len(listed), len(set(listed))), (20, 20), short)
         self.says(short, "26 further cases", "--all lists every case")
-        self.assertRegex(short, r"41 cases on 2 ranks \(.*\): \S+ core hours, about \S+ s \(0 h \d\d min\) of wall time, "
+        self.assertRegex(short, r"41 cases on 2 ranks \(.*\): \S+ core hours, about (\S+ s|\d+ h \d\d min) of wall time, "
                                 r"at most \d+ MB per rank, \S+ MB on disk\n")
         self.assertEqual(len(re.findall(r"(?m)^([0-9a-f]{16}) ", self.shearwake("plan", "job.toml", "--all").said)), 41)
+
+    def test_a_terminal_shows_a_bar_and_a_file_shows_lines(self):
+        self.write_job()
+        primary, secondary = pty.openpty()
+        with open(primary, "rb", buffering=0, closefd=True) as screen:
+            done = subprocess.Popen(command("run", "job.toml"), cwd=self.folder, env=environment(),
+                                    stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=secondary)
+            os.close(secondary)
+            shown = b""
+            with contextlib.suppress(OSError):  # the end of the program
+                while part := screen.read(4096):
+                    shown += part
+            self.assertEqual(done.wait(timeout=PATIENCE_s), 0, shown)
+        self.assertRegex(shown.decode(), r"\r\x1b\[K\[#{20}\] 100 % 4/4 cases done, 0 running, 0 failed")
+        lines = self.shearwake("run", "job.toml", "--out", "again").stderr
+        self.says(lines, "4/4 cases done, 0 running, 0 failed")
+        for sign in ("\r", "\x1b", "#"):
+            self.assertNotIn(sign, lines)
 
     def test_progress_within_a_case_is_reported(self):
         self.write_job(without_reference(
@@ -192,12 +214,12 @@ class Sweep(ProgramTest):
 
     def test_messages_are_printed_by_one_rank(self):
         self.write_job()
-        for command in ("check", "plan", "run"):
-            said = self.shearwake(command, "job.toml", ranks=2).said
+        for name in ("check", "plan", "run"):
+            said = self.shearwake(name, "job.toml", ranks=2).said
             lines = [line for line in said.splitlines() if len(line) > 20]
             self.assertEqual(len(lines), len(set(lines)), said)
-        for command in ("status", "reduce"):
-            said = self.shearwake(command, self.out, ranks=2).said
+        for name in ("status", "reduce"):
+            said = self.shearwake(name, self.out, ranks=2).said
             lines = [line for line in said.splitlines() if line]
             self.assertEqual(len(lines), len(set(lines)), said)
         said = self.shearwake("check", "nowhere.toml", ranks=2, expect=6).said

@@ -55,7 +55,7 @@ class JobMistakes(ProgramTest):
         self.write_job()
         self.says(self.shearwake("check", "job.toml", "-S", "load.PEAK_pa=1", expect=3).said, "did you mean peak_Pa?")
         self.says(self.shearwake("check", "job.toml", "-S", "peak_Pa=1", expect=3).said,
-                  "give keys with their tables, as in load.peak_Pa")
+                  "did you mean load.peak_Pa?")
 
     def test_a_misspelled_shape_causes_one_error(self):
         said = self.assert_rejected(
@@ -133,6 +133,11 @@ class CommandLine(ProgramTest):
                              (["bench", "Spectral"], "spectral")):
             with self.subTest(words):
                 self.says(self.shearwake(*words, expect=2).said, f"did you mean {meant}?")
+
+    def test_scripts_are_located(self):
+        for name in ("import-kwave", "make-map"):
+            self.says(self.shearwake(name, "x", expect=2).said, f"run scripts/{name} in the source folder",
+                      f"shearwake-{name} if the program is installed")
 
     def test_a_job_in_place_of_results_is_explained(self):
         self.write_job(JOB)

@@ -64,6 +64,22 @@ class Warnings(ProgramTest):
             self.assertEqual(len(capped), 1, warnings)
             self.says(capped[0], "is capped at 1000 times")
 
+    def test_check_counts_the_warnings_of_engines(self):
+        for engine, more, said in (("spectral", [BONE], "medium.body[1]: shear stiffness"),
+                                   ("pstd", [], "is capped at 50 m/s, 10 times c_s")):
+            with self.subTest(said=said):
+                text = without_reference(*more, *SHORT)
+                named = f'engine = "{engine}"'
+                self.write_job(text.replace('engine = "layered"', ELASTIC[1] if more else named))
+                done = self.shearwake("check", "job.toml").said
+                lines = [line for line in done.splitlines() if ": warning: " in line]
+                self.assertTrue(any(said in line for line in lines), done)
+                self.says(done, f"{len(lines)} warning")
+                counted = json.loads(self.shearwake("check", "job.toml", "--json").stdout)
+                self.assertEqual(counted["warnings"], len(lines))
+        self.says(self.shearwake("check", "job.toml", "-S", "solver.pstd.time_step_us=20", expect=3).said,
+                  "error: solver.pstd.time_step_us", "is unstable on this grid")
+
     def test_plan_and_run_agree_on_the_time_step(self):
         make_map(self)
         for engine, medium, more in (("spectral", "layer", []), ("pstd", "layer", []), ("pstd", "body", [BODY]),

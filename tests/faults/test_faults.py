@@ -42,14 +42,20 @@ class Stops(FaultTest):
         self.write_job(MANY)
         self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,
                   "must be seconds or days-hours:minutes:seconds", "1:30:00")
-        said = self.shearwake("run", "job.toml", "--walltime", "0:04", expect=75).said
-        self.says(said, "stopped early", "400 cases")
-        first = len(case_files(self.out))
+        for limit in ("0:04", "0:16", "1:04"):  # a busy machine needs longer for the first case
+            said = self.shearwake("run", "job.toml", "--walltime", limit, expect=75).said
+            self.says(said, "stopped early", "400 cases")
+            first = len(case_files(self.out))
+            if first:
+                break
         self.assertGreater(first, 0, said)
-        env = {**environment(), "SLURM_JOB_END_TIME": str(int(time.time()) + 2)}
-        done = subprocess.run(command("run", "job.toml"), cwd=self.folder, env=env, check=False,
-                              capture_output=True, encoding="utf-8")
-        self.assertEqual(done.returncode, 75, done.stdout + done.stderr)
+        for limit_s in (2, 8, 32):
+            env = {**environment(), "SLURM_JOB_END_TIME": str(int(time.time()) + limit_s)}
+            done = subprocess.run(command("run", "job.toml"), cwd=self.folder, env=env, check=False,
+                                  capture_output=True, encoding="utf-8")
+            self.assertEqual(done.returncode, 75, done.stdout + done.stderr)
+            if len(case_files(self.out)) > first:
+                break
         self.assertGreater(len(case_files(self.out)), first)
         self.assertEqual(len(started(self.out)), len(case_files(self.out)))
 

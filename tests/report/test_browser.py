@@ -11,6 +11,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import h5py
+
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import browser  # noqa: E402
@@ -146,6 +148,48 @@ class BrowserTest(unittest.TestCase):
                 self.assertEqual(page.run(output), "efficiency η (1): AM frequency (Hz) 200, efficiency η (1) 0.26")
                 self.assertEqual(page.errors(), [])
 
+    def pointed_at(self, page, name, across, up):
+        """The text below the maps of a figure when the pointer is at fractions of its first map."""
+        page.run(f"""Array.from(document.querySelectorAll("details"), part => part.open = part.open
+            || !!part.querySelector("#maps-{name}"))""")
+        x, y = page.run(f"""(() => {{
+            const holder = document.querySelector("#maps-{name}"), image = holder.querySelector("img");
+            const [left, bottom, width, height] = JSON.parse(holder.querySelector("script").textContent)[0].box;
+            image.scrollIntoView({{block: "center"}});
+            const scroll = holder.querySelector(".scroll");  // pictures are wider than a phone
+            scroll.scrollLeft = (left + {across} * width) * image.clientWidth - scroll.clientWidth / 2;
+            holder.querySelector("output").textContent = "";
+            const box = image.getBoundingClientRect();
+            return [box.left + (left + {across} * width) * box.width, box.bottom - (bottom + {up} * height) * box.height];
+        }})()""")
+        page.move(x, y)
+        output = f'document.querySelector("#maps-{name} output").textContent'
+        self.assertTrue(page.wait(output + '.includes(":")'))
+        return page.run(output)
+
+    def test_pointing_at_a_cell_of_a_heat_map_shows_its_value(self):
+        with tempfile.TemporaryDirectory() as folder:
+            made = grid(folder)
+            made.report()
+            for width in (1280, 390):
+                with self.subTest(width=width):
+                    page = self.open(width, path=made.path / "report" / "index.html")
+                    for across, up, words in ((0.5, 0.5, "AM frequency 200\u00a0Hz, focus FWHM 3\u00a0mm"),
+                                              (0.9, 0.1, "AM frequency 400\u00a0Hz, focus FWHM 2\u00a0mm")):
+                        f, w = (200.0, 3.0) if across == 0.5 else (400.0, 2.0)
+                        text = self.pointed_at(page, "heat_eta_period_1", across, up)
+                        self.assertIn(words, text)
+                        self.assertTrue(text.endswith(f" {1e-3 * f + w + 50.0:g}"), text)  # of grid() at 5 m/s
+                    self.assertEqual(page.errors(), [])
+
+    def test_pointing_at_a_surface_shows_u(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.open(width)
+                text = self.pointed_at(page, "surface", 0.5, 0.5)
+                self.assertRegex(text, "^x \\(mm\\) .*, y \\(mm\\) .*: u .* µm$")
+                self.assertEqual(page.errors(), [])
+
     def test_dragging_zooms_both_panels_of_a_figure_and_the_button_resets_them(self):
         page = self.open(1280)
         limits = """charts.filter(chart => chart.holder.id === "chart-eta").map(
@@ -250,6 +294,23 @@ class BrowserTest(unittest.TestCase):
         page.run("""(() => { const choice = document.querySelector(".scaling");
             choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")
         self.assertNotEqual(page.run('document.querySelector(".high").textContent'), before)
+
+    def test_a_single_surface_has_no_controls_of_the_time(self):
+        with tempfile.TemporaryDirectory() as root:
+            folder = Folder(root, swept=(), x="")
+            folder.add({})
+            with h5py.File(folder.file(case_id(1)), "r+") as file:
+                for name in ("time", "u_z"):
+                    last = file["surface"][name][-1:]
+                    del file["surface"][name]
+                    file["surface"][name] = last
+            folder.report()
+            for width in (1280, 390):
+                page = self.open(width, path=folder.path / "report" / "index.html")
+                self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
+                self.assertFalse(page.run('!!document.querySelector(".play").offsetParent'))
+                self.assertTrue(page.run('!!document.querySelector(".clock").offsetParent'))
+                self.assertEqual(page.errors(), [])
 
     def test_play_moves_the_slider_and_pause_stops_it(self):
         for width in (1280, 390):

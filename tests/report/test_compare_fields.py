@@ -5,15 +5,21 @@
 Run: python3 tests/report/test_compare_fields.py    (unittest, numpy, h5py; a second)
 """
 import sys
+import tempfile
 import unittest
+from pathlib import Path
 
+import h5py
 import numpy as np
 
 from synthetic import ROOT
 
 sys.path.insert(0, str(ROOT / "analysis" / "report"))
 
-from compare_fields import common_axis, interpolation, on_common_grid, relative_l2
+import compare_words  # noqa: E402
+import load  # noqa: E402
+from compare_fields import (common_axis, compare_sensors, interpolation, on_common_grid,  # noqa: E402
+                            place_of_largest, relative_l2)
 
 
 def axis(count, spacing):
@@ -56,6 +62,37 @@ class CompareFields(unittest.TestCase):
         # Degree 7: half the spacing reduces the error by 2^8, if it is resolved; at least by 2^6.
         self.assertLess(errors[1], errors[0] / 64)
         self.assertLess(errors[1], 1e-5)
+
+    def test_rounding_errors_do_not_decide_on_the_place_of_the_maximum(self):
+        x = y = np.array([-1.0, 0.0, 1.0])
+        for error in (-1e-8, 0.0, 1e-8):  # rounding errors of float32 for values near 1
+            difference = np.array([[0.2, 0.0, 0.2], [0.1, 0.0, 0.1], [0.2 + error, 0.0, 0.2]])
+            self.assertEqual(place_of_largest(difference, 1.0, x, y), (2, 2))
+        difference[0, 0] = 0.21
+        self.assertEqual(place_of_largest(difference, 1.0, x, y), (0, 0))
+
+    def test_sensors_are_compared_at_common_nodes_and_times(self):
+        with tempfile.TemporaryDirectory() as folder:
+            cases = []
+            for name, factor, nodes in (("a.h5", 1.1, [(1, 2, 3), (4, 5, 6)]), ("b.h5", 1.0, [(4, 5, 6), (7, 8, 9)])):
+                path = Path(folder) / name
+                with h5py.File(path, "w") as file:
+                    for axis, values in zip("ijk", zip(*nodes)):
+                        file[f"sensor/{axis}"] = values
+                    file["sensor/time"] = [0.001, 0.002]
+                    file["sensor/uz"] = factor * np.array([[sum(node), -sum(node)] for node in nodes], float)
+                    file["sensor/uz"].attrs["units"] = "m/s"
+                cases.append(load.Case(name, {}, False, "", path, physics={"domain": {"spacing_m": 0.001}}))
+            entry, = compare_sensors(*cases)
+        self.assertAlmostEqual(entry["relative_l2"], 0.1, places=14)
+        self.assertAlmostEqual(entry["largest"], 1.5, places=12)
+        self.assertEqual((entry["at_node"], entry["nodes"], entry["times"], entry["unit"]), ([4, 5, 6], 1, 2, "m/s"))
+
+    def test_rounding_errors_of_columns_are_not_listed(self):
+        rows = [{"column": "eta", "first": 0.2, "second": 0.2, "change": 1e-14},
+                {"column": "peak", "first": 1.0, "second": 2.0, "change": -0.5}]
+        self.assertEqual([line.split()[0] for line in compare_words.column_lines(rows)], ["column", "peak"])
+        self.assertEqual(compare_words.column_lines(rows[:1]), ["  all columns are equal"])
 
     def test_the_relative_l2_norm_is_that_of_the_definition(self):
         b = np.array([[3.0, 4.0]])

@@ -19,6 +19,7 @@ from synthetic import AM, Folder, case_id, sweep  # noqa: E402
 
 import chart  # noqa: E402
 import curve_chart  # noqa: E402
+import fig_drive  # noqa: E402
 import fig_medium  # noqa: E402
 import fig_profiles  # noqa: E402
 import fig_receptors  # noqa: E402
@@ -114,6 +115,7 @@ class FolderTest(unittest.TestCase):
         self.assertAlmostEqual(end - start, 5 / 4.0)
         names = [figure.name for figure in self.draw(folder, fig_time)]
         self.assertIn("eta_time_last", names)
+        self.assertEqual([figure.name for figure in self.draw(folder, fig_drive)], ["drive", "drive_last"])
 
     def test_slices_of_the_medium_show_layers_and_bodies(self):
         folder = Folder(self.root)

@@ -61,8 +61,8 @@ class WholeSweepTest(unittest.TestCase):
 
     def test_text_of_the_user_is_escaped(self):
         self.assertNotIn("<script>alert", self.text)
-        charts = self.text.count('class="chart"')
-        self.assertEqual(self.page.tags.count("script"), charts + 3)  # pictures of the player, uPlot, the page
+        charts, maps = (self.text.count(f'class="{name}"') for name in ("chart", "maps"))
+        self.assertEqual(self.page.tags.count("script"), charts + maps + 3)  # pictures of the player, uPlot, the page
         self.assertIn(self.TITLE, self.page.data)
         self.assertIn("# <& job>", self.page.data)
 
@@ -126,6 +126,14 @@ class ReportTest(unittest.TestCase):
         folder.add({AM: 100.0}, scalars=dict.fromkeys(SCALARS, math.nan), snapshot=False)
         images = len(Page(folder.report()).images)
         self.assertEqual(images, 7)  # drive, three over time, traces, spectra, spectrograms
+
+    def test_a_sweep_without_references_has_no_columns_of_references(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0})
+        folder.add({AM: 200.0})
+        names = [cell["text"] for cell in Page(folder.report()).rows[0]]
+        self.assertIn("eta_period_1", names)
+        self.assertEqual([name for name in names if "reference" in name], [])
 
     def test_a_single_case_has_no_curves(self):
         folder = Folder(self.root, x="", swept=())

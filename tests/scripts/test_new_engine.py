@@ -63,7 +63,8 @@ focal_radius_mm = 4.0
 [solver]
 engine = "springs"
 [solver.springs]
-stiffness_Pa_m = 4e7
+modulus_kPa = 200
+length_mm = 5
 """
 
 
@@ -117,16 +118,16 @@ class NewEngine(unittest.TestCase):
                         ["cmake", "--build", build, "--target", "shearwake"]):
             done = subprocess.run(command, cwd=self.tree, capture_output=True, encoding="utf-8", check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        job = self.tree / "springs.toml"
-        job.write_text(JOB, encoding="utf-8")
-        for command in (["plan", job], ["run", job], ["reduce", "out/springs"]):
-            done = subprocess.run([build / "shearwake", *command], cwd=self.tree, capture_output=True,
+        work = self.tree.parent / "work"
+        work.mkdir()
+        (work / "springs.toml").write_text(JOB, encoding="utf-8")
+        for command in (["plan", "springs.toml"], ["run", "springs.toml"], ["reduce", "out/springs"]):
+            done = subprocess.run([build / "shearwake", *command], cwd=work, capture_output=True,
                                   encoding="utf-8", check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        table = (self.tree / "out/springs/tables/springs.csv").read_text(encoding="utf-8")
+        table = (work / "out/springs/tables/springs.csv").read_text(encoding="utf-8")
         row = dict(zip(*(line.split(",") for line in table.splitlines()[-2:])))
-        print(row)
-        # 200 Pa / 4e7 Pa/m = 5 um; the peak lies within half a spacing of a point.
+        # 200 Pa * 5 mm / 200 kPa = 5 um; the peak lies within half a spacing of a point.
         self.assertAlmostEqual(float(row["peak_um"]), 5.0, delta=0.01)
 
 

@@ -41,14 +41,15 @@ void SpringsEngine::run(const Case& c, const Comm& team, engines::Observer& obse
     const std::ptrdiff_t start = nx * team.rank() / team.size();
     const std::ptrdiff_t count = nx * (team.rank() + 1) / team.size() - start;
     const Load& load = c.scene().load;
-    const double compliance = load.peak_Pa / std::get<SpringsOptions>(c.solver).stiffness_Pa_m;
+    const auto& springs = std::get<SpringsOptions>(c.solver);
+    const double peak_m = load.peak_Pa * springs.length_m / springs.modulus_Pa;
     std::vector<double> u_z_m(static_cast<std::size_t>(count * ny));
     observer.begin({start, count});
     const engines::Timed timed(of_point);
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
         const double t_s = c.time.frame_s(n);
         const auto places = foci(load.modulation, t_s);
-        const double scale = compliance * amplitude(load, t_s) / static_cast<double>(places.size());
+        const double scale = peak_m * amplitude(load, t_s) / static_cast<double>(places.size());
         for (std::ptrdiff_t i = 0; i < count; ++i)
             for (std::ptrdiff_t j = 0; j < ny; ++j) {
                 double sum = 0.0;

@@ -7,7 +7,7 @@
 
 namespace shearwake::springs {
 
-/// A Winkler foundation without mass: u_z = p / stiffness at each point of the surface.
+/// A Winkler foundation without mass: u_z = p length / modulus at each point of the surface.
 class SpringsEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;

@@ -30,6 +30,19 @@ std::optional<double> as_number(const Node& node) {
     return std::nullopt;
 }
 
+/// The allowed word with the meaning of `word`.
+std::optional<std::string> synonym(std::string_view word, std::span<const std::string> allowed) {
+    static constexpr std::pair<std::string_view, std::string_view> synonyms[] = {
+        {"sphere", "ellipsoid"}, {"ball", "ellipsoid"}, {"spheroid", "ellipsoid"},
+        {"cube", "box"},         {"cuboid", "box"},     {"rod", "cylinder"},
+        {"tube", "cylinder"},    {"gauss", "gaussian"},
+    };
+    for (const auto& [other, name] : synonyms)
+        if (other == word && std::ranges::find(allowed, name) != allowed.end())
+            return std::string(name);
+    return std::nullopt;
+}
+
 } // namespace
 
 Reader::Reader(NodePtr table, std::string path, DiagnosticList& diagnostics)
@@ -143,7 +156,8 @@ std::optional<std::string> Reader::find_choice(std::string_view key,
                                                std::span<const std::string> allowed) {
     const auto word = find_word(key);
     if (!word || std::find(allowed.begin(), allowed.end(), *word) != allowed.end()) return word;
-    const auto meant = word->size() < 60 ? nearest(*word, allowed) : std::nullopt;
+    auto meant = synonym(*word, allowed);
+    if (!meant && word->size() < 60) meant = nearest(*word, allowed);
     error(key, fmt::format("must be {}{}, but is \"{}\"{}", allowed.size() > 1 ? "one of " : "",
                            quoted_list(allowed), excerpt(*word),
                            meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));

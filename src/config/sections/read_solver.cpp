@@ -65,13 +65,22 @@ Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load
         return static_cast<std::size_t>(found - names.begin());
     }();
     std::size_t number = 0;
+    std::string owner; // of the study
     // All tables are read: a sweep over the engine brings them, and their errors are reported.
     for_each_alternative(std::type_identity<SolverOptions>{}, [&](const auto& example) {
         using Options = std::decay_t<decltype(example)>;
         const Solver solver =
             read_options<Options>(reader.optional_table(Options::name), time, load_study);
+        if (solver.study) owner = Options::name;
         if (number++ == wanted) chosen = solver;
     });
+    if (engine && !owner.empty() && owner != engine_name(chosen.options))
+        reader.error("engine",
+                     fmt::format("is \"{}\", but only \"{}\" computes the imported simulation of "
+                                 "solver.{}.study; to repeat it with \"{}\", describe its medium "
+                                 "and its load in a job without this key (docs/how-to/kwave.md)",
+                                 engine_name(chosen.options), owner, owner,
+                                 engine_name(chosen.options)));
     if (engine || !reader.has("engine"))
         reader.finish(); // otherwise the table of another engine may be present
     return chosen;

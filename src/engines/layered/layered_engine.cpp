@@ -163,6 +163,13 @@ void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const Tran
     table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, checkpoints);
 }
 
+engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
+    auto options = std::get<LayeredOptions>(c.solver);
+    if (options.time_step_s) *options.time_step_s *= 0.5;
+    options.interpolation_tolerance = std::max(0.25 * options.interpolation_tolerance, 1e-12);
+    return {.options = options, .change = "a quarter of the interpolation tolerance"};
+}
+
 void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
                         engines::Checkpoints* checkpoints) {
     try {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <optional>
 
 namespace shearwake::pstd {
@@ -53,17 +54,6 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
                                : step_of(c, options).per_frame;
 }
 
-/// The notes and warnings of a run.
-engines::SolverReport report_of(const std::vector<Choice>& choices, std::ptrdiff_t steps) {
-    engines::SolverReport report{.notes = {}, .steps = steps};
-    for (const Choice& choice : choices) {
-        report.notes.push_back(choice.text);
-        if (!choice.key.empty())
-            report.warnings.push_back({Severity::warning, choice.key, choice.text});
-    }
-    return report;
-}
-
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
@@ -87,7 +77,9 @@ void run_with(const Case& c, const PstdOptions& options, const Comm& team,
     if (engines::march(field, c.time.frames * step.per_frame, observer, checkpoints) ==
         engines::MarchEnd::stopped)
         return;
-    observer.solved(report_of(pstd::choices(c, options, step), stepper.steps()));
+    observer.solved({.notes = engines::notes_of(pstd::choices(c, options, step)),
+                     .steps = stepper.steps(),
+                     .warnings = engines::warnings_of(step_choices(options, step))});
 }
 
 } // namespace
@@ -126,7 +118,7 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
 std::vector<std::string> PstdEngine::choices(const Case& c) const {
     const auto& options = std::get<PstdOptions>(c.solver);
     if (c.study()) return {};
-    return report_of(pstd::choices(c, options, step_of(c, options)), 0).notes;
+    return engines::notes_of(pstd::choices(c, options, step_of(c, options)));
 }
 
 bool PstdEngine::probes_step(const Case& c) const {
@@ -141,6 +133,15 @@ Case PstdEngine::with_step(const Case& c, double step_s) const {
     Case given = c;
     std::get<PstdOptions>(given.solver).time_step_s = step_s;
     return given;
+}
+
+engines::StepRefinement PstdEngine::half_the_step(const Case& c) const {
+    auto options = std::get<PstdOptions>(c.solver);
+    const double step_s = 0.5 * options.time_step_s.value_or(probed_step_s(c));
+    options.time_step_s = step_s;
+    return {.options = options,
+            .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),
+            .order = 2.0};
 }
 
 void PstdEngine::run(const Case& c, const Comm& team, engines::Observer& observer,

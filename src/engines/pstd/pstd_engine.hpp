@@ -22,6 +22,9 @@ public:
     bool probes_step(const Case& c) const override;
     double probed_step_s(const Case& c) const override;
     Case with_step(const Case& c, double step_s) const override;
+    /// The free surface is of second order (4, 2 and 1 % at 3, 4 and 6 points per FWHM).
+    std::optional<double> order_in_spacing() const override { return 2.0; }
+    engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 };

@@ -1,19 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/limits.hpp"
 #include "engines/pstd/pstd_engine.hpp"
+#include "engines/pstd/scene/case_step.hpp"
 #include "engines/pstd/study_limits.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 
 namespace shearwake::pstd {
+namespace {
+
+/// Remarks about a specified time step. With bodies, the limits of the step require the materials
+/// of all nodes, which only `plan` and `run` compute.
+std::vector<Remark> step_remarks(const Case& c) {
+    const auto& options = std::get<PstdOptions>(c.solver);
+    if (!options.time_step_s || is_uneven(c)) return {};
+    const StepChoice step =
+        choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options)));
+    auto remarks = engines::warnings_of(step_choices(options, step));
+    for (Remark& remark : remarks)
+        if (step.refused) remark.severity = Severity::error;
+    return remarks;
+}
+
+} // namespace
 
 std::vector<Remark> PstdEngine::limits(const Case& c) const {
     if (c.study()) {
         const std::string trouble = study_trouble(c);
-        if (trouble.empty()) return {};
+        if (trouble.empty()) return study_step_remarks(*c.study());
         return {{Severity::error, "solver.pstd.study", trouble}};
     }
+    const auto& options = std::get<PstdOptions>(c.solver);
     std::vector<Remark> refused;
     if (std::ranges::any_of(c.record.volume_fields,
                             [](VolumeField field) { return field != VolumeField::u; }))
@@ -33,6 +51,8 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
                                "material of the body"});
     const std::vector<Remark> losses = engines::refused_losses(c);
     refused.insert(refused.end(), losses.begin(), losses.end());
+    for (const auto& more : {engines::warnings_of(case_choices(c, options)), step_remarks(c)})
+        refused.insert(refused.end(), more.begin(), more.end());
     return refused;
 }
 

@@ -1,10 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/study_limits.hpp"
 
+#include "engines/pstd/scene/case_step.hpp"
+#include "engines/pstd/study_material.hpp"
+
 #include <cmath>
 #include <fmt/format.h>
 
 namespace shearwake::pstd {
+namespace {
+
+/// Extremes of the materials of all nodes.
+Extremes extremes_of(const StudyData& study, double spacing_m) {
+    const MaterialOfNode material = material_of(study);
+    const auto points = is_uneven(study) ? study.points : std::array<std::ptrdiff_t, 3>{1, 1, 1};
+    Extremes extremes;
+    for (std::ptrdiff_t x = 0; x < points[0]; ++x)
+        for (std::ptrdiff_t y = 0; y < points[1]; ++y)
+            for (std::ptrdiff_t z = 0; z < points[2]; ++z)
+                extremes.add(material({x, y, z}), spacing_m);
+    return extremes;
+}
+
+} // namespace
 
 std::string study_trouble(const Case& c) {
     if (!c.study()) return "";
@@ -39,6 +57,28 @@ std::string study_trouble(const Case& c) {
     if (!c.record.volumes_s.empty())
         return "record.volumes_ms is not supported for studies; use a sensor that covers a cuboid";
     return "";
+}
+
+std::vector<Remark> study_step_remarks(const StudyData& study) {
+    // The spacing of cubic cells with the same largest wave number. An odd number of points has no
+    // wave of two points.
+    double inverse_m2 = 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto points = static_cast<double>(study.points[axis]);
+        const double share = study.points[axis] % 2 == 1 ? 1.0 - 1.0 / points : 1.0;
+        inverse_m2 += std::pow(share / study.spacing_m[axis], 2);
+    }
+    const double spacing_m = std::sqrt(3.0 / inverse_m2);
+    const Extremes extremes = extremes_of(study, spacing_m);
+    const double safe_s = safe_step_s(extremes, spacing_m), step_s = study.time_step_s;
+    if (step_s <= safe_s) return {};
+    const bool unstable = step_s > extremes.alone_s;
+    return {{unstable ? Severity::error : Severity::warning, "solver.pstd.study",
+             fmt::format("has a time step of {:.6g} us (kgrid.dt in k-Wave), which {} unstable in "
+                         "this medium: steps up to {:.6g} us are stable, steps above {:.6g} us are "
+                         "unstable; reduce kgrid.dt and import the simulation again",
+                         1e6 * step_s, unstable ? "is" : "may be", 1e6 * safe_s,
+                         1e6 * extremes.alone_s)}};
 }
 
 } // namespace shearwake::pstd

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/pstd/study_limits.hpp"
+#include "engines/pstd/study_material.hpp"
 #include "engines/pstd/estimate.hpp"
 #include "engines/pstd/pstd_march.hpp"
 #include "parallel/agree.hpp"
@@ -17,18 +18,6 @@ namespace {
 
 const StudyData& study_of(const Case& c) {
     return *c.study();
-}
-
-MaterialOfNode material_of(const StudyData& study) {
-    return [&study](Node node) {
-        const std::ptrdiff_t at = (node[0] * study.points[1] + node[1]) * study.points[2] + node[2];
-        const auto value = [&](const std::vector<double>& values) {
-            if (values.empty()) return 0.0;
-            return values.size() == 1 ? values[0] : values[static_cast<std::size_t>(at)];
-        };
-        return NodeMaterial{value(study.density_kg_m3), value(study.c_p_m_s), value(study.c_s_m_s),
-                            value(study.chi_Pa_s), value(study.eta_Pa_s)};
-    };
 }
 
 Source source_of(const NodeSource& given) {
@@ -119,14 +108,12 @@ void run_with(const Case& c, const Comm& team, engines::Observer& observer,
 engines::Estimate estimate_study(const Case& c, int ranks) {
     const StudyData& study = study_of(c);
     const auto points = static_cast<double>(study.size());
-    const bool uneven = std::max({study.density_kg_m3.size(), study.c_p_m_s.size(),
-                                  study.c_s_m_s.size(), study.eta_Pa_s.size()}) > 1;
     engines::Estimate e =
         estimate_steps({.points = points,
                         .steps = static_cast<double>(study.steps),
                         .absorption = study.lossy() ? Absorption::kelvin_voigt : Absorption::none,
                         .precision = std::get<PstdOptions>(c.solver).precision,
-                        .uneven = uneven,
+                        .uneven = is_uneven(study),
                         .ranks = ranks});
     e.work.push_back(work_of_frames(c));
     double stored = 0.0;

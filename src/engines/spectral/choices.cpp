@@ -53,18 +53,19 @@ Difference difference(const Medium& medium, double top_m, double bottom_m, const
 }
 
 void add_notes(const std::string& what, const Difference& d, double cap,
-               std::vector<std::string>& notes) {
+               std::vector<engines::Choice>& notes) {
     if (d.contrast > cap * (1.0 + 1e-12))
-        notes.push_back(
-            fmt::format("{}: shear stiffness {:.3g} times that of the surrounding layer "
-                        "is capped at {:.4g} times (contrast_cap): it reflects "
-                        "{:.3f} of a shear wave's amplitude instead of {:.3f}",
-                        what, d.contrast, cap, shear_reflection(cap, d.dense),
-                        shear_reflection(d.contrast, d.dense)));
+        notes.push_back({"solver.spectral.contrast_cap",
+                         fmt::format("{}: shear stiffness {:.3g} times that of the surrounding "
+                                     "layer is capped at {:.4g} times (contrast_cap): it reflects "
+                                     "{:.3f} of a shear wave's amplitude instead of {:.3f}",
+                                     what, d.contrast, cap, shear_reflection(cap, d.dense),
+                                     shear_reflection(d.contrast, d.dense))});
     if (d.density || d.viscosity)
         notes.push_back(
-            fmt::format("{} differs from the layers in {}: every step needs an iterative solve",
-                        what, d.density ? "density" : "viscosity"));
+            {"",
+             fmt::format("{} differs from the layers in {}: every step needs an iterative solve",
+                         what, d.density ? "density" : "viscosity")});
 }
 
 } // namespace
@@ -115,8 +116,8 @@ std::vector<std::string> rigid_notes(const Case& given) {
     return notes;
 }
 
-std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options) {
-    std::vector<std::string> notes;
+std::vector<engines::Choice> variation_choices(const Case& c, const SpectralOptions& options) {
+    std::vector<engines::Choice> notes;
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
         const Body& body = c.scene().medium.bodies[i];
         if (body.rigid) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/limits.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 
@@ -19,9 +20,9 @@ std::vector<std::string> edge_notes(const Case& c);
 /// one line each. Not collective.
 std::vector<std::string> rigid_notes(const Case& given);
 
-/// Notes on the effect of elastic bodies and the map, as far as it follows from the case without
+/// Choices about elastic bodies and the map, as far as it follows from the case without
 /// the grid: shear stiffnesses above the cap, and properties that require an iterative solve. Not
 /// collective.
-std::vector<std::string> variation_notes(const Case& c, const SpectralOptions& options);
+std::vector<engines::Choice> variation_choices(const Case& c, const SpectralOptions& options);
 
 } // namespace shearwake::spectral

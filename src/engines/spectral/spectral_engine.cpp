@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <optional>
 #include <vector>
 
@@ -27,8 +28,7 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
             .iterations = s.iterations,
             .most_iterations = s.most_iterations,
             .work_J = balance.work_J,
-            .energy_J = balance.energy_J,
-            .warnings = stepper.warnings()};
+            .energy_J = balance.energy_J};
 }
 
 } // namespace
@@ -49,9 +49,29 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
-    for (const auto& more : {edge_notes(c), rigid_notes(given), variation_notes(c, options)})
+    for (const auto& more :
+         {edge_notes(c), rigid_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
     return notes;
+}
+
+engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
+    auto options = std::get<SpectralOptions>(c.solver);
+    constexpr double order = 2.0;
+    const double before = options.accuracy;
+    if (options.time_step_s || before < 2.0 * SpectralOptions::least_accuracy) {
+        const double step_s = 0.5 * options.time_step_s.value_or(probed_step_s(c));
+        options.time_step_s = step_s;
+        return {.options = options,
+                .change = fmt::format("half the time step, {:.4g} us", 1e6 * step_s),
+                .order = order};
+    }
+    options.accuracy = std::max(0.25 * before, SpectralOptions::least_accuracy);
+    return {.options = options,
+            .change = fmt::format("{:.3g} of the tolerance (accuracy {:.3g})",
+                                  options.accuracy / before, options.accuracy),
+            .ratio = std::sqrt(before / options.accuracy), // the error grows with the step squared
+            .order = order};
 }
 
 void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,

@@ -19,6 +19,7 @@ public:
     bool probes_step(const Case& c) const override;
     double probed_step_s(const Case& c) const override;
     Case with_step(const Case& c, double step_s) const override;
+    engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/limits.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
+#include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_engine.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "medium/body.hpp"
@@ -17,6 +18,9 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
+    for (Remark& warning : engines::warnings_of(
+             variation_choices(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver))))
+        refused.push_back(std::move(warning));
     return refused;
 }
 

@@ -131,25 +131,66 @@ void read_grid(hid_t file, StudyData& study) {
     study.layer_speed_m_s = layer.number("speed_m_s", 0.0, 1e6);
 }
 
+/// A property of the medium: its dataset, its field in k-Wave and its range.
+struct Property {
+    const char *name, *kwave_field;
+    double least;
+};
+
+std::vector<double> read_property(const Section& medium, const Property& property,
+                                  std::size_t nodes) {
+    auto values = medium.numbers(property.name);
+    if (values.size() != 1 && values.size() != nodes)
+        medium.fail(property.name, fmt::format("contains {} values, but must contain one, or one "
+                                               "for each of {} nodes",
+                                               values.size(), nodes));
+    for (const double value : values)
+        if (value < property.least)
+            medium.fail(property.name, fmt::format("is {} somewhere, but must be at least {:g} (in "
+                                                   "k-Wave: medium.{})",
+                                                   value, property.least, property.kwave_field));
+    return values;
+}
+
+double at_node(const std::vector<double>& values, std::size_t node) {
+    return values[values.size() == 1 ? 0 : node];
+}
+
+/// Shear waves must not be faster than compressional waves, and losses must not amplify them.
+void check_medium(const Section& medium, const StudyData& study) {
+    const std::size_t nodes = std::max(
+        {study.c_p_m_s.size(), study.c_s_m_s.size(), study.eta_Pa_s.size(), study.chi_Pa_s.size()});
+    for (std::size_t n = 0; n < nodes; ++n) {
+        const double c_p_m_s = at_node(study.c_p_m_s, n), c_s_m_s = at_node(study.c_s_m_s, n);
+        if (c_s_m_s > c_p_m_s)
+            medium.fail("c_s_m_s",
+                        fmt::format("is {} where c_p is {}: shear waves must be slower than "
+                                    "compressional waves (in k-Wave: medium.sound_speed_shear and "
+                                    "medium.sound_speed_compression)",
+                                    c_s_m_s, c_p_m_s));
+        if (!study.lossy()) continue;
+        const double eta_Pa_s = at_node(study.eta_Pa_s, n), chi_Pa_s = at_node(study.chi_Pa_s, n);
+        if (chi_Pa_s + 2.0 * eta_Pa_s < -1e-9 * eta_Pa_s)
+            medium.fail("chi_Pa_s", fmt::format("is {} where eta is {}: compressional waves would "
+                                                "be amplified (in k-Wave: "
+                                                "medium.alpha_coeff_compression)",
+                                                chi_Pa_s, eta_Pa_s));
+    }
+}
+
 void read_medium(hid_t file, StudyData& study) {
     const Section medium(file, "medium");
-    const auto read = [&](const char* name, double least) {
-        auto values = medium.numbers(name);
-        if (values.size() != 1 && values.size() != study.size())
-            medium.fail(
-                name,
-                fmt::format("contains {} values, but must contain one, or one for each of {} nodes",
-                            values.size(), study.size()));
-        for (const double value : values)
-            if (value < least) medium.fail(name, fmt::format("is {} somewhere", value));
-        return values;
+    const auto read = [&](const Property& property) {
+        return read_property(medium, property, study.size());
     };
-    study.density_kg_m3 = read("density_kg_m3", 1e-9);
-    study.c_p_m_s = read("c_p_m_s", 0.0);
-    study.c_s_m_s = read("c_s_m_s", 0.0);
-    if (!medium.has("eta_Pa_s") && !medium.has("chi_Pa_s")) return;
-    study.eta_Pa_s = read("eta_Pa_s", 0.0);
-    study.chi_Pa_s = read("chi_Pa_s", -1e300);
+    study.density_kg_m3 = read({"density_kg_m3", "density", 1e-9});
+    study.c_p_m_s = read({"c_p_m_s", "sound_speed_compression", 0.0});
+    study.c_s_m_s = read({"c_s_m_s", "sound_speed_shear", 0.0});
+    if (medium.has("eta_Pa_s") || medium.has("chi_Pa_s")) {
+        study.eta_Pa_s = read({"eta_Pa_s", "alpha_coeff_shear", 0.0});
+        study.chi_Pa_s = read({"chi_Pa_s", "alpha_coeff_compression", -1e300});
+    }
+    check_medium(medium, study);
 }
 
 NodeSource read_source(hid_t file, const std::string& name, const StudyData& study) {

@@ -53,6 +53,16 @@ TEST_CASE("an error in an override quotes the override", "[config][override]") {
         {"load.peek_Pa", "3",
          "-S load.peek_Pa: error: load.peek_Pa is unknown; did you mean peak_Pa?"},
         {"laod.peak_Pa", "3", "-S laod.peak_Pa: error: laod is unknown; did you mean load?"},
+        {"peak_Pa", "3", "-S peak_Pa: error: peak_Pa is unknown; did you mean load.peak_Pa?"},
+        {"peek_Pa", "3", "-S peek_Pa: error: peek_Pa is unknown; did you mean load.peak_Pa?"},
+        {"modulation.speed_m_s", "3",
+         "-S modulation.speed_m_s: error: modulation.speed_m_s is unknown; did you mean "
+         "load.modulation.speed_m_s?"},
+        {"density_kg_m3", "3",
+         "-S density_kg_m3: error: density_kg_m3 is unknown; did you mean "
+         "medium.layer[1].density_kg_m3 or medium.body[1].density_kg_m3?"},
+        {"flux", "3",
+         "-S flux: error: flux is unknown; give keys with their tables, as in load.peak_Pa"},
         {"load.peak_Pa", "-3", "-S load.peak_Pa: error: load.peak_Pa must be above 0, but is -3"},
         {"load.peak_Pa", "[",
          "-S load.peak_Pa: error: \"[\" is not a valid TOML value, such as 0.5, [1, 2] or "

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
+#include <functional>
 #include <thread>
 
 using namespace shearwake;
@@ -50,6 +52,54 @@ TEST_CASE("the progress of a case determines its remaining time", "[learned]") {
     times.end(1);
     CHECK(times.factor(0) == Approx(2.0)); // its partial time is not counted twice
     CHECK(times.left_s() == Approx(2.0 * 40.0 + 40.0));
+}
+
+TEST_CASE("after a tenth of a run, its remaining time is estimated within a third", "[learned]") {
+    // What a case of 1000 s estimated needs: seconds of setup, and the time of each of 100 steps.
+    struct Run {
+        double setup_s;
+        std::function<double(int)> step_s;
+    };
+    const auto noise = [](int n) { return 1.0 + 0.3 * std::sin(7.1 * n); };
+    const Run run = GENERATE_COPY(
+        Run{0.0, [](int) { return 0.2; }}, Run{5.0, [](int) { return 0.7; }}, // a long setup
+        Run{0.0, noise},                                                      // a busy machine
+        Run{1.0, [](int n) { return n < 4 ? 10.0 : 1.0; }});                  // a slow start
+    long now_us = 0;
+    schedule::LearnedTimes times({{"pstd", "a", 1000.0}}, Comm::world(), {},
+                                 [&] { return now_us; });
+    const auto wait = [&](double seconds) { now_us += std::lround(1e6 * seconds); };
+    double total_s = run.setup_s;
+    for (int n = 0; n < 100; ++n)
+        total_s += run.step_s(n);
+    times.begin(0);
+    wait(run.setup_s);
+    times.progressed(0, 0.0);
+    for (int n = 0; n < 100; ++n) {
+        wait(run.step_s(n));
+        times.progressed(0, 0.01 * (n + 1));
+        if (n + 1 < 10 || 1e-6 * static_cast<double>(now_us) < 0.1 * total_s) continue;
+        const double left_s = total_s - 1e-6 * static_cast<double>(now_us);
+        CAPTURE(n, left_s);
+        // The noise of the last steps is allowed in addition: 1 % of the run, the time of one step.
+        CHECK(std::abs(times.wall_left_s(1) - left_s) <= left_s / 3.0 + 0.01 * total_s);
+    }
+}
+
+TEST_CASE("the longest running case determines the end of the run", "[learned]") {
+    long now_us = 0;
+    // Two teams, of which this one computes a case of 100 s; the other one would need 10 s.
+    schedule::LearnedTimes times({{"pstd", "a", 100.0}, {"layered", "b", 10.0}}, Comm::world(),
+                                 {2, 1}, [&] { return now_us; });
+    times.begin(0);
+    CHECK(times.left_s() == Approx(110.0));
+    CHECK(times.wall_left_s(2) == Approx(100.0));
+    times.progressed(0, 0.0);
+    now_us = 20'000'000;
+    times.progressed(0, 0.1);
+    CHECK(times.wall_left_s(2) == Approx(180.0));
+    times.end(0);
+    CHECK(times.wall_left_s(1) == Approx(times.left_s()));
 }
 
 TEST_CASE("a measured case corrects those like it, then those of its engine", "[learned]") {

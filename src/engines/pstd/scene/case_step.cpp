@@ -125,8 +125,8 @@ std::string refusal(const PstdOptions& options, const StepChoice& choice) {
         1e6 * choice.safe_s);
 }
 
-std::vector<Choice> choices(const Case& c, const PstdOptions& options, const StepChoice& step) {
-    std::vector<Choice> notes;
+std::vector<engines::Choice> step_choices(const PstdOptions& options, const StepChoice& step) {
+    std::vector<engines::Choice> notes;
     if (step.refused)
         notes.push_back({"solver.pstd.time_step_us", refusal(options, step)});
     else
@@ -139,6 +139,11 @@ std::vector<Choice> choices(const Case& c, const PstdOptions& options, const Ste
              fmt::format("the time step exceeds the safe limit of {:.4g} us; the scheme "
                          "is certainly unstable above {:.4g} us",
                          1e6 * step.safe_s, 1e6 * step.alone_s)});
+    return notes;
+}
+
+std::vector<engines::Choice> case_choices(const Case& c, const PstdOptions& options) {
+    std::vector<engines::Choice> notes;
     for (const Layer& layer : c.scene().medium.layers)
         if (layer.c_p_m_s > options.c_p_over_c_s * layer.c_s_m_s * (1.0 + 1e-12))
             notes.push_back(
@@ -175,6 +180,14 @@ std::vector<Choice> choices(const Case& c, const PstdOptions& options, const Ste
                          1e3 * c.domain.sponge_m,
                          std::lround(c.domain.sponge_m / c.domain.spacing_m))});
     return notes;
+}
+
+std::vector<engines::Choice> choices(const Case& c, const PstdOptions& options,
+                                     const StepChoice& step) {
+    auto all = step_choices(options, step);
+    const auto more = case_choices(c, options);
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
 }
 
 } // namespace shearwake::pstd

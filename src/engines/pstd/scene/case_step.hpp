@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/limits.hpp"
 #include "engines/pstd/scene/case_grid.hpp"
 #include "parallel/comm.hpp"
 
@@ -44,12 +45,12 @@ StepChoice choose_step(const Case& c, const PstdOptions& options, const Extremes
 /// The message for a refused step.
 std::string refusal(const PstdOptions& options, const StepChoice& choice);
 
-/// A choice of the engine. `key` is empty, or the key to change where the choice reduces the
-/// accuracy.
-struct Choice {
-    std::string key, text;
-};
-/// The choices for a case, one line each. Not collective.
-std::vector<Choice> choices(const Case& c, const PstdOptions& options, const StepChoice& step);
+/// The choices about the step, one line each. Not collective.
+std::vector<engines::Choice> step_choices(const PstdOptions& options, const StepChoice& step);
+/// The choices that follow from the case alone. Not collective.
+std::vector<engines::Choice> case_choices(const Case& c, const PstdOptions& options);
+/// All of these choices. Not collective.
+std::vector<engines::Choice> choices(const Case& c, const PstdOptions& options,
+                                     const StepChoice& step);
 
 } // namespace shearwake::pstd

@@ -237,8 +237,6 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
             stiffest.stiffness, options.contrast_cap,
             shear_reflection(options.contrast_cap, stiffest.density),
             shear_reflection(stiffest.stiffness, stiffest.density)));
-    for (const std::string& note : v.notes)
-        v.warnings.push_back({Severity::warning, "solver.spectral.contrast_cap", note});
 
     // Requirements on the background, and whether iterations are needed.
     Variety variety = take_least(gathered, mesh, v.background);

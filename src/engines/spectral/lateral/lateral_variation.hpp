@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/remark.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/strain_transfer.hpp"
 #include "fft/run_transform.hpp"
@@ -41,7 +40,6 @@ struct LateralVariation {
     bool iterates = false;
     bool density_varies = false;
     std::vector<std::string> notes;
-    std::vector<Remark> warnings; // those of the notes that reduce the accuracy
 
     bool empty() const { return strain_points.empty(); }
     int components() const { return density_varies ? all_components : strain_components; }

@@ -18,6 +18,7 @@ constexpr auto names_of(std::type_identity<SpectralMethod>) {
 /// Engine `spectral`: Fourier in x and y, spectral elements in z, implicit in time.
 struct SpectralOptions {
     static constexpr const char* name = "spectral";
+    static constexpr double least_accuracy = 1e-4;
     std::optional<double> time_step_s; // none: chosen from the accuracy
     int degree = 8;
     double longest_element_m = 0.0; // 0: chosen from the load and the layers
@@ -39,7 +40,7 @@ void walk_fields(Walk& walk, Options& o) {
                          .meaning = "time step; shortened so that it divides the output interval"});
     walk(o.accuracy,
          {.key = "accuracy",
-          .range = Range::between(1e-4, 0.1),
+          .range = Range::between(SpectralOptions::least_accuracy, 0.1),
           .applies = !o.time_step_s,
           .only_with = "time_step_us = \"auto\"",
           .meaning =

@@ -82,7 +82,6 @@ public:
     const fft::AlignedVector<Block>& before() const { return before_; }
 
     const std::vector<std::string>& notes() const { return field_.variation().notes; }
-    const std::vector<Remark>& warnings() const { return field_.variation().warnings; }
     const StepStatistics& statistics() const { return statistics_; }
     const StepClock& clock() const { return clock_; }
     /// Memory of this rank's arrays in bytes.

@@ -100,6 +100,9 @@ TEST_CASE("an error in a body is reported with its location", "[config][body]") 
         {"\"ellipsoid\"", "\"elipsoid\"",
          "job.toml:29:9: error: medium.body[1].shape must be one of \"ellipsoid\", \"cylinder\" or "
          "\"box\", but is \"elipsoid\"; did you mean \"ellipsoid\"?"},
+        {"\"ellipsoid\"", "\"sphere\"",
+         "job.toml:29:9: error: medium.body[1].shape must be one of \"ellipsoid\", \"cylinder\" or "
+         "\"box\", but is \"sphere\"; did you mean \"ellipsoid\"?"},
         {"shape = \"ellipsoid\"\n", "", "job.toml:28:1: error: medium.body[1].shape is missing"},
         {"center_mm = [1.0, 2.0, 10.0]\n", "",
          "job.toml:28:1: error: medium.body[1].center_mm is missing"},

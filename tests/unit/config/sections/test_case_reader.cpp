@@ -263,13 +263,17 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
         {"c_p_over_c_s = 1", "solver.pstd.c_p_over_c_s must be between 2 and 1000"},
         {"[record]\nvolumes_ms = [4]\nvolume_fields = [\"strain\"]", "stores; solver.engine ="},
     }));
-    const Texts found = diagnostics_of(plain_and(chosen + more));
+    const auto errors = [](Texts texts) { // the engine also warns about the capped c_p
+        std::erase_if(texts, [](const auto& text) { return text.find("error: ") == text.npos; });
+        return texts;
+    };
+    const Texts found = errors(diagnostics_of(plain_and(chosen + more)));
     REQUIRE(found.size() == 1);
     CHECK(found[0].find(diagnostic) != std::string::npos);
 
-    const Texts lossy = diagnostics_of(
+    const Texts lossy = errors(diagnostics_of(
         replaced(plain_and(chosen), "viscosity_Pa_s = 1.0",
-                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }"));
+                 "loss = { law = \"fractional\", tau_us = 260.0, exponent = 0.27 }")));
     REQUIRE(lossy.size() == 1);
     CHECK(lossy[0].find(
               "error: solver.engine: \"pstd\" supports only lossless or Kelvin-Voigt layers") !=

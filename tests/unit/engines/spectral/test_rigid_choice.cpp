@@ -92,8 +92,8 @@ TEST_CASE("bodies along different axes: the first one is rigid", "[rigid_choice]
     CHECK(chosen.scene().medium.bodies[0].rigid);
     CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
     auto notes = spectral::rigid_notes(c);
-    for (const std::string& note :
-         spectral::variation_notes(chosen, std::get<SpectralOptions>(c.solver)))
+    for (const std::string& note : engines::notes_of(
+             spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
         notes.push_back(note);
     const auto mentions = [&](const std::string& text) {
         return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {

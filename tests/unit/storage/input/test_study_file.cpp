@@ -103,7 +103,12 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
         Spoilt{set("grid/points", 0, 4.5), "not a whole number"},
         Spoilt{set("layer/points", 0, 3),
                "of 3 points on both sides does not fit into 4 points along x"},
-        Spoilt{set("medium/c_s_m_s", 3, -1), "c_s_m_s is -1"},
+        Spoilt{set("medium/c_s_m_s", 3, -1), "medium.sound_speed_shear"},
+        Spoilt{set("medium/c_s_m_s", 3, 1e4),
+               "shear waves must be slower than compressional waves"},
+        Spoilt{set("medium/density_kg_m3", 0, -5),
+               "is -5 somewhere, but must be at least 1e-09 (in "
+               "k-Wave: medium.density)"},
         Spoilt{set("medium/c_p_m_s", 0, std::nan("")), "not finite"},
         Spoilt{[](Draft& d) {
                    d.datasets["medium/c_p_m_s"] = {{2}, {1, 2}};

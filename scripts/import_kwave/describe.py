@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Describes an imported simulation, so that a wrong order of indices can be recognised."""
+import numpy as np
+
+from record import FIELDS
+
+
+def counted(number, noun):
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def extent(nodes, study):
+    """The range of indices along each axis, counted from 1 in the grid of kgrid."""
+    if not len(nodes):
+        return "none"
+    at = nodes - study.first + 1
+    ranges = [f"{axis} {low}" if low == high else f"{axis} {low} to {high}"
+              for axis, low, high in zip("xyz", at.min(axis=0), at.max(axis=0))]
+    return f"{counted(len(nodes), 'node')}, {', '.join(ranges)}"
+
+
+def lines_of(study, plane):
+    """One line for each group of sources with the same nodes, for the sensor and for the measured plane."""
+    groups = {}
+    for source in study.sources:
+        groups.setdefault(source["nodes"].tobytes(), []).append(source)
+    lines = [f"source {', '.join(source['field'] for source in group)} ({group[0]['mode']}): "
+             f"{extent(group[0]['nodes'], study)}" for group in groups.values()]
+    recorded = ", ".join(field for field in FIELDS if field in study.sensor_fields)
+    lines.append(f"sensor ({recorded or 'no fields'}): {extent(study.sensor_nodes, study)}")
+    depth_mm = 1e3 * (plane + 0.5) * study.spacing_m[2]
+    lines.append(f"measured: u_z in the plane z {plane - int(study.first[2]) + 1} "
+                 f"(measure.depths_mm = [{depth_mm:.6g}])")
+    return lines
+
+
+def summary_of(name, study):
+    points = study.points - 2 * study.first
+    outside = f" in an absorbing layer of {', '.join(str(int(n)) for n in study.first)}" if np.any(study.first) else ""
+    return (f"{name}.toml and {name}.h5: {' x '.join(str(int(n)) for n in points)} nodes{outside}, "
+            f"{counted(study.steps, 'step')} of {1e6 * study.time_step_s:.6g} us, "
+            f"{counted(len(study.sources), 'source')}, {counted(len(study.sensor_nodes), 'sensor node')}")

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests the slices of maps and of k-Wave studies, and that figures do not show the placeholders of a study.
+
+Run: python3 tests/report/test_media.py    (unittest, numpy, h5py, matplotlib; seconds)
+"""
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from synthetic import Folder, case_id  # noqa: E402
+
+import fig_drive  # noqa: E402
+import fig_medium  # noqa: E402
+import load  # noqa: E402
+import medium_files  # noqa: E402
+
+LAYER = """
+[medium]
+base = "rigid"
+{map}
+[[medium.layer]]
+thickness_m = 0.02
+c_s_m_s = 3.0
+"""
+EARLY_s, LATE_s = 1.0e9, 2.0e9  # before and after the start of the synthetic cases, 2026-01-02
+
+
+class MediaTest(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.root = Path(self.temporary.name) / "out" / "sweep"
+        self.root.mkdir(parents=True)
+        (self.root / "report").mkdir()
+
+    def folder(self, job, extra):
+        folder = Folder(self.root, swept=(), x="", job=job)
+        folder.add({})
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 50\nny = 31")
+            file.attrs["case"] = np.bytes_((text + extra).encode())
+        return folder
+
+    def file(self, name, time_s, **datasets):
+        """An HDF5 file next to the folder `out`."""
+        path = self.root.parents[1] / name
+        with h5py.File(path, "w") as file:
+            for key, values in datasets.items():
+                file[key.replace("__", "/")] = values
+        os.utime(path, (time_s, time_s))
+        return path
+
+    def drawn(self, folder, module=fig_medium):
+        return module.figures(load.load(folder.save()), self.root / "report")
+
+
+class Maps(MediaTest):
+    JOB = 'schema = 1\n[medium]\nmap = "soft.h5"\n'
+    X, Y, Z = 1e-3 * np.arange(-5.0, 6.0), 1e-3 * np.arange(-4.0, 5.0), 1e-3 * np.arange(0.0, 11.0, 2.0)
+
+    def map(self, time_s=EARLY_s):
+        x, y, z = np.meshgrid(self.X, self.Y, self.Z, indexing="ij")
+        return self.file("soft.h5", time_s, x_m=self.X, y_m=self.Y, z_m=self.Z, c_s_m_s=10.0 + 100 * x + 200 * y + 300 * z)
+
+    def test_speeds_are_linear_between_nodes_and_those_of_the_layer_outside(self):
+        self.map()
+        loaded = load.load(self.folder(self.JOB, LAYER.format(map='map = "0"')).save())
+        along_x, along_y = fig_medium.scene(loaded, loaded.cases[0])
+        for plane, slope in ((along_x, 100.0), (along_y, 200.0)):
+            z = np.linspace(0.0, 0.02, len(plane.c_s))
+            at = 1e-3 * np.linspace(*plane.extent[:2], plane.c_s.shape[1])
+            inside = np.ix_(z <= 0.010, np.abs(at) <= 0.004)
+            expected = 10.0 + slope * at[None, :] + 300.0 * z[:, None]
+            np.testing.assert_allclose(plane.c_s[inside], expected[inside], rtol=1e-12)  # rounding errors
+            np.testing.assert_array_equal(plane.c_s[np.ix_(z > 0.0111, np.abs(at) < 1.0)], 3.0)
+            np.testing.assert_array_equal(plane.c_s[np.ix_(z <= 0.010, np.abs(at) > 0.0056)], 3.0)
+
+    def test_the_figure_states_where_the_map_is_from(self):
+        self.map()
+        figure, = self.drawn(self.folder(self.JOB, LAYER.format(map='map = "0"')))
+        self.assertIn("has not changed since the run", figure.caption)
+
+    def test_a_map_that_was_changed_later_or_is_missing_is_not_drawn(self):
+        folder = self.folder(self.JOB, LAYER.format(map='map = "0"'))
+        self.assertEqual(self.drawn(folder), [])
+        self.map(LATE_s)
+        self.assertEqual(self.drawn(folder), [])
+
+    def test_a_swept_or_overridden_key_selects_the_map(self):
+        path = self.map()
+        case = load.Case("1", {"medium.map": str(path)}, False, "", path, attributes={"started": "2026-01-02T03:04:05Z"})
+        sweep = load.Sweep(self.root, "", "", [], "", [], [case], "", [])
+        self.assertEqual(medium_files.file_of(sweep, case, "medium.map"), path)
+        case.settings, case.attributes["overrides"] = {}, 'medium.map = "soft.h5"\nload.peak_Pa = 3'
+        self.assertEqual(medium_files.file_of(sweep, case, "medium.map"), path)
+
+
+class Studies(MediaTest):
+    JOB = 'schema = 1\n[solver.pstd]\nstudy = "study.h5"\n'
+    CASE = LAYER.format(map="") + '[solver]\nengine = "pstd"\nstudy = "0123"\n'
+
+    def study(self):
+        speed = np.full((50, 31, 8), 5.0)
+        speed[:, :, 4:] = 8.0
+        self.file("study.h5", EARLY_s, grid__points=[50.0, 31.0, 8.0], grid__spacing_m=[1e-3, 1e-3, 2e-3],
+                  medium__c_s_m_s=speed, source_0__nodes=[[12.0, 15.0, 3.0], [14.0, 15.0, 3.0]],
+                  sensor__nodes=[[20.0, 16.0, 5.0]])
+
+    def test_slices_show_the_grid_and_the_nodes_of_the_study(self):
+        self.study()
+        folder = self.folder(self.JOB, self.CASE)
+        loaded = load.load(folder.save())
+        along_x, along_y = fig_medium.slices_of(loaded, loaded.cases[0])
+        self.assertEqual(along_x.extent, (-10.0, 39.0, 14.0, 0.0))  # the surface of the synthetic case
+        self.assertEqual((along_x.c_s[0, 0], along_x.c_s[-1, -1]), (5.0, 8.0))
+        np.testing.assert_allclose(along_x.marks, [[2.0, 6.0], [4.0, 6.0]])
+        np.testing.assert_allclose(along_y.sensors, [[1.0, 10.0]])
+        figure, = self.drawn(folder)
+        self.assertIn("source nodes", figure.caption)
+
+    def test_placeholders_of_a_study_are_not_drawn(self):
+        folder = self.folder(self.JOB, self.CASE)
+        self.assertEqual(self.drawn(folder), [])  # without the file of the study
+        figures = self.drawn(folder, fig_drive)  # the focus moves, and its force is not that of the sources
+        self.assertEqual([f.caption for f in figures], ["Position of the focus (x and y if they change)."])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Tests the size of pages: 20 cases with frames, and a sweep of 504 cases.
+
+Run: python3 tests/report/test_size.py    (unittest, numpy, h5py, matplotlib; half a minute)
+"""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from synthetic import AM, FWHM, Folder, Page, case_id  # noqa: E402
+
+LARGEST_B = 3_000_000
+KIND = "load.modulation.kind"
+
+
+class Size(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.root = temporary.name
+
+    def test_20_cases_with_frames_of_noise_fit_in_3_MB(self):
+        folder, random = Folder(self.root), np.random.default_rng(1)
+        x, y = 1e-3 * np.arange(-60, 60), 1e-3 * np.arange(-45, 45)
+        for n in range(20):
+            identity = folder.add({AM: 50.0 * (n + 1)}, frames=True)
+            with h5py.File(folder.file(identity), "r+") as file:
+                surface = file["surface"]
+                frames = len(surface["time"])
+                for name in ("x", "y", "u_z"):
+                    del surface[name]
+                surface["x"], surface["y"] = x, y
+                surface["u_z"] = 1e-6 * random.standard_normal((frames, 1, len(x), len(y))).astype("f4")
+        self.assertLess(len(folder.report().encode()), LARGEST_B)
+
+    def test_504_cases_fit_in_3_MB_and_all_are_in_the_table_and_the_maps(self):
+        folder = Folder(self.root, x=AM, series=[FWHM, KIND], swept=(AM, FWHM, KIND))
+        for n in range(14):
+            for width in range(9):
+                for kind in ("AM-STM", "SM-STM", "DTP", "STP"):
+                    folder.add({AM: 50.0 * (n + 1), FWHM: 2.0 + width, KIND: kind}, kind=kind,
+                               scalars={"eta_period_1": 0.1 + 0.01 * n + 0.005 * width})
+        text = folder.report()
+        self.assertLess(len(text.encode()), LARGEST_B)
+        page = Page(text)
+        ids = [cell["text"].strip() for cell in page.column("id")]
+        self.assertEqual(ids, [case_id(n) for n in range(1, 505)])
+        self.assertIn("504 cases: 504 complete.", page.data)
+        self.assertIn('id="maps-heat_eta_period_1"', text)
+        shown = text.partition('id="maps-heat_eta_period_1"')[2].partition("</script>")[0]
+        self.assertEqual(shown.count('"shape":[9,14]'), 4)  # one map per kind with every case
+        self.assertNotIn("null", shown.replace('"x_names":null', "").replace('"y_names":null', ""))
+
+
+if __name__ == "__main__":
+    unittest.main()
