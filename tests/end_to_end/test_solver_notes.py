@@ -7,6 +7,7 @@ import xarray
 from program import SWEEP, ProgramTest, case_files, changed, without_reference
 
 SPECTRAL = ('engine = "layered"', 'engine = "spectral"')
+ELASTIC = ('engine = "layered"', 'engine = "spectral"\nspectral = { rigid_above = 1e9 }')
 SHORT = (("duration_ms = 4.0", "duration_ms = 1.2"), ("at_ms = 4.0", "at_ms = 1.2"),
          (SWEEP, SWEEP.replace("400, ", "")))
 BONE = ("[load]", """[[medium.body]]
@@ -26,7 +27,7 @@ class SolverNotes(ProgramTest):
             return dict(case.attrs)
 
     def test_notes_of_a_bone_state_its_capped_stiffness_and_iterations(self):
-        self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
+        self.write_job(without_reference(ELASTIC, BONE, *SHORT))
         said = self.shearwake("plan", "job.toml").said
         capped = "medium.body[1]: shear stiffness 1.99e+05 times that of the surrounding layer is capped at 1000 " \
                  "times (contrast_cap): it reflects 0."
@@ -50,6 +51,26 @@ class SolverNotes(ProgramTest):
         shown = self.shearwake("show", path).said
         self.says(shown, f"solver:   {found['solver_steps']} steps, {found['solver_iterations']} iterations, "
                          f"at most {found['solver_most_iterations']} per step", *notes)
+
+    def test_a_bone_is_rigid_by_default_and_the_notes_state_why(self):
+        self.write_job(without_reference(SPECTRAL, BONE, *SHORT))
+        note = "medium.body[1] is rigid because it is 1.99e+05 times stiffer than its surroundings (rigid_above = 1000) " \
+               "and moves with its mass: one additional background solve per step, no cap on its stiffness"
+        planned = self.shearwake("plan", "job.toml").said
+        self.says(planned, note)
+        self.assertNotIn("contrast_cap", planned)
+        self.shearwake("run", "job.toml")
+        automatic = case_files(self.out)
+        for path in automatic:
+            found = self.attributes(path)
+            self.assertIn(note, found["solver_notes"])
+            self.assertEqual(found["solver_iterations"], 0)
+        marked = (BONE[0], BONE[1].replace("radius_mm", "rigid = true\nradius_mm"))
+        self.write_job(without_reference(SPECTRAL, marked, *SHORT), name="marked.toml")
+        self.shearwake("run", "marked.toml", "--out", "marked")
+        energies = [sorted(self.attributes(path)["solver_energy_J"] for path in paths)
+                    for paths in (automatic, case_files(self.folder / "marked"))]
+        self.assertEqual(*energies)
 
     def test_absorbing_edges_are_noted_and_change_the_field(self):
         changes = (SPECTRAL, ("duration_ms = 4.0", "duration_ms = 6.0"), (SWEEP, SWEEP.replace("400, ", "")))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rigid bodies in engine "spectral": several bodies, at the base, light ones, and reciprocity.
+// Rigid bodies in engine "spectral": several bodies, at the base, light ones, reciprocity,
+// complete layers, and volumes inside and beside them.
 #include "support/rigid_cases.hpp"
+#include "support/volume_store.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -75,4 +77,109 @@ TEST_CASE("a rigid body that is too light for a stable motion is rejected", "[ve
                       Catch::Contains("so much lighter than the material that it replaces"));
     c.scene().medium.bodies[0].fixed = true;
     CHECK_NOTHROW(step_through(c, 1, [](const spectral::Stepper&) {}));
+}
+
+TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]") {
+    Case c = bone_case(Along::y, 0.5);
+    c.domain = {64, 8, 0.6e-3, 0.0};
+    c.time.frames = 16;
+    c.record.volumes_s = {c.time.frame_s(15)};
+    c.record.volume_fields = {VolumeField::u, VolumeField::strain};
+    c.measure.at_s = c.time.duration_s();
+    test::VolumeStore store;
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
+    std::vector<double> q;
+    step_through(c, std::lround(1.6e-3 / 50e-6),
+                 [&](const spectral::Stepper& stepper) { q = stepper.bodies().position(); });
+    const Body& bone = c.scene().medium.bodies[0];
+    const double radius_m = std::get<Cylinder>(bone.shape).radius_m;
+    double worst_u = 0.0, beside = 0.0, inside = 0.0, outside = 0.0;
+    for (std::size_t level = 0; level < store.z_m().size(); ++level)
+        for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i) {
+            const double across_m = c.domain.x_m(i) - bone.centre_m.x;
+            const double down_m = store.z_m()[level] - bone.centre_m.z;
+            const double r_m = std::hypot(across_m, down_m);
+            const auto at = static_cast<std::size_t>(i * c.domain.ny);
+            const auto value = [&](std::size_t field, std::size_t component) {
+                return store.at(0, field, component, level)[at];
+            };
+            double strain = 0.0;
+            for (std::size_t component = 0; component < 6; ++component)
+                strain = std::max(strain, std::abs(value(1, component)));
+            const double difference = std::max(std::abs(value(0, 0) - q[1] - down_m * q[3]),
+                                               std::abs(value(0, 2) - q[2] + across_m * q[3]));
+            if (r_m < radius_m) {
+                inside = std::max(inside, strain);
+                worst_u = std::max(worst_u, difference);
+            } else if (r_m < radius_m + 0.3 * c.domain.spacing_m) {
+                outside = std::max(outside, strain);
+                beside = std::max(beside, difference);
+            }
+        }
+    CAPTURE(worst_u, beside, q[2], inside, outside);
+    CHECK(worst_u < 1e-12 * std::abs(q[2])); // rounding
+    CHECK(inside == 0.0);
+    // Within 0.3 spacings of the body the material follows it up to the strain over a spacing.
+    CHECK(beside < outside * c.domain.spacing_m);
+    CHECK(outside > 1e-6);
+}
+
+namespace {
+
+/// A slab as wide as the domain, from 5 to 9 mm in 12 mm of tissue.
+Case slab_case(double viscosity_Pa_s) {
+    Case c = bone_case(Along::y, viscosity_Pa_s);
+    c.scene().medium.bodies[0] = {.name = "slab",
+                                  .shape = Box{{c.domain.extent_x_m(), 1.0, 4e-3}},
+                                  .centre_m = {0.0, 0.0, 7e-3},
+                                  .density_kg_m3 = 1900.0,
+                                  .rigid = true};
+    return c;
+}
+
+} // namespace
+
+TEST_CASE("a rigid slab is equivalent to a rigid base at its top", "[verify]") {
+    Case c = test::with_step(slab_case(0.5), 12.5e-6);
+    c.time.frames = 30;
+    SECTION("marked as rigid") {}
+    SECTION("rigid because it is stiff") {
+        c.scene().medium.bodies[0].rigid = false;
+        c.scene().medium.bodies[0].c_s_m_s = 1619.0;
+        c.scene().medium.bodies[0].c_p_m_s = 3517.0;
+    }
+    SECTION("next to an elastic body, with iterations") {
+        // Far below the surface, behind the slab.
+        c.scene().medium.bodies.push_back({.name = "lump",
+                                           .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
+                                           .centre_m = {0.0, 0.0, 10.5e-3},
+                                           .density_kg_m3 = 1200.0,
+                                           .c_s_m_s = 10.0});
+    }
+    SECTION("with a sponge, against the same with the base") {
+        c.domain.sponge_m = 8e-3;
+    }
+    Case layer = c;
+    layer.scene().medium.bodies.clear();
+    layer.scene().medium.layers[0].thickness_m = 5e-3;
+    if (c.domain.sponge_m == 0.0) layer.solver = LayeredOptions{};
+    const double difference = relative_l2(last_frame(c), last_frame(layer));
+    CAPTURE(difference);
+    CHECK(difference < 2e-3); // required
+}
+
+TEST_CASE("energy of a lossless medium with a rigid slab is conserved", "[verify]") {
+    const double step_s = GENERATE(25e-6, 200e-6);
+    const Case c = test::with_step(slab_case(0.0), step_s);
+    const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction
+    double after = 0.0, worst = 0.0;
+    step_through(c, std::lround(14e-3 / step_s), [&](spectral::Stepper& stepper) {
+        if (stepper.step() < end || (stepper.step() > end && stepper.step() % 9 != 0)) return;
+        const double energy_J = stepper.energy().energy_J;
+        if (stepper.step() == end) after = energy_J;
+        worst = std::max(worst, std::abs(energy_J / after - 1.0));
+    });
+    CAPTURE(step_s, after, worst);
+    CHECK(after > 0.0);
+    CHECK(worst < 1e-8); // as without bodies
 }

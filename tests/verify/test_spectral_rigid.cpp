@@ -223,23 +223,6 @@ TEST_CASE("a restored run with a rigid body continues with the same bits", "[ver
     CHECK(end.rows("rigid_bodies")[2] != 0.0);
 }
 
-TEST_CASE("a fixed box below a layer is equivalent to a rigid base", "[verify]") {
-    Case c = with_step(bone_case(Along::y, 0.5), 12.5e-6);
-    c.time.frames = 30;
-    Case layer = c;
-    c.scene().medium.bodies[0] = {.name = "box",
-                                  .shape = Box{{c.domain.extent_x_m(), 1.0, 4e-3}},
-                                  .centre_m = {0.0, 0.0, 7e-3},
-                                  .rigid = true,
-                                  .fixed = true};
-    layer.scene().medium.bodies.clear();
-    layer.scene().medium.layers[0].thickness_m = 5e-3;
-    layer.solver = LayeredOptions{};
-    const double difference = relative_l2(last_frame(c), last_frame(layer));
-    CAPTURE(difference);
-    CHECK(difference < 2e-3); // required
-}
-
 TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
     // The change of the surface field due to a bone of 3 mm radius, at the points of the coarsest
     // grid, compared with a spacing of 0.3 mm.

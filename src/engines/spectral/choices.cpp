@@ -96,16 +96,22 @@ std::vector<std::string> edge_notes(const Case& c) {
                         1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
 }
 
-std::vector<std::string> rigid_notes(const Case& c) {
+std::vector<std::string> rigid_notes(const Case& given) {
+    const Case c = with_rigid_bodies(given);
     std::vector<std::string> notes;
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
         const Body& body = c.scene().medium.bodies[i];
         if (!body.rigid) continue;
-        notes.push_back(fmt::format(
-            "medium.body[{}] is rigid and {}: one additional background solve per step", i + 1,
-            body.fixed                        ? "fixed"
-            : is_held(body, c.scene().medium) ? "held by the rigid base"
-                                              : "moves with its mass"));
+        std::string why;
+        if (!given.scene().medium.bodies[i].rigid)
+            why = fmt::format(
+                " because it is {:.3g} times stiffer than its surroundings (rigid_above = {:.4g})",
+                stiffness_contrast(body, c.scene().medium),
+                std::get<SpectralOptions>(c.solver).rigid_above);
+        const std::string held = held_by(body, c.scene().medium, c.domain);
+        notes.push_back(fmt::format("medium.body[{}] is rigid{} and {}: one additional background "
+                                    "solve per step, no cap on its stiffness",
+                                    i + 1, why, held.empty() ? "moves with its mass" : held));
     }
     return notes;
 }

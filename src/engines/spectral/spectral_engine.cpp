@@ -2,6 +2,7 @@
 #include "engines/spectral/spectral_engine.hpp"
 
 #include "base/error.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
 #include "engines/spectral/spectral_kinds.hpp"
@@ -32,7 +33,8 @@ engines::SolverReport report_of(Stepper& stepper, std::vector<std::string> notes
 
 } // namespace
 
-engines::Estimate SpectralEngine::estimate(const Case& c, int ranks) const {
+engines::Estimate SpectralEngine::estimate(const Case& given, int ranks) const {
+    const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     return estimate_spectral(c, choose_mesh(c, options, time.step_s), time.per_frame, ranks);
@@ -42,12 +44,13 @@ std::vector<engines::Calibration> SpectralEngine::calibrations() const {
     return kinds::calibrations();
 }
 
-std::vector<std::string> SpectralEngine::choices(const Case& c) const {
+std::vector<std::string> SpectralEngine::choices(const Case& given) const {
+    const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
     for (const auto& more :
-         {edge_notes(c), rigid_notes(c), engines::notes_of(variation_choices(c, options))})
+         {edge_notes(c), rigid_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
     return notes;
 }
@@ -71,8 +74,9 @@ engines::StepRefinement SpectralEngine::half_the_step(const Case& c) const {
             .order = order};
 }
 
-void SpectralEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
+void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer& observer,
                          engines::Checkpoints* checkpoints) {
+    const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
     const DepthMesh mesh = choose_mesh(c, options, time.step_s);
@@ -84,7 +88,7 @@ void SpectralEngine::run(const Case& c, const Comm& team, engines::Observer& obs
         engines::MarchEnd::stopped)
         return;
     auto notes = discretisation_notes(time, mesh);
-    for (const auto& more : {edge_notes(c), rigid_notes(c)})
+    for (const auto& more : {edge_notes(c), rigid_notes(given)})
         notes.insert(notes.end(), more.begin(), more.end());
     const engines::SolverReport report = report_of(field.stepper(), std::move(notes));
     field.finish(observer);

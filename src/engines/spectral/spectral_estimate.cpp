@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_estimate.hpp"
 
-#include "engines/spectral/bodies/endless_systems.hpp"
+#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_sponge.hpp"
@@ -109,10 +109,11 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
         v.box = box_grid(
             c.domain, v.extent,
             {.planes = v.planes(), .factor_entries = factor_entries(mesh), .steps = steps});
-    const SpongePlan sponge =
-        sponge_plan(c, rigid || v.points > 0.0 ? Lateral::varies : Lateral::uniform, step_s);
+    const SpongePlan sponge = sponge_plan(
+        c, !section_bodies(c).empty() || v.points > 0.0 ? Lateral::varies : Lateral::uniform,
+        step_s);
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
-    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks);
+    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));

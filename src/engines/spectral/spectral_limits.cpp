@@ -18,8 +18,8 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
-    for (Remark& warning :
-         engines::warnings_of(variation_choices(c, std::get<SpectralOptions>(c.solver))))
+    for (Remark& warning : engines::warnings_of(
+             variation_choices(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver))))
         refused.push_back(std::move(warning));
     return refused;
 }
@@ -33,7 +33,7 @@ bool SpectralEngine::probes_step(const Case& c) const {
 }
 
 double SpectralEngine::probed_step_s(const Case& c) const {
-    return choose_time_step(c, std::get<SpectralOptions>(c.solver)).step_s;
+    return choose_time_step(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver)).step_s;
 }
 
 Case SpectralEngine::with_step(const Case& c, double step_s) const {

@@ -13,7 +13,7 @@ using namespace kinds;
 SpectralMarch::SpectralMarch(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                              const TimeStep& time, const Comm& team)
     : case_(c), layers_(without_rigid_bodies(c)), slabs_(slabs), per_frame_(time.per_frame),
-      stepper_(c, mesh, slabs, time.step_s, team),
+      stepper_(c, mesh, slabs, time.step_s, team), inside_(c, slabs.share()),
       tensors_(layers_, mesh, slabs, time.step_s, team),
       receptors_(layers_, mesh, slabs, time.step_s, team) {
     for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
@@ -48,7 +48,7 @@ void SpectralMarch::give(engines::Observer& observer) {
 
 /// Passes the output that refers to the start of the last step.
 void SpectralMarch::give_earlier(engines::Observer& observer) {
-    if (remembered_snapshot_) tensors_.give(stepper_, *remembered_snapshot_, observer);
+    if (remembered_snapshot_) tensors_.give(stepper_, inside_, *remembered_snapshot_, observer);
     if (remembered_frame_) receptors_.give(stepper_, *remembered_frame_, observer);
     remembered_snapshot_.reset();
     remembered_frame_.reset();
@@ -70,6 +70,8 @@ void SpectralMarch::give_displacement(std::size_t snapshot, std::size_t field,
         for (std::size_t level = 0; level < levels_m_.size(); ++level) {
             stepper_.plane_of_u(component, level, plane_.data());
             slabs_.to_physical(plane_.data());
+            inside_.set_displacement(levels_m_[level], component, stepper_.bodies().position(),
+                                     plane_.data());
             observer.volume({.snapshot = snapshot,
                              .field = field,
                              .component = component,

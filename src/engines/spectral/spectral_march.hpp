@@ -44,6 +44,7 @@ private:
     const fft::SlabTransform& slabs_;
     std::ptrdiff_t per_frame_;
     Stepper stepper_;
+    InsideBodies inside_;
     TensorVolumes tensors_;
     ReceptorStress receptors_;
     std::vector<double> levels_m_;

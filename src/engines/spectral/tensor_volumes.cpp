@@ -193,7 +193,7 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
     });
 }
 
-void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot,
+void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
     const engines::Timed timed(kinds::of_tensor);
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
@@ -210,18 +210,19 @@ void TensorVolumes::give(const Stepper& stepper, std::size_t snapshot,
             find_strain(stepper, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // the adjacent element follows
-            give_level(snapshot, level, observer);
+            give_level(inside, snapshot, level, observer);
         }
     }
 }
 
-void TensorVolumes::give_level(std::size_t snapshot, std::size_t level,
+void TensorVolumes::give_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
                                engines::Observer& observer) {
     const std::vector<VolumeField>& fields = case_.record.volume_fields;
     for (std::size_t field = 0; field < fields.size(); ++field) {
         if (fields[field] == VolumeField::u) continue;
         auto& planes = fields[field] == VolumeField::strain ? strain_ : stress_;
-        for (int c = 0; c < strain_components; ++c)
+        for (int c = 0; c < strain_components; ++c) {
+            inside.clear(mesh_.z_m(level), plane(planes, c));
             observer.volume(
                 {.snapshot = snapshot,
                  .field = field,
@@ -229,6 +230,7 @@ void TensorVolumes::give_level(std::size_t snapshot, std::size_t level,
                  .level = level,
                  .values = View2<const double>(plane(planes, c), slabs_.share().x_count,
                                                case_.domain.ny, slabs_.share().padded_ny)});
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/spectral/bodies/inside_bodies.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "medium/material_field.hpp"
 
@@ -31,8 +32,10 @@ public:
     /// Saves what the next step overwrites; to be called before the step that follows a snapshot.
     /// Not collective.
     void remember(const Stepper& stepper);
-    /// Passes the planes of the snapshot to the observer; to be called after that step. Collective.
-    void give(const Stepper& stepper, std::size_t snapshot, engines::Observer& observer);
+    /// Passes the planes of the snapshot to the observer; to be called after that step. Strain and
+    /// stress are zero inside rigid bodies. Collective.
+    void give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
+              engines::Observer& observer);
 
 private:
     struct Steps {
@@ -53,7 +56,8 @@ private:
     void find_strain(const Stepper& stepper, const StrainPoint& point);
     /// Adds the results at a node times `share` to strain_ and stress_.
     void add(const StrainPoint& point, double share);
-    void give_level(std::size_t snapshot, std::size_t level, engines::Observer& observer);
+    void give_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
+                    engines::Observer& observer);
     double* plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const;
     double* line(fft::AlignedVector<double>& planes, std::ptrdiff_t number,
                  std::ptrdiff_t row) const;

@@ -37,9 +37,9 @@ auto members(auto& s) {
     } else if constexpr (N == 7) {
         auto& [a, b, c, d, e, f, g] = s;
         return std::tie(a, b, c, d, e, f, g);
-    } else if constexpr (N == 8) {
-        auto& [a, b, c, d, e, f, g, h] = s;
-        return std::tie(a, b, c, d, e, f, g, h);
+    } else if constexpr (N == 9) {
+        auto& [a, b, c, d, e, f, g, h, i] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i);
     } else if constexpr (N == 10) {
         auto& [a, b, c, d, e, f, g, h, i, j] = s;
         return std::tie(a, b, c, d, e, f, g, h, i, j);
@@ -98,7 +98,7 @@ void check_members(T object = Example<T>::make()) {
 
 TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, LayeredOptions>();
-    check_members<8, SpectralOptions>();
+    check_members<9, SpectralOptions>();
     check_members<12, PstdOptions>();
     check_members<4, Domain>();
     check_members<2, TimeAxis>();

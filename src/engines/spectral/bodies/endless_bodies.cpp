@@ -22,13 +22,14 @@ Eigen::Index size_of(const auto& values) {
 
 EndlessBodies::EndlessBodies(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors,
                              double step_s, const Comm& team)
-    : bodies_(rigid_bodies(c)), medium_(c.scene().medium), vectors_(vectors), team_(team),
+    : bodies_(section_bodies(c)), medium_(c.scene().medium), vectors_(vectors), team_(team),
       step_s_(step_s), markers_(c, mesh, vectors), systems_(markers_, vectors, team),
       kernels_(simd::kernels<MarkerKernels>()) {
     now_.assign(section_freedoms * bodies_.size(), 0.0);
     before_ = acceleration_ = now_;
     for (std::size_t i = 0; i < bodies_.size(); ++i)
-        for (std::size_t j = 0; j < section_freedoms && !is_held(bodies_[i], medium_); ++j)
+        for (std::size_t j = 0;
+             j < section_freedoms && held_by(bodies_[i], medium_, c.domain).empty(); ++j)
             free_.push_back(i * section_freedoms + j);
 }
 

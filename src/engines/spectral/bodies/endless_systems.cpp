@@ -204,6 +204,14 @@ void EndlessSystems::assemble_blocks(const VerticalOperator& op, const Solve& so
     }
 }
 
+DepthWeights depth_weights(const DepthMesh& mesh, double depth_m) {
+    const auto above = std::upper_bound(mesh.ends_m.begin() + 1, mesh.ends_m.end() - 1, depth_m);
+    const auto e = static_cast<std::size_t>(above - mesh.ends_m.begin()) - 1;
+    return {static_cast<std::ptrdiff_t>(e) * mesh.degree,
+            interpolation_weights(mesh.rule,
+                                  2.0 * (depth_m - mesh.ends_m[e]) / mesh.length_m(e) - 1.0)};
+}
+
 SectionMarkers::SectionMarkers(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors)
     : vectors_(vectors), nodes_(mesh.degree + 1),
       levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
@@ -212,7 +220,7 @@ SectionMarkers::SectionMarkers(const Case& c, const DepthMesh& mesh, const WaveV
 }
 
 void SectionMarkers::place(const Case& c, const DepthMesh& mesh) {
-    const std::vector<Body> bodies = rigid_bodies(c);
+    const std::vector<Body> bodies = section_bodies(c);
     smoothing_m_ = marker_smoothing * c.domain.spacing_m;
     along_x_ = !bodies.empty() && endless_along(bodies[0], c.domain) == Endless::along_x;
     across_extent_m_ = along_x_ ? c.domain.extent_y_m() : c.domain.extent_x_m();
@@ -238,14 +246,10 @@ void SectionMarkers::place(const Case& c, const DepthMesh& mesh) {
     for (std::size_t i = 0; i < markers_.size(); ++i) {
         const double depth_m = markers_[i].depth_m;
         if (depths_m.empty() || depth_m != depths_m.back()) {
-            const auto above =
-                std::upper_bound(mesh.ends_m.begin() + 1, mesh.ends_m.end() - 1, depth_m);
-            const auto e = static_cast<std::size_t>(above - mesh.ends_m.begin()) - 1;
-            for (const double weight : interpolation_weights(
-                     mesh.rule, 2.0 * (depth_m - mesh.ends_m[e]) / mesh.length_m(e) - 1.0))
-                weights_.push_back(weight);
+            const DepthWeights at = depth_weights(mesh, depth_m);
+            weights_.insert(weights_.end(), at.weights.begin(), at.weights.end());
             depths_m.push_back(depth_m);
-            depths_.push_back({.first = static_cast<std::ptrdiff_t>(e) * mesh.degree,
+            depths_.push_back({.first = at.first,
                                .weights = nullptr,
                                .begin = static_cast<std::ptrdiff_t>(i),
                                .end = 0});

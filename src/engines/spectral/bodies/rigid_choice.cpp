@@ -2,6 +2,7 @@
 #include "engines/spectral/bodies/rigid_choice.hpp"
 
 #include "medium/bulk_modulus.hpp"
+#include "medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +44,23 @@ bool shares_volume(const Body& a, const Body& b, const Domain& domain) {
     return false;
 }
 
+/// Calls use(layer) for all layers between the top and the bottom of a body.
+template <class Use>
+void each_layer_around(const Body& body, const Medium& medium, const Use& use) {
+    const Bounds box = bounds(body);
+    for (std::size_t i = 0; i < medium.layers.size(); ++i) {
+        const bool last = i + 1 == medium.layers.size();
+        const DepthRange range = depths(medium, i);
+        if (box.high_m.z > range.top_m && (last || box.low_m.z < range.bottom_m))
+            use(medium.layers[i]);
+    }
+}
+
 std::string trouble_of(const Case& c, const Body& body, Endless along) {
-    if (along == Endless::no || along == Endless::both)
+    if (along == Endless::no)
         return "a rigid body must cross the whole domain along x or y: a cylinder parallel to x or "
-               "y without length_mm, or a box as wide as the domain in one of these directions";
+               "y without length_mm, or a box as wide as the domain in one or both of these "
+               "directions";
     if (!(bounds(body).low_m.z > 0.0))
         return fmt::format("a rigid body must not touch the surface, but it begins at {:.4g} mm",
                            1e3 * bounds(body).low_m.z);
@@ -78,6 +92,35 @@ Endless endless_along(const Body& body, const Domain& domain) {
     return x ? Endless::along_x : y ? Endless::along_y : Endless::no;
 }
 
+double stiffness_contrast(const Body& body, const Medium& medium) {
+    if (!body.c_s_m_s) return 0.0;
+    double contrast = std::numeric_limits<double>::infinity();
+    each_layer_around(body, medium, [&](const Layer& layer) {
+        const double density_kg_m3 = body.density_kg_m3.value_or(layer.density_kg_m3);
+        contrast = std::min(contrast,
+                            density_kg_m3 * std::pow(*body.c_s_m_s, 2) / material_of(layer).mu_Pa);
+    });
+    return contrast;
+}
+
+Case with_rigid_bodies(Case c) {
+    const double above = std::get<SpectralOptions>(c.solver).rigid_above;
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+        const Body body = c.scene().medium.bodies[i];
+        bool is_light = false;
+        each_layer_around(body, c.scene().medium, [&](const Layer& layer) {
+            is_light |= body.density_kg_m3.value_or(layer.density_kg_m3) < layer.density_kg_m3;
+        });
+        if (body.rigid || is_light ||
+            !(stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9)))
+            continue;
+        Case chosen = c;
+        chosen.scene().medium.bodies[i].rigid = true;
+        if (rigid_limits(chosen).size() <= rigid_limits(c).size()) c = std::move(chosen);
+    }
+    return c;
+}
+
 std::vector<Body> rigid_bodies(const Case& c) {
     std::vector<Body> rigid;
     for (const Body& body : c.scene().medium.bodies)
@@ -85,16 +128,25 @@ std::vector<Body> rigid_bodies(const Case& c) {
     return rigid;
 }
 
+std::vector<Body> section_bodies(const Case& c) {
+    std::vector<Body> bodies = rigid_bodies(c);
+    std::erase_if(bodies,
+                  [&](const Body& body) { return endless_along(body, c.domain) == Endless::both; });
+    return bodies;
+}
+
 Case without_rigid_bodies(Case c) {
     std::erase_if(c.scene().medium.bodies, [](const Body& body) { return body.rigid; });
     return c;
 }
 
-bool is_held(const Body& body, const Medium& medium) {
-    if (body.fixed) return true;
-    if (medium.base != Base::rigid) return false;
+std::string held_by(const Body& body, const Medium& medium, const Domain& domain) {
+    if (body.fixed) return "fixed";
+    // The tissue below is nearly incompressible and ends at the same edges.
+    if (endless_along(body, domain) == Endless::both) return "held because it is a complete layer";
+    if (medium.base != Base::rigid) return "";
     const double base_m = depths(medium, medium.layers.size() - 1).bottom_m;
-    return bounds(body).high_m.z >= base_m * (1.0 - 1e-9);
+    return bounds(body).high_m.z >= base_m * (1.0 - 1e-9) ? "held by the rigid base" : "";
 }
 
 std::vector<Remark> rigid_limits(const Case& c) {

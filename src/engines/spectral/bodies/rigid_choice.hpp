@@ -14,13 +14,24 @@ enum class Endless { no, along_x, along_y, both };
 /// collective.
 Endless endless_along(const Body& body, const Domain& domain);
 
-/// The bodies that the engine treats as rigid. Not collective.
+/// How much stiffer a body is than the layers around it: the smallest ratio of shear moduli, 0 for
+/// a body without c_s_m_s. Not collective.
+double stiffness_contrast(const Body& body, const Medium& medium);
+/// The case with all bodies marked as rigid that the engine treats as such: those whose contrast
+/// exceeds solver.spectral.rigid_above, unless they are lighter than the layers around them or
+/// rigid_limits() would reject them. Not collective.
+Case with_rigid_bodies(Case c);
+
+/// The bodies that are marked as rigid. Not collective.
 std::vector<Body> rigid_bodies(const Case& c);
+/// Those of them that have a cross-section: all but slabs as wide as the domain. Not collective.
+std::vector<Body> section_bodies(const Case& c);
 /// The case without its rigid bodies: the material in their place is that of the surroundings, and
 /// forces at markers make it move rigidly. Not collective.
 Case without_rigid_bodies(Case c);
-/// Whether a rigid body cannot move: it is fixed or bonded to the rigid base. Not collective.
-bool is_held(const Body& body, const Medium& medium);
+/// Why a rigid body cannot move, as in "held by the rigid base", or an empty text if it can. Not
+/// collective.
+std::string held_by(const Body& body, const Medium& medium, const Domain& domain);
 
 /// Errors for rigid bodies that the engine does not support: lumps, bodies along different axes,
 /// bodies that overlap or touch the surface, and bodies that the grid does not resolve. Not

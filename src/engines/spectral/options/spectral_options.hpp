@@ -26,7 +26,8 @@ struct SpectralOptions {
     SpectralMethod method = SpectralMethod::automatic;
     double residual = 1e-3; // of the iterations: its energy norm relative to that of the motion
     double contrast_cap = 1000.0; // cap on mu of bodies, as a multiple of mu of the layer
-    double accuracy = 1e-3; // relative L2 error of the surface field; determines the time step
+    double rigid_above = 1000.0; // bodies with more than this multiple of mu of the layer are rigid
+    double accuracy = 1e-3;      // relative L2 error of the surface field; determines the time step
     bool operator==(const SpectralOptions&) const = default;
 };
 
@@ -83,6 +84,16 @@ void walk_fields(Walk& walk, Options& o) {
               "the surrounding layer. At 1000 and equal density, 0.94 of the amplitude of a "
               "shear wave is reflected (bone, which is denser: 0.955), compared with 1 for a "
               "rigid body. The number of iterations grows with the square root of the cap"});
+    walk(
+        o.rigid_above,
+        {.key = "rigid_above",
+         .range = Range::at_least(1.0),
+         .in_text = o.rigid_above != SpectralOptions{}.rigid_above,
+         .meaning =
+             "a body whose shear modulus is more than this multiple of that of every layer around "
+             "it is rigid, as with `rigid = true`, if rigid bodies support its shape and place and "
+             "if it is at least as dense as these layers. Other bodies are elastic and subject to "
+             "`contrast_cap`. 1e9 treats all bodies as elastic that are not marked as rigid"});
 }
 
 } // namespace shearwake

@@ -24,10 +24,10 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
       load_(c, vectors_, step_s),
       sponge_(c, vectors_, slabs,
-              field_.variation().empty() && rigid_bodies(c).empty() ? Lateral::uniform
-                                                                    : Lateral::varies,
+              field_.variation().empty() && section_bodies(c).empty() ? Lateral::uniform
+                                                                      : Lateral::varies,
               step_s, team),
-      bodies_(c, mesh, vectors_, step_s, team),
+      bodies_(c, mesh, vectors_, step_s, team), slab_bodies_(c, mesh, vectors_),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
@@ -35,10 +35,15 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       strain_kernels_(simd::kernels<StrainKernels>()) {
     planes_.emplace(field_, slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
-    bodies_.assemble(operator_, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
-        operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
-    });
+    together(team, [&] { slab_bodies_.assemble(operator_, background_solve()); });
+    bodies_.assemble(operator_, background_solve());
     assemble_box();
+}
+
+EndlessSystems::Solve Stepper::background_solve() const {
+    return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
+        operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+    };
 }
 
 void Stepper::assemble() {
@@ -136,6 +141,7 @@ void Stepper::first_pass() {
         const std::ptrdiff_t ky = slabs_.share().ky_start + row;
         kinetic_.add(ky, sum_of(operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part)));
         operator_.solve_implicit(factor(at), force);
+        slab_bodies_.hold(row, block, background_solve(), force, scale, u, before);
         const auto motion = [&](std::ptrdiff_t p, std::ptrdiff_t lane) { // (u+ - u-)/2
             return u[parts + p][lane] - before[parts + p][lane] +
                    0.5 * scale * force[parts + p][lane];
@@ -188,6 +194,7 @@ void Stepper::respond(const LateralField::Values& stress, Use use) {
         std::fill(pencil_.begin(), pencil_.end(), Block{});
         add_planes_force(row, block, force);
         operator_.solve_implicit(factor(at), force);
+        slab_bodies_.hold(row, block, background_solve(), force);
         if (!bodies_.empty()) bodies_.evaluate(row, block, force);
         clock_.lap(Phase::solves, pencil_bytes(0.0));
         use(row, block, at, force);
@@ -255,7 +262,7 @@ double Stepper::memory_B() const {
           &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
     return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
-           bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
+           bodies_.memory_B() + slab_bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
            (box_ ? box_->memory_B() : 0.0);
 }
 

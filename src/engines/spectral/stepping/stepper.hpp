@@ -3,6 +3,7 @@
 
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/bodies/endless_bodies.hpp"
+#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/strains.hpp"
 #include "engines/spectral/lateral/box_response.hpp"
@@ -114,7 +115,7 @@ private:
     void constrain_step();
     /// Adds the planes to the values of the cells. Collective.
     void add_planes(LateralField::Values& values);
-    /// Whether there are neither elastic nor rigid bodies.
+    /// Whether nothing varies laterally: no elastic body, and rigid ones only as complete layers.
     bool is_uniform() const { return field_.variation().empty() && bodies_.empty(); }
     /// Apply B^-1 E^T to a stress with the sign of a force: strain_of() computes the strain of the
     /// result, displace() adds the result to the next displacement.
@@ -132,6 +133,8 @@ private:
     template <class Use>
     void each_pencil(Use use);
     void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
+    /// B^-1 of a pencil, for the bodies.
+    EndlessSystems::Solve background_solve() const;
     void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement);
     const Block* factor(std::ptrdiff_t pencil) const;
     const Block* pencil(const fft::AlignedVector<Block>& of, std::ptrdiff_t row,
@@ -170,6 +173,7 @@ private:
     MovingLoad load_;
     LateralSponge sponge_;
     EndlessBodies bodies_;
+    SlabBodies slab_bodies_;
     StepStatistics statistics_;
     EnergyWatch watch_;
     RowSums kinetic_, work_; // per ky: twice the kinetic energy before a step, and its work

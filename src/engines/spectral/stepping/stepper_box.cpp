@@ -8,7 +8,7 @@ namespace shearwake::spectral {
 
 void Stepper::assemble_box() {
     // With rigid bodies the response depends on the positions of both cells.
-    if (!solver_ || !bodies_.empty()) return;
+    if (!solver_ || !bodies_.empty() || !slab_bodies_.empty()) return;
     const std::optional<BoxGrid> grid =
         box_grid(case_.domain, field_.extent(team_),
                  {.planes = static_cast<double>(planes_->count()),

@@ -18,6 +18,7 @@ void Stepper::damp(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, 
     const engines::Timed timed(of_sponge);
     sponge_.impulse(operator_, row, block, change);
     operator_.solve_implicit(factor(at), change);
+    slab_bodies_.hold(row, block, background_solve(), change);
     add_impulse(at, change);
 }
 

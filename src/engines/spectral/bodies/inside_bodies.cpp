@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/inside_bodies.hpp"
+
+#include "engines/spectral/bodies/rigid_choice.hpp"
+#include "engines/spectral/bodies/section_markers.hpp"
+
+#include <cmath>
+
+namespace shearwake::spectral {
+
+InsideBodies::InsideBodies(const Case& c, const fft::SlabShare& share)
+    : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {}
+
+template <class Use>
+void InsideBodies::each_point(double depth_m, const Use& use) const {
+    for (std::size_t body = 0; body < bodies_.size(); ++body) {
+        const Bounds box = bounds(bodies_[body]);
+        if (depth_m < box.low_m.z || depth_m > box.high_m.z) continue;
+        const Vec3 centre = bodies_[body].centre_m;
+        for (std::ptrdiff_t i = 0; i < share_.x_count; ++i)
+            for (std::ptrdiff_t j = 0; j < domain_.ny; ++j) {
+                // A body continues beyond the periodic edge.
+                const Vec3 offset{std::remainder(domain_.x_m(share_.x_start + i) - centre.x,
+                                                 domain_.extent_x_m()),
+                                  std::remainder(domain_.y_m(j) - centre.y, domain_.extent_y_m()),
+                                  depth_m - centre.z};
+                if (volume_fraction(bodies_[body], centre + offset, {}) > 0.5)
+                    use(i * share_.padded_ny + j, body, offset);
+            }
+    }
+}
+
+void InsideBodies::set_displacement(double depth_m, std::size_t component,
+                                    const std::vector<double>& q, double* plane) const {
+    each_point(depth_m, [&](std::ptrdiff_t at, std::size_t body, Vec3 offset) {
+        plane[at] = 0.0;
+        if (q.empty()) return; // slabs, which are at rest
+        const bool along_x = endless_along(bodies_[body], domain_) == Endless::along_x;
+        const double* of = q.data() + body * section_freedoms;
+        if (component == 2)
+            plane[at] = of[2] - (along_x ? offset.y : offset.x) * of[3];
+        else
+            plane[at] = (component == 0) == along_x ? of[0] : of[1] + offset.z * of[3];
+    });
+}
+
+void InsideBodies::clear(double depth_m, double* plane) const {
+    each_point(depth_m, [&](std::ptrdiff_t at, std::size_t, Vec3) { plane[at] = 0.0; });
+}
+
+} // namespace shearwake::spectral

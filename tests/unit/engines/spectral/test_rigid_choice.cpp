@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/rigid_choice.hpp"
+
+#include "engines/spectral/choices.hpp"
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
+
+using namespace shearwake;
+
+namespace {
+
+/// A bone of 6 mm diameter along y, 2e5 times stiffer than the tissue around it.
+Case bone_case() {
+    Case c;
+    c.scene().medium.layers = {{.name = "tissue",
+                                .thickness_m = 0.02,
+                                .density_kg_m3 = 1e3,
+                                .c_p_m_s = 1500.0,
+                                .c_s_m_s = 5.0}};
+    c.scene().medium.bodies = {{.name = "bone",
+                                .shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},
+                                .centre_m = {0.0, 0.0, 8e-3},
+                                .density_kg_m3 = 1900.0,
+                                .c_p_m_s = 3517.0,
+                                .c_s_m_s = 1619.0}};
+    c.domain = {.nx = 64, .ny = 48, .spacing_m = 1e-3};
+    c.solver = SpectralOptions{.time_step_s = 50e-6};
+    return c;
+}
+
+bool is_rigid(const Case& c) {
+    return spectral::with_rigid_bodies(c).scene().medium.bodies[0].rigid;
+}
+
+} // namespace
+
+TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]") {
+    Case c = bone_case();
+    Body& bone = c.scene().medium.bodies[0];
+    CHECK(spectral::stiffness_contrast(bone, c.scene().medium) ==
+          Approx(1.9 * std::pow(1619.0 / 5.0, 2)));
+    CHECK(is_rigid(c));
+    SECTION("unless the limit is higher") {
+        std::get<SpectralOptions>(c.solver).rigid_above = 2e5;
+        CHECK_FALSE(is_rigid(c));
+        std::get<SpectralOptions>(c.solver).rigid_above = 1.9e5;
+        CHECK(is_rigid(c));
+    }
+    SECTION("unless a layer around it is almost as stiff") {
+        Layer gel = c.scene().medium.layers[0];
+        gel.c_s_m_s = 100.0;
+        c.scene().medium.layers[0].thickness_m = 6e-3;
+        c.scene().medium.layers.push_back(gel);
+        CHECK_FALSE(is_rigid(c)); // it extends from 5 to 11 mm
+        c.scene().medium.layers[0].thickness_m = 12e-3;
+        CHECK(is_rigid(c));
+    }
+    SECTION("unless it is lighter than its surroundings") {
+        bone.density_kg_m3 = 900.0;
+        CHECK_FALSE(is_rigid(c));
+    }
+    SECTION("unless rigid bodies do not support its shape or place") {
+        SECTION("a lump") {
+            bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
+        }
+        SECTION("a smooth edge") {
+            bone.edge_m = 2e-3;
+        }
+        SECTION("a body that reaches the surface") {
+            bone.centre_m.z = 2e-3;
+        }
+        SECTION("a body that overlaps another one") {
+            Body fat = bone;
+            fat.c_s_m_s = 3.0;
+            fat.density_kg_m3 = 900.0;
+            c.scene().medium.bodies.push_back(fat);
+        }
+        CHECK_FALSE(is_rigid(c));
+        CHECK(spectral::rigid_limits(c).empty()); // it is elastic then
+    }
+}
+
+TEST_CASE("bodies along different axes: the first one is rigid", "[rigid_choice]") {
+    Case c = bone_case();
+    Body across = c.scene().medium.bodies[0];
+    across.shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 0.0};
+    across.centre_m.z = 14e-3;
+    c.scene().medium.bodies.push_back(across);
+    const Case chosen = spectral::with_rigid_bodies(c);
+    CHECK(chosen.scene().medium.bodies[0].rigid);
+    CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
+    auto notes = spectral::rigid_notes(c);
+    for (const std::string& note : engines::notes_of(
+             spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
+        notes.push_back(note);
+    const auto mentions = [&](const std::string& text) {
+        return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+            return note.find(text) != std::string::npos;
+        });
+    };
+    CHECK(mentions("medium.body[1] is rigid because it is 1.99e+05 times stiffer"));
+    CHECK(mentions("medium.body[2]: shear stiffness 1.99e+05 times"));
+}
