@@ -26,9 +26,9 @@ StrainPlanes::StrainPlanes(const LateralField& field, const fft::SlabTransform& 
     if (LineWindow::pays(nx_, extent.x_end - extent.x_begin))
         window_.emplace(nx_, extent.x_begin - corner.x, extent.x_end - extent.x_begin);
     const fft::SlabShare& share = slabs.share();
-    const std::ptrdiff_t first = window_ ? extent.x_begin : corner.x;
+    const std::ptrdiff_t left = window_ ? extent.x_begin : corner.x;
     const fft::RunTransform::Layout layout{{share.ky_start, share.ky_count},
-                                           field.x_start() - first,
+                                           field.x_start() - left,
                                            window_ ? window_->count() : nx_,
                                            window_ ? window_->count() : slabs.line_pitch(),
                                            stored_stride()};
