@@ -174,9 +174,10 @@ void print_cases(const std::vector<PlannedCost>& cases, bool all) {
 void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& warnings) {
     if (!e.choices.empty()) fmt::print("\n");
     for (const auto& [note, count] : e.choices) {
-        const bool known = std::ranges::any_of(warnings, [&](const config::Diagnostic& warning) {
-            return warning.message.find(": " + note) != std::string::npos;
-        });
+        const auto is_note = [ending = ": " + note](const config::Diagnostic& warning) {
+            return warning.message.find(ending) != std::string::npos;
+        };
+        const bool known = std::ranges::any_of(warnings, is_note);
         if (known) continue;
         fmt::print("{}{}\n", note,
                    count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));

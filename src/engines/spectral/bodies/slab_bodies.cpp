@@ -92,13 +92,13 @@ void SlabBodies::invert(const std::vector<Block>& matrix, const WaveVectors& vec
     for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
         if (!vectors.is_there(block * lane_count + lane)) continue;
         Block* to = inverse;
-        for (const auto [begin, count] :
+        for (const auto& [begin, count] :
              {std::pair(std::ptrdiff_t{0}, uw), std::pair(uw, uw / 2)}) {
             Eigen::MatrixXd of(count, count);
             for (Eigen::Index i = 0; i < count; ++i)
                 for (Eigen::Index j = 0; j < count; ++j)
-                    of(j, i) = matrix[static_cast<std::size_t>((begin + i) * size() + begin + j)]
-                                     [static_cast<std::size_t>(lane)];
+                    of(j, i) =
+                        matrix[static_cast<std::size_t>((begin + i) * size() + begin + j)][lane];
             const Eigen::LLT<Eigen::MatrixXd> factor(of);
             if (factor.info() != Eigen::Success || !(factor.rcond() > 1e-13))
                 throw CaseFailure("the forces at the faces of the rigid slabs are not determined; "
@@ -114,7 +114,7 @@ void SlabBodies::respond(std::ptrdiff_t row, std::ptrdiff_t block, const Solve& 
     const std::ptrdiff_t uw = 2 * std::ssize(depths_);
     const Block* inverse = inverses_.data() + (row * vectors_.blocks() + block) * inverse_size();
     std::fill(forces_.begin(), forces_.end(), Block{});
-    for (const auto [begin, count] : {std::pair(std::ptrdiff_t{0}, uw), std::pair(uw, uw / 2)})
+    for (const auto& [begin, count] : {std::pair(std::ptrdiff_t{0}, uw), std::pair(uw, uw / 2)})
         for (std::ptrdiff_t i = begin; i < begin + count; ++i)
             for (std::ptrdiff_t j = begin; j < begin + count; ++j, ++inverse)
                 for (std::ptrdiff_t p = 0; p < parts; ++p)
