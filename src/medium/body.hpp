@@ -98,6 +98,24 @@ struct Body {
 };
 
 template <class Walk, Is<Body> B>
+void walk_rigidity(Walk& walk, B& body) {
+    walk(body.rigid,
+         {.key = "rigid",
+          .in_text = body.rigid,
+          .meaning = "whether the body is rigid; of its material only the density matters then. It "
+                     "costs one additional solve per step, whatever its stiffness. Requires the "
+                     "engine `\"spectral\"` and a body that crosses the whole domain along x or y: "
+                     "a cylinder without `length_mm` or a box"});
+    walk(body.fixed, {.key = "fixed",
+                      .applies = body.rigid,
+                      .only_with = "rigid = true",
+                      .in_text = body.rigid && body.fixed,
+                      .meaning = "whether the rigid body is held in place; otherwise it moves and "
+                                 "turns with its mass. A body that reaches the rigid base is "
+                                 "always held"});
+}
+
+template <class Walk, Is<Body> B>
 void walk_fields(Walk& walk, B& body) {
     walk.key({.key = "preset",
               .type = "word",
@@ -145,20 +163,7 @@ void walk_fields(Walk& walk, B& body) {
                                .range = Range::at_least(0.0),
                                .fallback = "that of the surrounding layer or map",
                                .meaning = "viscosity"});
-    walk(body.rigid,
-         {.key = "rigid",
-          .in_text = body.rigid,
-          .meaning = "whether the body is rigid; of its material only the density matters then. It "
-                     "costs one additional solve per step, whatever its stiffness. Requires the "
-                     "engine `\"spectral\"` and a body that crosses the whole domain along x or y: "
-                     "a cylinder without `length_mm` or a box"});
-    walk(body.fixed, {.key = "fixed",
-                      .applies = body.rigid,
-                      .only_with = "rigid = true",
-                      .in_text = body.rigid && body.fixed,
-                      .meaning = "whether the rigid body is held in place; otherwise it moves and "
-                                 "turns with its mass. A body that reaches the rigid base is "
-                                 "always held"});
+    walk_rigidity(walk, body);
 }
 
 inline bool is_fluid(const Body& body) {

@@ -32,6 +32,32 @@ struct SpectralOptions {
 };
 
 template <class Walk, Is<SpectralOptions> Options>
+void walk_body_options(Walk& walk, Options& o) {
+    walk(o.residual,
+         {.key = "residual",
+          .range = Range::between(1e-13, 1e-2),
+          .meaning = "residual of the iterations: its energy norm relative to that of the motion"});
+    walk(o.contrast_cap,
+         {.key = "contrast_cap",
+          .range = Range::between(1.0, 1e6),
+          .meaning =
+              "the shear modulus of bodies and maps is capped at this multiple of that of "
+              "the surrounding layer. At 1000 and equal density, 0.94 of the amplitude of a "
+              "shear wave is reflected (bone, which is denser: 0.955), compared with 1 for a "
+              "rigid body. The number of iterations grows with the square root of the cap"});
+    walk(
+        o.rigid_above,
+        {.key = "rigid_above",
+         .range = Range::at_least(1.0),
+         .in_text = o.rigid_above != SpectralOptions{}.rigid_above,
+         .meaning =
+             "a body whose shear modulus is more than this multiple of that of every layer around "
+             "it is rigid, as with `rigid = true`, if rigid bodies support its shape and place and "
+             "if it is at least as dense as these layers. Other bodies are elastic and subject to "
+             "`contrast_cap`. 1e9 treats all bodies as elastic that are not marked as rigid"});
+}
+
+template <class Walk, Is<SpectralOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk(o.time_step_s, {.key = "time_step_us",
                          .range = Range::at_least(0.01),
@@ -72,28 +98,7 @@ void walk_fields(Walk& walk, Options& o) {
              "`\"auto\"`: one solve if it adds less than 2 % to the inertia (if `accuracy` "
              "determines the time step: also less than 0.3 times `accuracy`). Lateral variation of "
              "density, viscosity or c_p always requires iterations"});
-    walk(o.residual,
-         {.key = "residual",
-          .range = Range::between(1e-13, 1e-2),
-          .meaning = "residual of the iterations: its energy norm relative to that of the motion"});
-    walk(o.contrast_cap,
-         {.key = "contrast_cap",
-          .range = Range::between(1.0, 1e6),
-          .meaning =
-              "the shear modulus of bodies and maps is capped at this multiple of that of "
-              "the surrounding layer. At 1000 and equal density, 0.94 of the amplitude of a "
-              "shear wave is reflected (bone, which is denser: 0.955), compared with 1 for a "
-              "rigid body. The number of iterations grows with the square root of the cap"});
-    walk(
-        o.rigid_above,
-        {.key = "rigid_above",
-         .range = Range::at_least(1.0),
-         .in_text = o.rigid_above != SpectralOptions{}.rigid_above,
-         .meaning =
-             "a body whose shear modulus is more than this multiple of that of every layer around "
-             "it is rigid, as with `rigid = true`, if rigid bodies support its shape and place and "
-             "if it is at least as dense as these layers. Other bodies are elastic and subject to "
-             "`contrast_cap`. 1e9 treats all bodies as elastic that are not marked as rigid"});
+    walk_body_options(walk, o);
 }
 
 } // namespace shearwake
