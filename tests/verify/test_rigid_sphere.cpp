@@ -111,6 +111,13 @@ double of_torque(double x) {
     return 8.0 * pi * (1.0 + x + x * x / 3.0) / (1.0 + x) + 8.0 * pi / 15.0 * x * x;
 }
 
+/// Force per displacement, radius and mu that holds a rigid sphere in the shear wave e^{kappa x/a},
+/// polarised across x (Mazur and Bedeaux, Physica 76, 1974): 1 + kappa times the mean of the wave
+/// over the surface and kappa^2/3 times its mean over the volume.
+double in_wave(double x) {
+    return 6.0 * pi * ((1.0 + x) * std::sinh(x) / x + (x * std::cosh(x) - std::sinh(x)) / x);
+}
+
 /// Relative errors of the mean force, of the force along an axis, and of the torques about a
 /// horizontal axis and about the vertical.
 struct Errors {
@@ -140,4 +147,36 @@ TEST_CASE("force on an oscillating rigid sphere agrees with the closed form", "[
     CHECK(std::abs(at_6.mean) < 0.02); // required
     CHECK(std::abs(at_6.about_x) < 0.03);
     CHECK(std::abs(at_6.about_z) < 0.03);
+}
+
+TEST_CASE("a rigid sphere scatters a shear wave as the closed form", "[verify]") {
+    // The force is the amplitude of the scattered wave far from the sphere.
+    const double kappa = GENERATE(1.0, 2.0);
+    const Sphere sphere(6.0, kappa, 10.0);
+    const auto force = [&](const auto& wave, std::size_t component) {
+        const std::vector<double> all = sphere.forces(wave);
+        double sum = 0.0;
+        for (std::size_t i = component; i < all.size(); i += 3)
+            sum += all[i];
+        return sum / (mu_Pa * radius_m);
+    };
+    const double level = force(
+        [&](Vec3 r) {
+            return Vec3{0.0, std::exp(kappa * r.x / radius_m), 0.0};
+        },
+        1);
+    const double upright = force(
+        [&](Vec3 r) {
+            return Vec3{0.0, 0.0, std::exp(kappa * r.x / radius_m)};
+        },
+        2);
+    const double upwards = force(
+        [&](Vec3 r) {
+            return Vec3{std::exp(-kappa * r.z / radius_m), 0.0, 0.0};
+        },
+        0);
+    // As for the force of a motion, the images act on the mean of the directions least.
+    const double mean = (level + upright + upwards) / 3.0;
+    CAPTURE(kappa, level, upright, upwards, mean, in_wave(kappa));
+    CHECK(mean == Approx(in_wave(kappa)).epsilon(0.03)); // required
 }
