@@ -13,7 +13,7 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
     on_root(world, [&] {
         for (const std::filesystem::path& path : {arguments.first, arguments.second})
             if (std::filesystem::is_directory(path))
-                reduce_folder({path}, reduce::ErrorColumns::omitted); // so that tables are current
+                reduce_folder({path}, reduce::ErrorColumns::kept); // so that tables are current
         std::vector<std::string> words = {arguments.first.string(), arguments.second.string()};
         if (arguments.json) words.emplace_back("--json");
         if (!arguments.picture.empty()) {

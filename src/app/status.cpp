@@ -24,10 +24,12 @@ struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
     double seconds = 0.0; // of the complete cases
     std::vector<std::string> damaged;
-    bool is_active = false; // a run currently computes into the folder
-    std::string host;       // of that run; empty: this host, or unknown
-    int teams = 1;          // of that run, or of the last one
-    double elapsed_s = 0.0; // of the running cases together
+    std::vector<std::string> not_valid; // complete cases whose readings are not valid
+    bool is_active = false;             // a run currently computes into the folder
+    bool is_preparing = false;          // it chooses time steps and has not started its cases
+    std::string host;                   // of that run; empty: this host, or unknown
+    int teams = 1;                      // of that run, or of the last one
+    double elapsed_s = 0.0;             // of the running cases together
 
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
@@ -66,6 +68,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         if (digest && digest->whole()) {
             ++tally.done;
             if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
+            if (!digest->is_valid()) tally.not_valid.push_back(c.id);
             continue;
         }
         if (digest) tally.damaged.push_back(c.id);
@@ -79,6 +82,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             ++tally.left;
         }
     }
+    tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
     return tally;
 }
 
@@ -123,6 +127,13 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
     return failed;
 }
 
+/// What the run does, or why there is none.
+const char* state_of(const Tally& tally) {
+    if (tally.is_preparing) return "preparing";
+    if (tally.is_active) return "running";
+    return tally.to_do() > 0 ? "stopped" : "finished";
+}
+
 void print_json(const schedule::OutputFolder& folder, State& state) {
     using Json = nlohmann::ordered_json;
     const Tally& tally = state.tally;
@@ -146,21 +157,28 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"remaining", tally.left + tally.interrupted},
                           {"interrupted", tally.interrupted},
                           {"is_active", tally.is_active},
+                          {"state", state_of(tally)},
                           {"teams", tally.teams},
                           {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
                           {"seconds_left", has_times ? Json(tally.time_left_s()) : Json()},
                           {"failed_cases", failed},
                           {"damaged_cases", damaged},
+                          {"not_valid", tally.not_valid.size()},
+                          {"not_valid_cases", tally.not_valid},
                           {"next", state.next}}));
 }
 
 void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
     auto& [plan, journal, index, tally, next] = state;
-    fmt::print("{}: {}\n", plan.name, printable(plan.title));
-    fmt::print("{} cases: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
-               tally.done, tally.running, tally.failed, tally.left + tally.interrupted);
+    fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
+    fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
+               plan.cases.size() == 1 ? "" : "s", tally.done, tally.running, tally.failed,
+               tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("{}{}\n", tally.is_active ? "; a run is active" : "",
+    fmt::print("{}{}\n",
+               tally.is_preparing ? "; a run is preparing its cases"
+               : tally.is_active  ? "; a run is active"
+                                  : "",
                tally.host.empty() ? "" : " on " + tally.host);
     if (tally.seconds > 0.0 && tally.to_do() > 0)
         fmt::print("remaining: about {} on {} team{}, at {:.3g} s per case\n",
@@ -174,6 +192,10 @@ void print_text(const schedule::OutputFolder& folder, State& state, bool verify)
                        : "");
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: {}; the next run computes it again\n", id, index.find(id)->damage);
+    if (!tally.not_valid.empty())
+        fmt::print("not valid: the readings of {} case{}: {}; see the column note of the table\n",
+                   tally.not_valid.size(), tally.not_valid.size() == 1 ? "" : "s",
+                   fmt::join(tally.not_valid, ", "));
     if (verify) print_verified(plan, index);
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",

@@ -3,7 +3,12 @@
 import json
 import unittest
 
-from program import ProgramTest, assert_same_table, case_files, plan_ids, started, table
+import jsonschema
+
+from program import ROOT, ProgramTest, assert_same_table, case_files, plan_ids, started, table
+
+
+SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
 
 
 class Selection(ProgramTest):
@@ -29,6 +34,9 @@ class Selection(ProgramTest):
                              {"total": 2, "done": 2, "failed": 0, "running": 0})
             self.assertGreater(last["elapsed_s"], 0.0)
             self.assertRegex(last["time"], r"^\d{4}-\d\d-\d\dT")
+            self.assertEqual((last["folder"], last["part"]), ("out/small", shard.replace("/", "-of-")))
+            self.assertNotEqual(lines[-1], lines[-2])
+            jsonschema.Draft202012Validator(SCHEMA).validate(last)
         self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
     def test_an_unknown_id_is_rejected(self):
@@ -42,8 +50,11 @@ class Selection(ProgramTest):
         whole = self.folder / "whole"
         self.shearwake("run", "job.toml", "--out", whole)
         self.shearwake("reduce", whole)
-        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now")
-        self.says(self.shearwake("run", "job.toml", "--shard", "2/2").said, "2 computed now")
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now",
+                  "2 cases of the sweep that this run did not select are not complete", "next: run the other shards")
+        last = self.shearwake("run", "job.toml", "--shard", "2/2").said
+        self.says(last, "2 computed now", "next: shearwake reduce")
+        self.assertNotIn("did not select are not complete", last)
         self.shearwake("reduce", self.out)
         self.assertEqual(len(set(started(self.out))), 4)
         assert_same_table(self, table(whole), table(self.out))

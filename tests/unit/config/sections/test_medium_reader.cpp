@@ -161,6 +161,12 @@ TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[co
         diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
         Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
               "\"forearm\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"});
+    // Keys that a preset supplies are not reported as missing, and other errors are found.
+    const Texts found = diagnostics_of(
+        replaced(with_medium("[medium]\npreset = \"soup\"\n"), "spacing_mm = ", "spacing_mm = -"));
+    REQUIRE(found.size() == 2);
+    CHECK(found[0].find("medium.preset must be one of") != std::string::npos);
+    CHECK(found[1].find("domain.spacing_mm must be above 0") != std::string::npos);
 }
 
 TEST_CASE("a medium without layers is rejected", "[config][medium]") {
