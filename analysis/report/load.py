@@ -220,6 +220,9 @@ def load(folder, report=lambda text: None):
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], table["x"],
                       table["series"], cases, job_text, columns)
+    except FileNotFoundError as error:
+        raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
+                     if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for n, case in enumerate(cases):
