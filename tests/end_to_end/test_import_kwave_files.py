@@ -222,6 +222,7 @@ class Errors(FilesTest):
                 ("sensor", {"mask": numpy.ones((4, 6))}, ("sensor.mask", "it appears to be transposed")),
                 ("sensor", {"record_start_index": 21.0}, ("sensor.record_start_index is 21", "kgrid.Nt = 20")),
                 ("options", {"PMLSize": 5.0}, ("options.PMLSize is 5 along y", "kgrid.Ny = 9")),
+                ("source", {"u_mask": 0.5 * ones}, ("source.u_mask is 0.5 at node (1, 1, 1); a mask contains 0 and 1",)),
                 ("medium", {"density": "heavy"}, ('medium.density does not contain numbers but the text "heavy"',))):
             with self.subTest(words=words):
                 structures = study()
