@@ -18,7 +18,7 @@ import compare_words
 import numpy as np
 from compare_fields import compare_surfaces, compare_traces
 from compare_sensors import compare_sensors
-from load import Case, NoPlan, first_line, load, plain, read_case, text
+from load import NoPlan, first_line, load, single_case, text
 from checksum import open_case
 
 USAGE, ENVIRONMENT = 2, 6
@@ -51,15 +51,9 @@ class Side:
 
 
 def one_case(path):
-    """The case of a file, with its scalars as columns. Raises NotACase."""
+    """The case of a file. Raises NotACase."""
     try:
-        with open_case(path) as file:
-            case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
-                        text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
-            case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
-            case.scalars = {name: float(plain(item[()])) for name, item in file.items()
-                            if getattr(item, "shape", None) == ()}
-        read_case(case)
+        return single_case(path)
     except FileNotFoundError as error:
         raise NotACase(f"{path} does not exist: there is no such case file or output folder; run the job "
                        "first") from error
@@ -68,7 +62,6 @@ def one_case(path):
                        "files in the folder `cases` of an output folder, or output folders") from error
     except (OSError, RuntimeError) as error:
         raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
-    return case
 
 
 def counting_columns(path):

@@ -22,9 +22,14 @@ def grid(pair):
     return parts[0] if parts[0] == parts[1] else " and ".join(parts)
 
 
+def settings_texts(values):
+    """The swept keys and their values; keys with the same name and value, which are swept together, once."""
+    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in values.items()))
+
+
 def settings(pair, side):
-    """The swept keys of one case; keys with the same name and value, which are swept together, once."""
-    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in pair["settings"][side].items()))
+    """The swept keys of one case of a pair."""
+    return settings_texts(pair["settings"][side])
 
 
 def label(pair, side):

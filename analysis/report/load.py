@@ -136,6 +136,19 @@ def read_case(case):
         read_trace(file, case)
 
 
+def single_case(path):
+    """The case of a file outside of a sweep, with its scalars as columns. Raises OSError, RuntimeError, KeyError,
+    ValueError or TypeError if it is not a valid case file."""
+    with open_case(path) as file:
+        case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
+                    text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
+        case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
+        case.scalars = {name: float(plain(item[()])) for name, item in file.items()
+                        if getattr(item, "shape", None) == ()}
+    read_case(case)
+    return case
+
+
 def surface(case, time=-1):
     """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
     try:
