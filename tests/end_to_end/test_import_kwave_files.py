@@ -208,7 +208,7 @@ class Errors(FilesTest):
         negative = ones.copy()
         negative[2, 3, 4] = -1000.0
         for group, fields, words in (
-                ("kgrid", {"dt": 1e-4}, ("kgrid.dt = 100 us is unstable", "are stable and steps above", "reduce kgrid.dt")),
+                ("kgrid", {"dt": 1e-4}, ("kgrid.dt = 100 us is unstable", "us are stable; reduce kgrid.dt")),
                 ("kgrid", {"Nt": 20.5}, ("kgrid.Nt is 20.5", "whole number")),
                 ("kgrid", {"t_array": numpy.array([0.0, 1e-5, 3e-5]), "dt": numpy.zeros((0, 0))}, ("uniformly spaced",)),
                 ("medium", {"sound_speed_shear": 25.0}, ("medium.sound_speed_shear exceeds", "sound_speed_compression")),

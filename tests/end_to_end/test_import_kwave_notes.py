@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
+import os
+import re
 import subprocess
 import sys
 import types
@@ -11,7 +13,7 @@ import scipy.io
 
 from kwave import save
 from program import ROOT, environment
-from test_import_kwave_files import FilesTest, as_in_python, cell, study
+from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
 
 sys.path.insert(0, str(ROOT / "scripts" / "import_kwave"))
 
@@ -32,10 +34,15 @@ class Notes(FilesTest):
         scipy.io.savemat(self.folder / "study.mat", {name: value for name, value in structures.items() if value is not None})
         return "study.mat"
 
-    def test_an_unstable_step_in_a_uniform_medium_is_reported_with_one_limit(self):
-        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"sound_speed_shear": 5.0}}), expect=3)
+    def test_equal_limits_of_the_step_are_stated_once(self):
+        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
         self.says(said, "us are stable; reduce kgrid.dt")
         self.assertNotIn("steps above", said)
+        density = numpy.full(POINTS, 1000.0)
+        density[5:] = 250.0  # the step that is stable for any arrangement is half as long
+        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"density": density}}), expect=3)
+        limits = [float(number) for number in re.search(r"up to (\S+) us are stable and steps above (\S+) us", said).groups()]
+        self.assertAlmostEqual(limits[1] / limits[0], 2.0, places=4)
 
     def test_options_may_be_a_cell_array_of_names_and_values(self):
         pairs = cell(["PMLInside", False, "PMLSize", numpy.array([2.0, 3, 1]), "PlotSim", False, "DataCast", "single"])
@@ -120,13 +127,34 @@ class Notes(FilesTest):
         self.refused("study.h5", "study.h5 is already an imported study")
         self.refused("study.toml", "study.toml is a job, not a k-Wave simulation")
 
+    def import_to(self, name):
+        return subprocess.run([ROOT / "scripts" / "import-kwave", "study.mat", "--out", name], cwd=self.folder,
+                              env=environment(), capture_output=True, encoding="utf-8", check=True).stdout
+
     def test_the_extension_of_the_output_is_not_repeated(self):
         self.saved({})
         for name in ("a.toml", "a.h5"):
-            done = subprocess.run([ROOT / "scripts" / "import-kwave", "study.mat", "--out", name], cwd=self.folder,
-                                  env=environment(), capture_output=True, encoding="utf-8", check=True)
-            self.says(done.stdout, "next: shearwake run a.toml")
+            self.says(self.import_to(name), "next: shearwake run a.toml")
         self.assertEqual(sorted(path.name for path in self.folder.glob("a.*")), ["a.h5", "a.toml"])
+
+    def test_sensors_of_two_resolutions_are_compared(self):
+        signal = numpy.sin(2 * numpy.pi * 500.0 * 1e-5 * numpy.arange(20))[None, :]
+        for name, factor, corners in (("coarse", 1, [3, 4, 2, 5, 4, 2]), ("fine", 2, [5, 8, 3, 9, 8, 3])):
+            mask = numpy.zeros([factor * n for n in POINTS])
+            mask[5 * factor, 4 * factor + factor // 2, 4 * factor] = 1.0  # the middle node
+            self.saved({"kgrid": {**{f"N{axis}": factor * n for axis, n in zip("xyz", POINTS)},
+                                  **{f"d{axis}": mm * 1e-3 / factor for axis, mm in zip("xyz", (1, 1, 2))}},
+                        "medium": {"sound_speed_shear": 5.0}, "source": {"u_mask": mask, "uz": signal},
+                        "sensor": {"mask": numpy.array([corners], float).T}})
+            self.import_to(name)
+            self.shearwake("run", f"{name}.toml", "--quiet")
+        said = self.shearwake("compare", "out/coarse", "out/fine").said
+        # Of the 5 nodes of the fine sensor, every second one is a node of the coarse sensor.
+        self.says(said, "sensor, uz at 3 nodes: relative L2", "measured depths differ: 9 mm and 8.5 mm",
+                  "velocities, which k-Wave stores between nodes and steps, are up to 0.5 mm apart")
+        os.utime(self.folder / "fine.h5", (4e9, 4e9))
+        self.says(self.shearwake("compare", "out/coarse", "out/fine").said, "sensors not compared: the grids differ",
+                  "was not found or was changed after the run")
 
     def test_the_input_is_not_replaced(self):
         with h5py.File(self.folder / "study.h5", "w") as file:
