@@ -148,6 +148,16 @@ def kind_of_file(path):
     return f"a text file, which begins with \"{decoded(start.split(bytes([10]))[0][:40])}\"" if is_text else ""
 
 
+def variables_of(path):
+    """The names of all variables of a .mat file before version 7.3."""
+    import scipy.io
+    try:
+        names = [name for name, _, _ in scipy.io.whosmat(path)]
+    except Exception:  # SciPy cannot list some objects; loadmat reads the other variables, and reports damaged files
+        return list(NAMES)
+    return [name for name in names if name not in ("", "None") and not name.startswith("__")]
+
+
 def read_mat(path):
     try:
         import scipy.io
@@ -155,8 +165,7 @@ def read_mat(path):
         raise BadInput(f"{path} is not an HDF5 file; .mat files of versions before 7.3 require SciPy (Debian: "
                        "python3-scipy). In MATLAB, save(file, '-v7.3', ...) writes HDF5") from problem
     try:
-        variables = [name for name, _, _ in scipy.io.whosmat(path)]
-        chosen, notes = chosen_variables(path, [name for name in variables if name and not name.startswith("__")])
+        chosen, notes = chosen_variables(path, variables_of(path))
         found = scipy.io.loadmat(path, variable_names=list(chosen.values()))
     except (OSError, BadInput):
         raise
