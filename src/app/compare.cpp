@@ -16,6 +16,7 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
                 reduce_folder({path}, reduce::ErrorColumns::kept); // so that tables are current
         std::vector<std::string> words = {arguments.first.string(), arguments.second.string()};
         if (arguments.json) words.emplace_back("--json");
+        if (arguments.all) words.emplace_back("--all");
         if (!arguments.picture.empty()) {
             words.emplace_back("--picture");
             words.push_back(arguments.picture.string());
