@@ -114,7 +114,7 @@ class ReportTest(unittest.TestCase):
                          ["complete"] * 4 + ["failed", "damaged", "missing", "damaged", "complete"])
         self.assertEqual(page.column("eta_period_1")[-1]["text"], "–")
         self.assertIn("eta_period_1: no period <fits>", page.data)
-        self.assertIn("1 of 4 cases have no mean over periods", page.data)
+        self.assertIn("1 of 4 cases has no mean over periods", page.data)
         self.assertIn("4 cases without a result", page.data)
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it contains another case", page.data)
