@@ -45,11 +45,6 @@ class Case:
     def whole(self):
         return self.status == "complete"
 
-    @property
-    def is_valid(self):
-        """Whether no warning states that the readings are not valid."""
-        return all(w["severity"] != "error" for w in self.warnings)
-
     def value(self, name):
         return self.scalars.get(name, math.nan)
 
