@@ -73,7 +73,7 @@ class Slice:
     extent: tuple        # in mm: left, right, bottom, top
     c_s: np.ndarray      # (z, horizontal)
     marks: np.ndarray    # (n, 2), the path of the focus or the sources in mm: horizontal, depth
-    sensors: np.ndarray  # likewise
+    sensors: np.ndarray  # (n, 2), in mm: horizontal, depth
 
 
 def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0, 3))):

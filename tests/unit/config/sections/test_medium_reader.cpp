@@ -83,7 +83,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
         {"viscosity_Pa_s = 1.0", "loss = { law = \"fractional\", tau_us = 1, exponent = 1.0 }",
          "job.toml:12:53: error: medium.layer[1].loss.exponent must be between 0 and 1, both "
          "excluded, but is 1"},
-        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1 }",
+        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1, exponent = 0.5 }",
          "job.toml:12:16: error: medium.layer[1].loss.law must be one of \"none\", "
          "\"kelvin-voigt\", \"fractional\" or \"standard-linear\", but is \"fractinal\"; did you "
          "mean \"fractional\"?"},

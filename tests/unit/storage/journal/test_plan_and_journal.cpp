@@ -69,8 +69,8 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     journal.run_prepares({.ranks = 2, .overrides = {"a=1"}});
     CHECK(storage::read_journal(folder / "journal.jsonl").preparing);
     CHECK(storage::read_journal(folder / "journal.jsonl").running);
-    CHECK(storage::read_journals(folder).preparing);
-    CHECK(storage::read_journals(folder).overrides == std::vector<std::string>{"a=1"});
+    CHECK(storage::read_journals(folder / "").preparing);
+    CHECK(storage::read_journals(folder / "").overrides == std::vector<std::string>{"a=1"});
     journal.run_started({.ranks = 2, .cases_left = 3});
     CHECK_FALSE(storage::read_journal(folder / "journal.jsonl").preparing);
     journal.started("a", 2);

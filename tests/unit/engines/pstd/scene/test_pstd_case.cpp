@@ -81,6 +81,8 @@ TEST_CASE("caps c_p with a note and rejects an unstable time step with its value
 
 TEST_CASE("a displacement larger than the domain fails the case and names the step", "[pstd]") {
     Case c = small_case();
+    c.scene().load.modulation.trajectory = {
+        {Travel{{{0.0, 0.0}, {9e-3, 0.0}}, ConstantSpeed{7.0}}}};
     c.scene().load.peak_Pa = 1e13; // the scheme is linear: as large as after an instability
     test::FrameStore store;
     const Comm alone = Comm::world().split(Comm::world().rank());
