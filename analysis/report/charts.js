@@ -18,6 +18,7 @@ function drawErrors(plot, lines) {
     if (!line.error || !plot.series[i + 1].show) return;
     context.save();
     context.strokeStyle = line.colour;
+    context.setLineDash([]);  // uPlot leaves the dashes of its last line
     context.lineWidth = 1.2 * pixel;
     context.beginPath();
     line.x.forEach((x, k) => {
@@ -41,6 +42,7 @@ function drawCrosses(plot, lines) {
     if (!line.crossed || !plot.series[i + 1].show) return;
     context.save();
     context.strokeStyle = line.colour;
+    context.setLineDash([]);
     context.lineWidth = 1.8 * devicePixelRatio;
     context.beginPath();
     line.x.forEach((x, k) => {
@@ -123,7 +125,7 @@ function drawPanel(holder, panel, output, key) {
   if (panel.title) box.lastChild.textContent = panel.title;
   const name = panel.x_names ? v => panel.x_names[Math.round(v)] ?? "" : v => numberText(v);
   const spanGaps = !panel.lines.some(line => line.points);  // curves end where a reading is not valid
-  const series = panel.lines.map(line => ({label: line.label, stroke: line.colour, width: 1.6,
+  const series = panel.lines.map(line => ({label: (line.crossed ? "\u00d7 " : "") + line.label, stroke: line.colour, width: 1.6,
     dash: line.dashed ? [6, 4] : undefined, spanGaps, show: !hiddenCases.has(line.case),
     paths: line.crossed || (panel.x_names && !line.dashed) ? () => null : undefined,
     points: {show: line.points && !line.crossed, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));

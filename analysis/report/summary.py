@@ -64,6 +64,10 @@ def caveats(sweep):
         are = "is" if len(invalid) == 1 else "are"
         text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid and {are} not used{them}: "
                  f"{warnings_of.reasons(invalid)}.")
+    without = [c for c in layout.ordinary(sweep) if is_valid(c) and math.isnan(c.value("eta_period_1"))]
+    if without and len(without) < len(layout.ordinary(sweep)):
+        text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
+                 "(eta_period_1) and cannot be compared.")
     if alone := [c for c in valid(sweep, "eta_period_1") if sweep.reference_of(c) and not reference_for(sweep, c)]:
         text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
                  "not valid.")

@@ -256,7 +256,9 @@ class BrowserTest(unittest.TestCase):
             folder = Folder(root)
             for f in (100.0, 200.0, 400.0):
                 wrong = {"severity": "error", "key": "domain.extent_mm", "message": "waves return"}
-                folder.add({AM: f}, scalars={"eta_period_1": 1e-3 * f}, warnings=[wrong] if f == 200.0 else [])
+                folder.add({AM: f}, reference=case_id(4), scalars={"eta_period_1": 1e-3 * f},
+                           warnings=[wrong] if f == 200.0 else [])
+            folder.add({}, is_reference=True, kind="STM", scalars={"eta_period_1": 0.3})
             return folder
         path = self.folder_of(invalid)
         for width in (1280, 390):
@@ -269,6 +271,13 @@ class BrowserTest(unittest.TestCase):
                     const box = plot.over.getBoundingClientRect(), line = lines.find(line => line.crossed);
                     return [box.left + plot.valToPos(line.x[1], "x"), box.top + plot.valToPos(line.y[1], "y")];
                 })()""")
+                ends = page.run("""(() => {
+                    const {plot, lines} = charts.find(chart => chart.holder.id === "chart-eta"), far = 2 * devicePixelRatio;
+                    const line = lines.find(line => line.crossed), at = plot.valToPos(line.x[1], "x", true);
+                    return [[-1, -1], [-1, 1], [1, -1], [1, 1]].map(([dx, dy]) => plot.ctx.getImageData(at + far * dx,
+                        plot.valToPos(line.y[1], "y", true) + far * dy, 1, 1).data[3]);
+                })()""")
+                self.assertGreater(min(ends), 100, "all four arms are drawn, also after a dashed line")
                 page.move(place[0] - 3, place[1])
                 page.move(*place)
                 output = 'document.querySelector("#chart-eta output").textContent'

@@ -6,6 +6,7 @@ cases, numerical parameters, numerical errors, references that depend on a swept
 Run: python3 tests/report/test_headlines.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import json
+import math
 import tempfile
 import unittest
 
@@ -71,6 +72,11 @@ class HeadlineTest(unittest.TestCase):
         self.assertIn("of 2 complete cases is 0.2 to 0.4; no case is called the best until all are complete. "
                       "1 case of 3 has no result yet.", text)
         self.assertNotIn("highest", text)
+
+    def test_cases_without_a_mean_over_periods_are_counted(self):
+        text = self.result(self.folder([0.2, 0.4, math.nan]))
+        self.assertIn("is highest, 0.4, at AM frequency 200 Hz of the 2 valid cases.", text)
+        self.assertIn("1 case has no mean over complete periods (eta_period_1) and cannot be compared.", text)
 
     def test_engines_do_not_compete(self):
         folder = Folder(self.root, x=ENGINE, swept=[ENGINE])
