@@ -7,6 +7,7 @@
 #include "parallel/agree.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
+#include "schedule/shards.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -22,7 +23,8 @@ namespace {
 
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
-    double seconds = 0.0; // of the complete cases
+    double seconds = 0.0;          // of the complete cases
+    std::vector<std::size_t> open; // positions in the plan of the cases to do
     std::vector<std::string> damaged;
     std::vector<std::string> not_valid; // complete cases whose readings are not valid
     bool is_active = false;             // a run currently computes into the folder
@@ -61,7 +63,8 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         tally.is_active = holder.has_value();
         if (holder) tally.host = holder->host;
     }
-    for (const storage::IndexedCase& c : plan.cases) {
+    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+        const storage::IndexedCase& c = plan.cases[i];
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
         const storage::CaseDigest* digest = index.find(c.id);
@@ -74,7 +77,10 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         if (digest) tally.damaged.push_back(c.id);
         if (known && entry->second.state == storage::CaseHistory::State::failed) {
             ++tally.failed;
-        } else if (known && entry->second.state == storage::CaseHistory::State::started) {
+            continue;
+        }
+        tally.open.push_back(i);
+        if (known && entry->second.state == storage::CaseHistory::State::started) {
             ++(tally.is_active ? tally.running : tally.interrupted);
             if (tally.is_active)
                 tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
@@ -110,7 +116,15 @@ std::string next_step(const schedule::OutputFolder& folder, const State& state) 
     const Tally& tally = state.tally;
     const std::string run =
         schedule::run_command_line(folder.job(), state.journal.overrides, folder.root);
-    if (tally.to_do() > 0) return tally.is_active ? "wait for the active run" : run;
+    if (tally.to_do() > 0) {
+        const schedule::ShardStates shards = schedule::shard_states(folder, tally.open);
+        // A run of the complete sweep is active if no shard is; of a run on another host, the shard
+        // is unknown.
+        const bool may_start = !tally.is_active || (!shards.running.empty() && tally.host.empty());
+        if (may_start && !shards.to_start.empty())
+            return schedule::shards_command_line(run, shards);
+        return tally.is_active ? "wait for the active run" : run;
+    }
     if (tally.failed > 0) return run + " --retry-failed";
     return schedule::reduce_command_line(folder);
 }

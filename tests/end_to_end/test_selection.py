@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parts of a sweep: --only, --shard, -S, --out."""
+import fcntl
 import json
 import unittest
 
@@ -80,7 +81,18 @@ class Selection(ProgramTest):
         said = self.shearwake("status", "part").said
         command = next(line for line in said.splitlines() if line.startswith("next: shearwake "))
         words = command.removeprefix("next: shearwake ").replace("'", "").split()
-        self.says(self.shearwake(*words).said, "2 computed now", "2 already complete")
+        self.assertEqual(words[-2:], ["--shard", "2/2"])
+        self.says(self.shearwake(*words).said, "2 computed now", "0 already complete", "2 not selected")
+
+    def test_status_prints_a_command_for_the_shards_that_are_left(self):
+        self.shearwake("run", "job.toml", "--shard", "2/4")
+        said = self.shearwake("status", "out/small").said
+        self.says(said, "next: for k in 1 3 4; do shearwake run out/small/job.toml --out out/small --shard $k/4; done")
+        lock = self.out / "locks" / "1-of-4"
+        with open(lock, "w", encoding="utf-8") as held, open(self.out / "locks" / "run", "a", encoding="utf-8") as run:
+            fcntl.flock(held, fcntl.LOCK_EX)  # as the run of shard 1 holds them
+            fcntl.flock(run, fcntl.LOCK_EX)
+            self.says(self.shearwake("status", "out/small").said, "next: for k in 3 4; do")
 
     def test_an_invalid_override_is_rejected(self):
         self.says(self.shearwake("run", "job.toml", "-S", "load.peek_Pa=200", expect=3).said,
