@@ -2,6 +2,7 @@
 #include "storage/journal/plan_file.hpp"
 
 #include "base/error.hpp"
+#include "base/json_line.hpp"
 #include "base/text.hpp"
 #include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
@@ -57,7 +58,10 @@ Json settings_json(const std::vector<Setting>& settings) {
 }
 
 std::string settings_text(const std::vector<Setting>& settings) {
-    return settings_json(settings).dump();
+    JsonLine line;
+    for (const Setting& setting : settings)
+        std::visit([&](const auto& value) { line.add(setting.key, value); }, setting.value);
+    return line.text();
 }
 
 std::string plan_text(const Plan& plan) {
