@@ -73,11 +73,11 @@ void take(const Json& line, JournalContents& contents) {
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
 void Journal::run_prepares(const RunStart& start) const {
-    Json line = event("run_prepares");
-    line["ranks"] = start.ranks;
-    line["git_id"] = start.git_id;
-    if (!start.overrides.empty()) line["overrides"] = start.overrides;
-    append_line(path_, text(line));
+    JsonLine line = event("run_prepares");
+    line.add("ranks", start.ranks);
+    line.add("git_id", start.git_id);
+    if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::run_started(const RunStart& start) const {
