@@ -48,7 +48,7 @@ class HeadlineTest(unittest.TestCase):
         (folder.path / "converge" / "converge.json").write_text(json.dumps({"schema": 1, "cases": [
             {"id": i, "columns": {"eta_period_1": {"error": e}}} for i, e in errors.items()]}))
 
-    def test_a_reading_that_is_not_valid_is_no_result(self):
+    def test_a_reading_that_is_not_valid_is_not_a_result(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.8}, warnings=[INVALID])
         folder.add({AM: 200.0}, scalars={"eta_period_1": 0.3}, warnings=[RETURNS])
@@ -87,7 +87,7 @@ class HeadlineTest(unittest.TestCase):
                       "converge.", text)
         self.assertNotIn("best", text)
 
-    def test_the_difference_between_engines_is_no_numerical_error(self):
+    def test_the_difference_between_engines_is_not_a_numerical_error(self):
         folder = Folder(self.root, series=[ENGINE], swept=[AM, ENGINE])
         for f, etas in ((100.0, (0.40, 0.42)), (200.0, (0.41, 0.43)), (300.0, (0.20, 0.21))):
             for engine, eta in zip(("layered", "pstd"), etas):
