@@ -242,8 +242,9 @@ void check_pins(const Case& c, Notes& notes) {
     const double width_m = fwhm_m(c.scene().load.footprint);
     if (nearest_m > width_m)
         notes.add(Severity::warning, "afferents.pins_mm",
-                  "no pin is near the focus: the focus comes within {:.4g} mm of a pin at most, "
-                  "and is {:.4g} mm wide (FWHM), so that the afferents sense only the waves around "
+                  "no pin is near the focus: the smallest distance between them is {:.4g} mm, "
+                  "and the focus is {:.4g} mm wide (FWHM), so that the afferents sense only the "
+                  "waves around "
                   "it; move the pins, or omit afferents.pins_mm to place them on the path",
                   milli(nearest_m), milli(width_m));
 }
