@@ -102,7 +102,8 @@ struct MeasureOptions {
     double focal_radius_m = 0.0;
     std::vector<double> depths_m = {0.0};
     std::vector<FrequencyBand>
-        bands; // each gives a column with its share of the energy at the centre
+        bands;                  // each gives a column with its share of the energy at the centre
+    std::vector<Vec2> region_m; // corners of the measured polygon; none: all inside the sponge
     bool operator==(const MeasureOptions&) const = default;
 };
 
@@ -143,6 +144,21 @@ void walk_fields(Walk& walk, Options& o) {
                    .meaning = "frequency bands `[[low, high], ...]`. For each band the table has a "
                               "column with the fraction of the spectral energy at the centre that "
                               "lies in the band; frequencies up to 1/duration are left out"});
+    walk.key({.key = "region_mm",
+              .range = Range::above(0.0),
+              .type = "point or word:path|palm",
+              .fallback = "everything inside the sponge",
+              .meaning =
+                  "part of the surface in which eta, the participation ratios, the peak and "
+                  "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "
+                  "(the bounding box of the path and of the foci, 30 mm wider on each side), "
+                  "or `\"palm\"` (the outline of the palm of the hand on which "
+                  "`afferents.patch_mm` places the domain)"});
+    walk.key({.key = "region_center_mm",
+              .type = "point",
+              .fallback = "[0, 0]",
+              .meaning = "centre of a rectangle given by `region_mm`"});
+    walk(o.region_m, {.text = "region_{}_m", .in_text = !o.region_m.empty()});
 }
 
 /// Data that are stored in addition to the measures.

@@ -304,9 +304,29 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
     if (note.empty()) // steps of a quarter of a sample shorten curves by less than a hundredth of
                       // one
         value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
-                          measured_region(c.domain),
+                          measured_region(c.domain, c.measure),
                           drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m), fwhm);
     columns.add("sharpness_1", value, note);
+}
+
+/// The bounding box and the area of a stated region, clipped to the domain.
+void add_region(Columns& columns, const Case& c) {
+    if (c.measure.region_m.empty()) return;
+    const Region region = measured_region(c.domain, c.measure);
+    const Domain& d = c.domain;
+    const auto add = [&](const char* name, double value) {
+        if (region.samples() > 0)
+            columns.add(name, value, "");
+        else
+            columns.add(name, nan, "the region contains no sample");
+    };
+    const auto edge_mm = [](double at_m) { return at_m * 1e3; };
+    const double cell_mm = d.spacing_m * 1e3;
+    add("region_mm2", static_cast<double>(region.samples()) * cell_mm * cell_mm);
+    add("region_from_x_mm", edge_mm(d.x_m(region.x0)));
+    add("region_to_x_mm", edge_mm(d.x_m(region.x1)));
+    add("region_from_y_mm", edge_mm(d.y_m(region.y0)));
+    add("region_to_y_mm", edge_mm(d.y_m(region.y1)));
 }
 
 } // namespace
@@ -329,6 +349,7 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
     add_mach(columns, c, mach);
     add_sharpness(columns, c, window, mean_u2);
     columns.add("periods", window.fits() ? window.periods : nan, window.reason);
+    add_region(columns, c);
 
     for (std::size_t d = 1; d < depths.size(); ++d) {
         const Readings below = read(c, window, depths[d]);

@@ -147,14 +147,15 @@ TimeAxis read_time(Reader& reader) {
     return time;
 }
 
-MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
-                            const Medium& medium) {
+MeasureOptions read_measure(Reader& reader, const Measured& of) {
+    const TimeAxis& time = of.time;
     MeasureOptions measure;
     const auto at_s = reader.find_number("at_ms", Range::above(0.0));
     const auto settled_after_s = reader.find_number("settled_after_ms", Range::at_least(0.0));
-    measure.focal_radius_m = read_focal_radius_m(reader, load);
+    measure.focal_radius_m = read_focal_radius_m(reader, of.load);
     read_fields(reader, measure);
-    check_depths(reader, measure.depths_m, medium);
+    check_depths(reader, measure.depths_m, of.medium);
+    measure.region_m = read_region(reader, of.domain, of.load, of.afferents);
     for (const Vec2& edges_Hz : reader.find_points("bands_Hz").value_or(std::vector<Vec2>{})) {
         if (!(edges_Hz.x >= 0.0 && edges_Hz.y > edges_Hz.x))
             reader.error(
@@ -270,13 +271,13 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     c.time = read_time(time);
     Solver computed = read_solver(solver, c.time, files.load_study);
     c.solver = std::move(computed.options);
-    c.measure = read_measure(measure, c.time, scene.load, scene.medium);
+    c.afferents = read_afferents(afferents, c.domain, &scene.load, files.load_text);
+    c.measure = read_measure(measure, {c.time, c.domain, scene.load, scene.medium, c.afferents});
     if (computed.study)
         c.problem = GridStudy{std::move(computed.study), std::move(scene)};
     else
         c.problem = std::move(scene);
     c.record = read_record(record, c.domain, c.time, c.measure);
-    c.afferents = read_afferents(afferents, c.domain, &c.scene().load, files.load_text);
     check_receptor_depths(afferents, c);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }

@@ -28,8 +28,18 @@ struct Solver {
     std::shared_ptr<const StudyData> study;
 };
 Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
-MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
-                            const Medium& medium);
+/// The parts of a case on which its measures depend.
+struct Measured {
+    const TimeAxis& time;
+    const Domain& domain;
+    const Load& load;
+    const Medium& medium;
+    const std::optional<AfferentOptions>& afferents;
+};
+MeasureOptions read_measure(Reader& reader, const Measured& of);
+/// The corners of the measured region; none if the keys are absent.
+std::vector<Vec2> read_region(Reader& reader, const Domain& domain, const Load& load,
+                              const std::optional<AfferentOptions>& afferents);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
                           const MeasureOptions& measure);
 
