@@ -21,7 +21,8 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
 Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                            const TextLoader& load_text);
 Domain read_domain(Reader& reader);
-TimeAxis read_time(Reader& reader);
+/// `load`: null after an error.
+TimeAxis read_time(Reader& reader, const Load* load);
 /// The engine's options, and the grid study that they request, if any.
 struct Solver {
     SolverOptions options;
@@ -37,9 +38,9 @@ struct Measured {
     const std::optional<AfferentOptions>& afferents;
 };
 MeasureOptions read_measure(Reader& reader, const Measured& of);
-/// The corners of the measured region; none if the keys are absent.
-std::vector<Vec2> read_region(Reader& reader, const Domain& domain, const Load& load,
-                              const std::optional<AfferentOptions>& afferents);
+/// The corners of the measured region. If the keys are absent: none, or in the periodic regime the
+/// surroundings of the path, since waves of low frequency fill an infinite plane.
+std::vector<Vec2> read_region(Reader& reader, const Measured& of);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
                           const MeasureOptions& measure);
 

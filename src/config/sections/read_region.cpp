@@ -52,17 +52,19 @@ bool is_in_domain(const std::vector<Vec2>& corners, const Domain& domain) {
 
 } // namespace
 
-std::vector<Vec2> read_region(Reader& reader, const Domain& domain, const Load& load,
-                              const std::optional<AfferentOptions>& afferents) {
+std::vector<Vec2> read_region(Reader& reader, const Measured& of) {
+    const Domain& domain = of.domain;
     const NodePtr node = reader.node("region_mm");
     const bool is_word = node && std::holds_alternative<std::string>(node->value);
     if (reader.has("region_center_mm") && (!node || is_word))
         reader.error("region_center_mm", "applies only with a rectangle, region_mm = [x, y]");
     const Vec2 center_m = reader.point_or("region_center_mm", {});
-    if (!node) return {};
+    if (!node)
+        return of.time.regime == Regime::periodic ? around_path(of.load) : std::vector<Vec2>{};
     if (is_word) {
         static const std::array<std::string, 2> words = {"path", "palm"};
-        return reader.choice("region_mm", words) == "path" ? around_path(load) : palm(afferents);
+        return reader.choice("region_mm", words) == "path" ? around_path(of.load)
+                                                           : palm(of.afferents);
     }
     const Vec2 half_m = 0.5 * reader.point("region_mm", Range::above(0.0));
     std::vector<Vec2> corners = rectangle(center_m - half_m, center_m + half_m);
