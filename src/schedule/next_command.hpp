@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace shearwake::schedule {
@@ -19,7 +20,16 @@ std::string run_command_line(const std::filesystem::path& job,
                              const std::vector<std::string>& overrides,
                              const std::filesystem::path& out);
 
-/// The command that resumes a run with its options for selection, teams and versions.
+/// The command that runs a job as it was planned: on `ranks` ranks, with `ranks_per_case` ranks per
+/// team (0: chosen by the program).
+std::string planned_command_line(const std::filesystem::path& job,
+                                 const std::vector<std::string>& overrides, int ranks,
+                                 int ranks_per_case);
+
+/// `shearwake COMMAND JOB` with the options of a run for selection, teams, limits and versions.
+std::string command_line(std::string_view command, const RunArguments& arguments);
+
+/// The command that resumes a run.
 std::string run_command_line(const RunArguments& arguments);
 
 /// `shearwake reduce DIR && shearwake report DIR`

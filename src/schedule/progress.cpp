@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/progress.hpp"
 
+#include "base/json_line.hpp"
 #include "base/text.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
@@ -35,7 +36,7 @@ std::string bar(double share) {
 
 } // namespace
 
-Progress::Progress(Style style, std::filesystem::path log)
+Progress::Progress(Style style, Log log)
     : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
       began_(std::chrono::steady_clock::now()), last_(began_) {}
 
@@ -43,22 +44,28 @@ void Progress::start() {
     began_ = last_ = std::chrono::steady_clock::now();
 }
 
-/// Appends a line to the log every ten seconds and at the end.
+/// Appends a line to the log every ten seconds; finish() appends the last one.
 void Progress::log(const SweepCounts& counts) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - logged_ < std::chrono::seconds(10) && counts.done + counts.failed < counts.total)
-        return;
-    logged_ = now;
-    const double elapsed = std::chrono::duration<double>(now - began_).count();
-    storage::append_line(
-        log_, fmt::format(R"({{"time": "{}", "elapsed_s": {:.3f}, "total": {}, "done": {}, )"
-                          R"("failed": {}, "running": {}, "partial": {:.4f}, "left_s": {:.3f}}})",
-                          storage::timestamp(), elapsed, counts.total, counts.done, counts.failed,
-                          counts.running, counts.partial, counts.left_s));
+    counts_ = counts;
+    has_unlogged_ = true;
+    if (std::chrono::steady_clock::now() - logged_ >= std::chrono::seconds(10)) write_log();
+}
+
+/// docs/reference/json-output.md describes the members.
+void Progress::write_log() {
+    logged_ = std::chrono::steady_clock::now();
+    has_unlogged_ = false;
+    const double elapsed_s = std::chrono::duration<double>(logged_ - began_).count();
+    JsonLine line;
+    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
+    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
+    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
+    line.add("running", counts_.running).add("partial", counts_.partial);
+    storage::append_line(log_.path, line.add("left_s", counts_.left_s).text());
 }
 
 void Progress::update(const SweepCounts& counts) {
-    if (!log_.empty()) log(counts);
+    if (!log_.path.empty()) log(counts);
     if (quiet_ || counts.total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
@@ -81,8 +88,9 @@ std::string Progress::line(const SweepCounts& counts) const {
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const long ended = counts.done + counts.failed;
-    const double complete =
-        (static_cast<double>(ended) + counts.partial) / static_cast<double>(counts.total);
+    // A team may end a case before it resets its share.
+    const double complete = std::min(1.0, (static_cast<double>(ended) + counts.partial) /
+                                              static_cast<double>(counts.total));
     std::string text = live_ ? bar(complete) : "";
     text += fmt::format("{}/{} cases done, {} running", counts.done, counts.total, counts.running);
     if (counts.running > 0 && counts.partial > 0.0)
@@ -102,6 +110,7 @@ void Progress::say(const std::string& text) {
 }
 
 void Progress::finish() {
+    if (!log_.path.empty() && has_unlogged_) write_log();
     if (drawn_) fmt::print(stderr, "\n");
     drawn_ = false;
 }

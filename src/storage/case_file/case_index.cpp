@@ -2,6 +2,7 @@
 #include "storage/case_file/case_index.hpp"
 
 #include "base/error.hpp"
+#include "base/json_line.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
@@ -73,39 +74,24 @@ CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity fo
     return digest;
 }
 
-/// JSON has no NaN.
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 double number_in(const Json& value) {
     return value.is_null() ? nothing : value.get<double>();
 }
 
-std::string text_of(const Json& line) {
-    return line.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
-    Json line;
-    line["id"] = digest.id;
-    line["size"] = stamp.size;
-    line["changed_ns"] = stamp.changed_ns;
-    if (digest.is_lost) {
-        line["damage"] = digest.damage;
-        return seal(text_of(line));
-    }
-    line["has_checksum"] = digest.has_checksum;
-    line["git_id"] = digest.git_id;
-    line["wall_s"] = number(digest.wall_s);
-    line["warnings"] = warnings_text(digest.warnings);
-    line["scalars"] = Json::array();
+    JsonLine line;
+    line.add("id", digest.id).add("size", stamp.size).add("changed_ns", stamp.changed_ns);
+    if (digest.is_lost) return seal(line.add("damage", digest.damage).text());
+    line.add("has_checksum", digest.has_checksum).add("git_id", digest.git_id);
+    line.add("wall_s", digest.wall_s).add("warnings", warnings_text(digest.warnings));
+    std::vector<std::string> scalars;
     for (const IndexedScalar& s : digest.scalars) {
-        Json entry = Json::array({s.name, number(s.value)});
+        std::vector<std::string> entry{json_string(s.name), json_number(s.value)};
         // The note of an existing value is never shown.
-        if (!std::isfinite(s.value)) entry.push_back(s.note);
-        line["scalars"].push_back(std::move(entry));
+        if (!std::isfinite(s.value)) entry.push_back(json_string(s.note));
+        scalars.push_back(json_array(entry));
     }
-    return seal(text_of(line));
+    return seal(line.add_json("scalars", json_array(scalars)).text());
 }
 
 std::pair<Stamp, CaseDigest> entry_of(const Json& line) {

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/case_file/warnings_text.hpp"
 
+#include "base/json_line.hpp"
+
 #include <nlohmann/json.hpp>
 
 namespace shearwake::storage {
 
 std::string warnings_text(const std::vector<Remark>& warnings) {
-    using nlohmann::ordered_json;
-    ordered_json all = ordered_json::array();
+    std::vector<std::string> elements;
     for (const Remark& w : warnings)
-        all.push_back({{"severity", w.severity == Severity::error ? "error" : "warning"},
-                       {"key", w.key},
-                       {"message", w.message}});
-    return all.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+        elements.push_back(JsonLine()
+                               .add("severity", w.severity == Severity::error ? "error" : "warning")
+                               .add("key", w.key)
+                               .add("message", w.message)
+                               .text());
+    return json_array(elements);
 }
 
 std::vector<Remark> warnings_in(const std::string& text) {

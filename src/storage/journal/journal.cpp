@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/journal/journal.hpp"
 
+#include "base/json_line.hpp"
 #include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
 
@@ -25,33 +26,27 @@ double unix_time_s() {
 /// Lines of earlier versions have no checksum and do not have this member.
 constexpr const char* version_member = "v";
 
-Json event(const std::string& name) {
-    Json line;
-    line[version_member] = 2;
-    line["event"] = name;
-    line["time"] = timestamp();
-    line["unix_s"] = unix_time_s();
-    line["host"] = host_name();
+JsonLine event(std::string_view name) {
+    JsonLine line;
+    line.add(version_member, 2).add("event", name).add("time", timestamp());
+    line.add("unix_s", unix_time_s()).add("host", host_name());
     return line;
-}
-
-/// Invalid UTF-8 (in paths or system messages) is replaced and does not cause an exception.
-std::string text(const Json& line) {
-    return seal(line.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void take(const Json& line, JournalContents& contents) {
     const std::string name = line.at("event");
     if (name == "damaged") return; // the case is recomputed, which other lines record
-    if (name == "run_started" || name == "run_ended") {
-        contents.running = name == "run_started";
+    if (name == "run_prepares" || name == "run_started" || name == "run_ended") {
+        contents.running = name != "run_ended";
+        contents.preparing = name == "run_prepares";
         if (name == "run_ended") {
             contents.last_run_ended = line.at("how");
             contents.last_run_times = {line.value("idle_share", 0.0),
                                        line.value("beside_solve_s", 0.0)};
         }
-        if (name == "run_started") {
+        if (name != "run_ended") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
+            contents.resumed_by = line.value("resumed_by", std::string());
             contents.unix_time_s = line.at("unix_s");
             contents.teams = line.value("teams", 1);
         }
@@ -78,69 +73,79 @@ void take(const Json& line, JournalContents& contents) {
 
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
 
+void Journal::run_prepares(const RunStart& start) const {
+    JsonLine line = event("run_prepares");
+    line.add("ranks", start.ranks);
+    line.add("git_id", start.git_id);
+    if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
+    append_line(path_, seal(line.text()));
+}
+
 void Journal::run_started(const RunStart& start) const {
-    Json line = event("run_started");
-    line["ranks"] = start.ranks;
-    line["teams"] = start.teams;
-    line["cases_left"] = start.cases_left;
-    line["git_id"] = start.git_id;
-    line["kernels"] = start.kernels;
-    if (start.allow_mixed) line["allow_mixed"] = true;
-    if (!start.overrides.empty()) line["overrides"] = start.overrides;
-    append_line(path_, text(line));
+    JsonLine line = event("run_started");
+    line.add("ranks", start.ranks);
+    line.add("teams", start.teams);
+    line.add("cases_left", start.cases_left);
+    line.add("git_id", start.git_id);
+    line.add("kernels", start.kernels);
+    if (start.allow_mixed) line.add("allow_mixed", true);
+    if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::run_ended(const std::string& how, const RunTimes& times) const {
-    Json line = event("run_ended");
-    line["how"] = how;
-    line["idle_share"] = times.idle_share;
-    line["beside_solve_s"] = times.beside_solve_s;
-    append_line(path_, text(line));
+    JsonLine line = event("run_ended");
+    line.add("how", how);
+    line.add("idle_share", times.idle_share);
+    line.add("beside_solve_s", times.beside_solve_s);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::started(const std::string& id, int ranks) const {
-    Json line = event("started");
-    line["id"] = id;
-    line["ranks"] = ranks;
-    append_line(path_, text(line), Flush::later);
+    JsonLine line = event("started");
+    line.add("id", id);
+    line.add("ranks", ranks);
+    append_line(path_, seal(line.text()), Flush::later);
 }
 
 void Journal::checkpointed(const std::string& id, long step) const {
-    Json line = event("checkpointed");
-    line["id"] = id;
-    line["step"] = step;
-    append_line(path_, text(line));
+    JsonLine line = event("checkpointed");
+    line.add("id", id);
+    line.add("step", step);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::resumed(const std::string& id, long step) const {
-    Json line = event("resumed");
-    line["id"] = id;
-    line["step"] = step;
-    append_line(path_, text(line));
+    JsonLine line = event("resumed");
+    line.add("id", id);
+    line.add("step", step);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::finished(const std::string& id, const CaseTimes& times) const {
-    Json line = event("finished");
-    line["id"] = id;
-    line["seconds"] = times.seconds;
-    line["estimated_seconds"] = times.estimated_seconds;
-    line["engine"] = times.engine;
-    append_line(path_, text(line));
+    JsonLine line = event("finished");
+    line.add("id", id);
+    line.add("seconds", times.seconds);
+    line.add("estimated_seconds", times.estimated_seconds);
+    line.add("engine", times.engine);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::failed(const std::string& id, const std::string& reason, Blame blame) const {
-    Json line = event("failed");
-    line["id"] = id;
-    line["blame"] = blame == Blame::files ? "files" : "case";
-    line["reason"] = reason;
-    append_line(path_, text(line));
+    JsonLine line = event("failed");
+    line.add("id", id);
+    line.add("blame", blame == Blame::files ? "files" : "case");
+    line.add("reason", reason);
+    append_line(path_, seal(line.text()));
 }
 
 void Journal::damaged(const std::string& id, const std::string& reason) const {
-    Json line = event("damaged");
-    line["id"] = id;
-    line["reason"] = reason;
-    append_line(path_, text(line));
+    JsonLine line = event("damaged");
+    line.add("id", id);
+    line.add("reason", reason);
+    append_line(path_, seal(line.text()));
 }
 
 JournalContents read_journal(const std::filesystem::path& path) {
@@ -187,9 +192,11 @@ JournalContents read_journals(const std::filesystem::path& folder) {
                 all.cases[id] = std::move(history);
         }
         all.running = all.running || one.running;
+        all.preparing = all.preparing || one.preparing;
         all.unreadable_lines += one.unreadable_lines;
         if (one.unix_time_s >= all.unix_time_s) {
             all.overrides = std::move(one.overrides);
+            all.resumed_by = std::move(one.resumed_by);
             all.last_run_ended = std::move(one.last_run_ended);
             all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;

@@ -19,6 +19,7 @@ struct RunStart {
     std::string git_id;                 // git id of the program
     std::string kernels;                // the instruction set in use
     bool allow_mixed = false;           // results of another program exist and are allowed
+    std::string resumed_by;             // command that resumes it; empty: `run` with its job
 };
 
 /// Computing time and its estimate.
@@ -44,6 +45,8 @@ public:
     explicit Journal(std::filesystem::path path);
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
+    /// The run chooses time steps and teams; run_started() or run_ended() follows.
+    void run_prepares(const RunStart& start) const;
     void run_started(const RunStart& start) const;
     void run_ended(const std::string& how, const RunTimes& times) const;
     void started(const std::string& id, int ranks) const;
@@ -71,9 +74,11 @@ struct CaseHistory {
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
     bool running = false;       // a run has started, and no end of a run was recorded since
+    bool preparing = false;     // the last run has not started its cases yet
     std::string last_run_ended; // how the last run ended
     RunTimes last_run_times;
     std::vector<std::string> overrides; // overrides of the last run, key=value
+    std::string resumed_by;             // RunStart::resumed_by of the last run
     double unix_time_s = 0.0;           // when the last run started
     int teams = 1;             // of the last run; of all active runs together if there are several
     long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
