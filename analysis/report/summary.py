@@ -3,6 +3,7 @@
 import math
 
 import layout
+import sample
 from numerical_error import (choices, is_numerical, known, numerical_variants, spread_of, uncertainty,
                              with_error)
 from words import counted, number
@@ -175,5 +176,7 @@ def span(low, high):
 def summary(sweep):
     if not layout.ordinary(sweep):
         return "No case is complete yet, so there is nothing to draw."
+    if sweep.uncertain:
+        return sample.sentence(sweep)
     text = efficiency(sweep) + strength(choices(sweep))
     return text[:1].upper() + text[1:]
