@@ -45,11 +45,6 @@ class Case:
     def whole(self):
         return self.status == "complete"
 
-    @property
-    def is_valid(self):
-        """Whether no warning states that the readings are not valid."""
-        return all(w["severity"] != "error" for w in self.warnings)
-
     def value(self, name):
         return self.scalars.get(name, math.nan)
 
@@ -137,6 +132,19 @@ def read_case(case):
         read_trace(file, case)
 
 
+def single_case(path):
+    """The case of a file outside of a sweep, with its scalars as columns. Raises OSError, RuntimeError, KeyError,
+    ValueError or TypeError if it is not a valid case file."""
+    with open_case(path) as file:
+        case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
+                    text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
+        case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
+        case.scalars = {name: float(plain(item[()])) for name, item in file.items()
+                        if getattr(item, "shape", None) == ()}
+    read_case(case)
+    return case
+
+
 def surface(case, time=-1):
     """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
     try:
@@ -221,6 +229,9 @@ def load(folder, report=lambda text: None):
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], table["x"],
                       table["series"], cases, job_text, columns, uncertain=plan.get("uncertain"))
+    except FileNotFoundError as error:
+        raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
+                     if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for n, case in enumerate(cases):

@@ -26,7 +26,7 @@ std::string table_without_axes(const std::filesystem::path& job) {
     return reference ? fmt::format("{{ reference = {} }}", config::render(*reference)) : "{}";
 }
 
-/// The values of a row of the table; text cells are id, reference, status and note.
+/// The values of a row of the table; text cells are id, reference, valid, status and note.
 nlohmann::ordered_json values_of(const reduce::Table& table, std::size_t row) {
     nlohmann::ordered_json values = nlohmann::ordered_json::object();
     for (std::size_t i = 0; i < table.columns.size(); ++i)
@@ -51,6 +51,7 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
         fmt::print("{}", json_document("evaluate", {{"job", arguments.job.string()},
                                                     {"id", id},
                                                     {"status", cell(table, "status")},
+                                                    {"valid", cell(table, "valid") == "yes"},
                                                     {"note", cell(table, "note")},
                                                     {"folder", folder.root.string()},
                                                     {"values", values}}));

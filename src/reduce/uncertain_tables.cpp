@@ -58,7 +58,8 @@ private:
         const std::size_t place = place_of(table_, column);
         return place < table_.columns.size() &&
                std::ranges::any_of(table_.rows, [&](const std::vector<Cell>& row) {
-                   return std::isfinite(std::get<double>(row[place]));
+                   const auto* number = std::get_if<double>(&row[place]);
+                   return number && std::isfinite(*number);
                });
     }
 
@@ -91,10 +92,14 @@ private:
         });
     }
 
+    /// NaN: no value, or readings that are not valid.
     double value(const Group& group, std::size_t design_row, std::size_t column) const {
         const auto row = group.rows.find(design_row);
-        return row == group.rows.end() ? std::nan("")
-                                       : std::get<double>(table_.rows[row->second][column]);
+        if (row == group.rows.end()) return std::nan("");
+        const std::vector<Cell>& cells = table_.rows[row->second];
+        const std::size_t valid = place_of(table_, "valid");
+        if (valid < cells.size() && cells[valid] == Cell(std::string("no"))) return std::nan("");
+        return std::get<double>(cells[column]);
     }
 
     void put(Table& out, const Group& group, std::vector<Cell> own, const Estimate& e,

@@ -11,7 +11,8 @@ namespace shearwake::reduce {
 
 /// The tables of a job with [uncertain]. One row per combination of the swept values, column and
 /// statistic: `value` with its 95 % interval `low_95` to `high_95`, `samples` (number of values),
-/// `without_value` (failed or missing ones) and `note` (a warning if the sample is too small).
+/// `without_value` (failed, missing or not valid ones) and `note` (a warning if the sample is too
+/// small).
 struct UncertainTables {
     Table statistics;  // mean, sd, quantiles and exceedance probabilities
     Table sensitivity; // Sobol indices or Morris measures; no rows for other designs
