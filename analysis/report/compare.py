@@ -18,7 +18,7 @@ import compare_words
 import numpy as np
 from compare_fields import compare_sensors, compare_surfaces, compare_traces
 from load import Case, NoPlan, first_line, load, plain, read_case, text
-from checksum import open_case
+from package import open_case
 
 USAGE, ENVIRONMENT = 2, 6
 SCHEMA = 1

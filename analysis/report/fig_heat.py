@@ -10,7 +10,7 @@ import numpy as np
 import hover
 import layout
 import style
-import wake
+from package import wake
 from figure import Figure
 from words import listed, number, value_text
 

@@ -10,7 +10,7 @@ import fig_frequency
 import fig_time
 import layout
 import style
-import wake
+from package import wake
 from chart import Chart, Line
 from figure import Figure
 from words import listed, number, split_unit

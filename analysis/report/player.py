@@ -19,7 +19,7 @@ import fig_surface
 import layout
 import load
 import style
-import wake
+from package import wake
 from words import number
 
 MOMENTS = 60             # largest number of times per case
