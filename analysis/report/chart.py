@@ -20,6 +20,7 @@ class Line:
     error: list = None  # half the length of an error bar per point
     dashed: bool = False
     points: bool = False
+    crossed: bool = False  # crosses without a line: values that are not valid
 
 
 @dataclass
@@ -53,7 +54,7 @@ def line_data(line):
         data["case"] = line.case
     if line.error is not None and np.isfinite(line.error).any():
         data["error"] = rounded(line.error[::step])
-    return data | {"dashed": line.dashed, "points": line.points}
+    return data | {"dashed": line.dashed, "points": line.points, "crossed": line.crossed}
 
 
 def chart_data(chart):

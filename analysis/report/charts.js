@@ -18,6 +18,7 @@ function drawErrors(plot, lines) {
     if (!line.error || !plot.series[i + 1].show) return;
     context.save();
     context.strokeStyle = line.colour;
+    context.setLineDash([]);  // uPlot leaves the dashes of its last line
     context.lineWidth = 1.2 * pixel;
     context.beginPath();
     line.x.forEach((x, k) => {
@@ -28,6 +29,27 @@ function drawErrors(plot, lines) {
       context.moveTo(at, low); context.lineTo(at, high);
       context.moveTo(at - cap, low); context.lineTo(at + cap, low);
       context.moveTo(at - cap, high); context.lineTo(at + cap, high);
+    });
+    context.stroke();
+    context.restore();
+  });
+}
+
+// Crosses at the points of lines of values that are not valid.
+function drawCrosses(plot, lines) {
+  const context = plot.ctx, arm = 4 * devicePixelRatio;
+  lines.forEach((line, i) => {
+    if (!line.crossed || !plot.series[i + 1].show) return;
+    context.save();
+    context.strokeStyle = line.colour;
+    context.setLineDash([]);
+    context.lineWidth = 1.8 * devicePixelRatio;
+    context.beginPath();
+    line.x.forEach((x, k) => {
+      if (line.y[k] === null) return;
+      const at = plot.valToPos(x, "x", true), up = plot.valToPos(line.y[k], "y", true);
+      context.moveTo(at - arm, up - arm); context.lineTo(at + arm, up + arm);
+      context.moveTo(at - arm, up + arm); context.lineTo(at + arm, up - arm);
     });
     context.stroke();
     context.restore();
@@ -102,18 +124,19 @@ function drawPanel(holder, panel, output, key) {
   if (panel.title) box.insertAdjacentHTML("beforeend", "<p class='panel-title'></p>");
   if (panel.title) box.lastChild.textContent = panel.title;
   const name = panel.x_names ? v => panel.x_names[Math.round(v)] ?? "" : v => numberText(v);
-  const series = panel.lines.map(line => ({label: line.label, stroke: line.colour, width: 1.6,
-    dash: line.dashed ? [6, 4] : undefined, spanGaps: true, show: !hiddenCases.has(line.case),
-    paths: panel.x_names && !line.dashed ? () => null : undefined,
-    points: {show: line.points, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
+  const spanGaps = !panel.lines.some(line => line.points);  // curves end where a reading is not valid
+  const series = panel.lines.map(line => ({label: (line.crossed ? "\u00d7 " : "") + line.label, stroke: line.colour, width: 1.6,
+    dash: line.dashed ? [6, 4] : undefined, spanGaps, show: !hiddenCases.has(line.case),
+    paths: line.crossed || (panel.x_names && !line.dashed) ? () => null : undefined,
+    points: {show: line.points && !line.crossed, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
   const plot = new uPlot({
     width: Math.max(260, holder.clientWidth), height: holder.clientWidth < 500 ? 260 : 320,
     series: [{label: panel.x_label, value: (p, v) => v === null ? "–" : name(v)}, ...series], axes: axes(panel),
     scales: {x: {time: false, distr: panel.x_log ? 3 : 1, range: horizontalRange(panel)},
       y: verticalRange(panel)},
     cursor: {sync: {key}, drag: {x: true, y: false}, focus: {prox: 30}}, focus: {alpha: 0.35},
-    legend: {show: true},
-    hooks: {draw: [p => drawErrors(p, panel.lines)], setCursor: [p => {
+    legend: {show: true, markers: {width: 2, dash: (p, i) => p.series[i].dash ? "dashed" : "solid"}},
+    hooks: {draw: [p => drawErrors(p, panel.lines), p => drawCrosses(p, panel.lines)], setCursor: [p => {
       const found = p.cursor.left >= 0 ? nearest(p, panel.lines) : null;
       if (!found) return;
       const [line, k] = found;

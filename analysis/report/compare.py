@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares two cases or two sweeps: surfaces on their common grid, traces and columns.
 
-Usage: compare.py A B [--json] [--picture FILE]
+Usage: compare.py A B [--json] [--all] [--picture FILE]
 A and B are case files or reduced output folders; B is the reference. Exit 0: compared; 2: nothing in common;
 6: a file cannot be read or written.
 """
@@ -16,9 +16,9 @@ from pathlib import Path
 import compare_fields
 import compare_words
 import numpy as np
-from compare_fields import compare_sensors, compare_surfaces, compare_traces
-from load import Case, NoPlan, first_line, load, plain, read_case, text
-from package import open_case
+from compare_fields import compare_surfaces, compare_traces
+from compare_sensors import compare_sensors
+from load import NoPlan, first_line, load, single_case
 
 USAGE, ENVIRONMENT = 2, 6
 SCHEMA = 1
@@ -42,7 +42,8 @@ class Side:
             self.cases = [c for c in sweep.cases if c.whole]
             self.counting = {c["name"] for c in sweep.columns if c["counts_samples"]}
         else:
-            self.cases, self.counting = [one_case(self.path)], counting_columns(self.path)
+            self.cases = [one_case(self.path)]
+            self.counting = counting_columns(self.cases[0])
 
     @property
     def is_case(self):
@@ -50,29 +51,21 @@ class Side:
 
 
 def one_case(path):
-    """The case of a file, with its scalars as columns. Raises NotACase."""
+    """The case of a file. Raises NotACase."""
     try:
-        with open_case(path) as file:
-            case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
-                        text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
-            case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
-            case.scalars = {name: float(plain(item[()])) for name, item in file.items()
-                            if getattr(item, "shape", None) == ()}
-        read_case(case)
+        return single_case(path)
     except FileNotFoundError as error:
-        raise NotACase(f"{path} does not exist") from error
+        raise NotACase(f"{path} does not exist: there is no such case file or output folder; run the job "
+                       "first") from error
     except (KeyError, ValueError, TypeError) as error:
         raise NotACase(f"{path} is not a case file of shearwake, or is incomplete ({first_line(error)}); arguments are "
                        "files in the folder `cases` of an output folder, or output folders") from error
     except (OSError, RuntimeError) as error:
         raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
-    return case
 
 
-def counting_columns(path):
-    with open_case(path) as file:
-        return {name for name, item in file.items() if getattr(item, "shape", None) == ()
-                and text(item.attrs.get("long_name", "")).endswith("in samples")}
+def counting_columns(case):
+    return {column.name for column in case.stored.columns if column.meaning.endswith("in samples")}
 
 
 def key_of(case, keys):
@@ -128,13 +121,20 @@ def compare_columns(a, b, counting):
     return rows, excluded
 
 
+def depths_mm(case):
+    """The measured depths, of which the first is that of the surface and the traces."""
+    return [round(1e3 * z, 9) for z in case.setting("measure", "depths_m", default=[0.0])]
+
+
 def compare_pair(a, b, counting):
     columns, excluded = compare_columns(a, b, counting)
+    sensors, note = compare_sensors(a, b)
     return {"first": a.id, "second": b.id, "settings": [a.settings, b.settings],
             "is_reference": [a.is_reference, b.is_reference], "warnings": [a.warnings, b.warnings],
             "engines": [c.setting("solver", "engine", default="") for c in (a, b)],
-            "grids": [grid_of(a), grid_of(b)], "fields": compare_surfaces(a, b),
-            "traces": compare_traces(a, b), "sensors": compare_sensors(a, b), "columns": columns, "columns_not_compared": excluded}
+            "grids": [grid_of(a), grid_of(b)], "depths_mm": [depths_mm(a), depths_mm(b)], "fields": compare_surfaces(a, b),
+            "traces": compare_traces(a, b), "sensors": sensors, "sensors_note": note, "columns": columns,
+            "columns_not_compared": excluded}
 
 
 def without_nan(value):
@@ -161,34 +161,54 @@ def compare(first, second):
     return result, pairs
 
 
-def main(arguments):
+def options(arguments):
     parser = argparse.ArgumentParser(prog="shearwake compare")
     parser.add_argument("first")
     parser.add_argument("second")
     parser.add_argument("--json", action="store_true")
+    parser.add_argument("--all", action="store_true")
     parser.add_argument("--picture", type=Path)
-    given = parser.parse_args(arguments)
+    return parser.parse_args(arguments)
+
+
+def draw(result, pairs, path):
+    """Draws the picture. The line that reports it, or why there is none."""
+    import compare_picture  # needs Matplotlib
     try:
-        result, pairs = compare(Side(given.first), Side(given.second))
-        if given.picture:
-            import compare_picture  # needs Matplotlib
-            compare_picture.draw(result, pairs, given.picture)
-    except Incomparable as error:
-        print(f"error: {error}", file=sys.stderr)
-        return USAGE
-    except (NoPlan, NotACase, compare_fields.NothingToDraw, OSError) as error:
-        print(f"error: {error}", file=sys.stderr)
-        return ENVIRONMENT
-    text = json.dumps(without_nan(result), indent=1) if given.json else compare_words.words(result)
-    if given.picture and not given.json:
-        text += f"\npicture: {given.picture}"
+        compare_picture.draw(result, pairs, path)
+    except compare_fields.NothingToDraw as reason:
+        return f"no picture: {reason}"
+    return f"picture: {path}"
+
+
+def write(text):
+    """Prints the text and returns the exit code. A reader that closes the pipe, such as head, has read enough."""
     try:
         print(text, flush=True)
     except OSError as error:
-        print(f"error: the output cannot be written: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
-        return ENVIRONMENT
+        if not isinstance(error, BrokenPipeError):
+            print(f"error: the output cannot be written: {error.strerror}", file=sys.stderr)
+            return ENVIRONMENT
     return 0
+
+
+def main(arguments):
+    given = options(arguments)
+    try:
+        result, pairs = compare(Side(given.first), Side(given.second))
+        picture = draw(result, pairs, given.picture) if given.picture else ""
+    except Incomparable as error:
+        print(f"error: {error}", file=sys.stderr)
+        return USAGE
+    except (NoPlan, NotACase, OSError) as error:
+        print(f"error: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    if given.json:
+        if picture.startswith("no "):
+            print(picture, file=sys.stderr)
+        return write(json.dumps(without_nan(result), indent=1))
+    return write("\n".join(filter(None, [compare_words.words(result, given.all), picture])))
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 """Differences of the surfaces and traces of two cases."""
 import math
 
-import h5py
 import numpy as np
 
 import load
@@ -10,7 +9,7 @@ import load
 SAME_s = 1e-9  # times closer than this are equal; frames are at least 0.01 us apart
 SAME_m = 1e-9  # and positions
 POINTS = 8  # of the interpolation
-TIE = 1e-6  # of the largest |u|: differences closer than this are equal, since fields are stored as float32
+TIE = 1e-9  # of the largest difference: closer values are equal, for example on both sides of a symmetry axis
 
 
 class NothingToDraw(Exception):
@@ -62,10 +61,10 @@ def relative_l2(a, b):
     return math.sqrt(float(np.sum((a - b) ** 2))) / norm if norm else math.nan
 
 
-def place_of_largest(difference, largest, x, y):
-    """The indices of the largest difference. Of places that differ only by rounding errors, for example on both sides
-    of a path, the one with the largest y and then the largest x."""
-    i, j = np.nonzero(difference >= difference.max() - TIE * largest)
+def place_of_largest(difference, x, y):
+    """The indices of the largest difference. Of places with equal differences, the one with the largest y and then the
+    largest x."""
+    i, j = np.nonzero(difference >= (1.0 - TIE) * difference.max())
     n = np.lexsort((x[i], y[j]))[-1]
     return int(i[n]), int(j[n])
 
@@ -79,10 +78,10 @@ def compare_surfaces(first, second):
             continue
         x, y, u_a, u_b = on_common_grid(a, b)
         difference = np.abs(u_a - u_b)
-        at = place_of_largest(difference, float(np.abs(u_b).max()), x, y)
+        at = place_of_largest(difference, x, y)
         found.append({"time_ms": round(1e3 * a[0], 9), "points": [len(x), len(y)],
-                      "relative_l2": relative_l2(u_a, u_b), "largest_um": 1e6 * float(difference[at]),
-                      "largest_relative": float(difference[at] / np.abs(u_b).max()) if u_b.any() else math.nan,
+                      "relative_l2": relative_l2(u_a, u_b), "largest_um": 1e6 * float(difference.max()),
+                      "largest_relative": float(difference.max() / np.abs(u_b).max()) if u_b.any() else math.nan,
                       "at_mm": [1e3 * float(x[at[0]]), 1e3 * float(y[at[1]])]})
     return found
 
@@ -103,39 +102,4 @@ def compare_traces(first, second):
             found.append({"at_mm": [1e3 * at[0], 1e3 * at[1]], "times": len(pairs),
                           "relative_l2": relative_l2(a, b), "largest_um": 1e6 * float(abs(a - b)[n]),
                           "time_ms": 1e3 * float(first.series["time"][ours[n]])})
-    return found
-
-
-def sensor(case):
-    """The sensor of a k-Wave study: time in s, node (i, j, k) -> row, and field -> (unit, rows); None without one."""
-    try:
-        with h5py.File(case.path, "r") as file:
-            group = file["sensor"]
-            rows = {node: n for n, node in enumerate(zip(*(group[axis][()].tolist() for axis in "ijk")))}
-            fields = {name: (load.text(item.attrs.get("units", "")), item[()]) for name, item in group.items()
-                      if getattr(item, "ndim", 0) == 2}
-            return group["time"][()], rows, fields
-    except (OSError, KeyError, ValueError):
-        return None
-
-
-def compare_sensors(first, second):
-    """One entry for each field that the sensors of two studies on the same grid recorded, over their common nodes and
-    times."""
-    ours, theirs = sensor(first), sensor(second)
-    if not ours or not theirs:
-        return []
-    pairs, nodes = common_times(ours[0], theirs[0]), [node for node in ours[1] if node in theirs[1]]
-    if not pairs or not nodes or first.setting("domain", "spacing_m") != second.setting("domain", "spacing_m"):
-        return []
-    found = []
-    for name, (unit, values) in ours[2].items():
-        if name not in theirs[2]:
-            continue
-        a, b = (side[np.ix_([rows[node] for node in nodes], times)] for side, rows, times in (
-            (values, ours[1], [i for i, _ in pairs]), (theirs[2][name][1], theirs[1], [j for _, j in pairs])))
-        node, time = np.unravel_index(int(np.argmax(np.abs(a - b))), a.shape)
-        found.append({"field": name, "unit": unit, "nodes": len(nodes), "times": len(pairs),
-                      "relative_l2": relative_l2(a, b), "largest": float(np.abs(a - b)[node, time]),
-                      "at_node": [int(index) for index in nodes[node]], "time_ms": 1e3 * float(ours[0][pairs[time][0]])})
     return found

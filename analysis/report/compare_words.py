@@ -5,6 +5,7 @@ import math
 from words import counted, key_name, setting_text
 
 COLUMNS = 12  # per pair of cases; of several pairs, the columns with their largest change
+FEW = 5  # of surfaces and traces: those that differ most
 EQUAL = 1e-12  # relative changes up to here are rounding errors
 
 
@@ -21,9 +22,14 @@ def grid(pair):
     return parts[0] if parts[0] == parts[1] else " and ".join(parts)
 
 
+def settings_texts(values):
+    """The swept keys and their values; keys with the same name and value, which are swept together, once."""
+    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in values.items()))
+
+
 def settings(pair, side):
-    """The swept keys of one case; keys with the same name and value, which are swept together, once."""
-    return list(dict.fromkeys(setting_text(key_name(key), key, value) for key, value in pair["settings"][side].items()))
+    """The swept keys of one case of a pair."""
+    return settings_texts(pair["settings"][side])
 
 
 def label(pair, side):
@@ -68,22 +74,64 @@ def difference(entry, largest, where):
     return f"relative L2 {percent(entry['relative_l2'])}, largest difference {largest} {where}"
 
 
-def field_lines(pair):
-    lines = [f"  surface at {f['time_ms']:.6g} ms: "
-             + difference(f, f"{f['largest_um']:.3g} um ({percent(f['largest_relative'])} of the peak)",
-                          f"at {place(f['at_mm'])}") for f in pair["fields"]] or ["  surface: no common time"]
-    lines += [f"  trace at {place(t['at_mm'])}: "
-              + difference(t, f"{t['largest_um']:.3g} um", f"at {t['time_ms']:.6g} ms") for t in pair["traces"]]
-    return lines + [f"  sensor, {s['field']} at {counted(s['nodes'], 'node')}: "
-                    + difference(s, f"{s['largest']:.3g} {s['unit']}", f"at node {s['at_node']} and {s['time_ms']:.6g} ms")
-                    for s in pair["sensors"]]
+def surface_line(entry):
+    largest = f"{entry['largest_um']:.3g} um ({percent(entry['largest_relative'])} of the peak)"
+    return f"  surface at {entry['time_ms']:.6g} ms: " + difference(entry, largest, f"at {place(entry['at_mm'])}")
+
+
+def trace_line(entry):
+    return f"  trace at {place(entry['at_mm'])}: " + difference(entry, f"{entry['largest_um']:.3g} um",
+                                                                f"at {entry['time_ms']:.6g} ms")
+
+
+def most_different(entries, noun, line, everything):
+    """A line for each entry, or, of many entries, for those with the largest differences in their order. A summary is
+    the first line of several."""
+    if len(entries) < 2:
+        return [line(entry) for entry in entries]
+    largest = max(entries, key=lambda e: e["largest_um"])
+    relative = max((e["relative_l2"] for e in entries if math.isfinite(e["relative_l2"])), default=math.nan)
+    if all(e["relative_l2"] == 0.0 for e in entries):
+        return [f"  {counted(len(entries), noun)}: equal"]
+    summary = (f"  {counted(len(entries), noun)}: relative L2 up to {percent(relative)}, largest difference "
+               f"{largest['largest_um']:.3g} um")
+    if everything or len(entries) <= FEW:
+        return [summary, *map(line, entries)]
+    order = sorted(range(len(entries)), key=lambda n: -entries[n]["largest_um"])[:FEW]
+    return [f"{summary}; the {FEW} with the largest differences (--all lists each):",
+            *(line(entries[n]) for n in sorted(order))]
+
+
+def sensor_lines(pair):
+    """Nodes are counted from 1, as import-kwave does."""
+    lines = [f"  sensor, {s['field']} at {counted(s['nodes'], 'node')}: "
+             + difference(s, f"{s['largest']:.3g} {s['unit']}",
+                          f"at node {[index + 1 for index in s['at_node']]} and {s['time_ms']:.6g} ms")
+             for s in pair["sensors"]]
+    if pair["sensors_note"]:
+        lines.append(f"  {'note on the sensors' if lines else 'sensors not compared'}: {pair['sensors_note']}")
+    return lines
+
+
+def depth_lines(pair):
+    first, second = ([f"{z:.6g}" for z in depths] for depths in pair["depths_mm"])
+    if first == second:
+        return []
+    return [f"  measured depths differ: {', '.join(first)} mm and {', '.join(second)} mm; surfaces, traces and columns are "
+            "those of these depths"]
+
+
+def field_lines(pair, everything):
+    return [*depth_lines(pair),
+            *(most_different(pair["fields"], "surface", surface_line, everything) or ["  surface: no common time"]),
+            *most_different(pair["traces"], "trace", trace_line, everything), *sensor_lines(pair)]
 
 
 def cell(value):
     return f"{value:.6g}" if math.isfinite(value) else "none"
 
 
-def column_lines(rows):
+def column_lines(rows, everything=False):
     """A table of the columns that differ by more than rounding errors."""
     rows = [r for r in rows if not abs(r["change"]) <= EQUAL]
     if not rows:
@@ -91,17 +139,17 @@ def column_lines(rows):
     lines = [f"  {'column':<28} {'first':>12} {'second':>12}  change"]
     lines += [f"  {r['column']:<28} {cell(r['first']):>12} {cell(r['second']):>12}  "
               f"{'' if not math.isfinite(r['change']) else format(100 * r['change'], '+.3g') + ' %'}".rstrip()
-              for r in rows[:COLUMNS]]
-    if len(rows) > COLUMNS:
-        lines.append(f"  and {counted(len(rows) - COLUMNS, 'column')} with smaller changes (--json lists all)")
+              for r in (rows if everything else rows[:COLUMNS])]
+    if len(rows) > COLUMNS and not everything:
+        lines.append(f"  and {counted(len(rows) - COLUMNS, 'column')} with smaller changes (--all lists each)")
     return lines
 
 
-def pair_lines(pair):
+def pair_lines(pair, everything):
     lines = [*name_lines(pair), f"  grid: {grid(pair)}"]
     if pair["engines"][0] != pair["engines"][1]:
         lines.append(f"  engines: {' and '.join(pair['engines'])}")
-    lines += [*field_lines(pair), *column_lines(pair["columns"])]
+    lines += [*field_lines(pair, everything), *column_lines(pair["columns"], everything)]
     if pair["columns_not_compared"]:
         lines.append("  not compared, because they count samples of different grids: "
                      + ", ".join(pair["columns_not_compared"]))
@@ -126,15 +174,18 @@ def largest_changes(pairs):
     return [row for _, row in sorted(found.values(), key=lambda item: -item[0])]
 
 
-def words(result):
+def words(result, everything=False):
+    """The text; with `everything`, all pairs, times, traces and columns instead of those that differ most."""
     pairs = result["pairs"]
     lines = [f"{result['first']} compared with {result['second']}", *warning_lines(pairs)]
-    if len(pairs) == 1:
-        lines += pair_lines(pairs[0])
+    if len(pairs) == 1 or everything:
+        for pair in pairs:
+            lines += pair_lines(pair, everything)
     else:
-        lines.append(f"{len(pairs)} pairs of cases; the pair whose surfaces differ most:")
-        lines += pair_lines(worst(pairs))
-        lines += ["", "largest change of each column over all pairs:", *column_lines(largest_changes(pairs))]
+        lines.append(f"{len(pairs)} pairs of cases; the pair whose surfaces differ most (--all lists each):")
+        lines += pair_lines(worst(pairs), everything)
+    if len(pairs) > 1:
+        lines += ["", "largest change of each column over all pairs:", *column_lines(largest_changes(pairs), everything)]
     for key, which in (("only_in_first", "first"), ("only_in_second", "second")):
         if result[key]:
             lines.append(f"only in the {which}: {', '.join(result[key])}")

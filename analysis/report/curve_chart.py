@@ -5,6 +5,7 @@ import numpy as np
 import layout
 import style
 from chart import Chart, Line
+from validity import split
 from words import value_text
 
 
@@ -33,31 +34,41 @@ def error_caption(sweep, *columns):
     return ""
 
 
-def reference_line(sweep, group, column, name, colour):
-    """The value of the reference at each x of a curve; None without a reference."""
-    pairs = [(layout.x_position(sweep, c), r.value(column)) for c in group.cases if (r := sweep.reference_of(c))]
-    if not pairs or not np.isfinite([v for _, v in pairs]).any():
-        return None
+def reference_lines(sweep, figure, group, column, name, colour):
+    """The values of the reference at each x of a curve, and crosses where they are not valid."""
+    pairs = [(layout.x_position(sweep, c), r) for c in group.cases if (r := sweep.reference_of(c))]
+    values = np.array([r.value(column) for _, r in pairs])
+    if not pairs or not np.isfinite(values).any():
+        return []
     label = f"{name}, {group.label}" if group.label and len(layout.all_references(sweep)) > 1 else name
-    return Line(label, *map(list, zip(*pairs)), colour, dashed=True)
+    return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=True),
+                        split(sweep, [r for _, r in pairs], column, figure, values))
 
 
-def curve_chart(sweep, column, y_label, title="", y_log=False):
-    """One line per curve, and dashed lines of the references; a ratio to the reference has no references."""
+def with_crosses(line, parts):
+    """A line of the valid values, and if there are others another one of grey crosses."""
+    line.y, invalid = parts
+    crosses = Line(f"{line.label}, not valid", line.x, invalid, style.GREY, points=True, crossed=True)
+    return [line, *([crosses] if np.isfinite(invalid).any() else [])]
+
+
+def curve_chart(sweep, figure, column, y_label, title="", y_log=False):
+    """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
+    references."""
     found = layout.groups(sweep)
     name = layout.reference_name(layout.all_references(sweep))
     lines, labels = [], set()
     for group, colour in zip(found, style.distinct(len(found))):
         x = [layout.x_position(sweep, c) for c in group.cases]
-        lines.append(Line(group.label or "all cases" if len(found) > 1 else y_label, x,
-                          [c.value(column) for c in group.cases], colour,
-                          error=errors(group.cases, column), points=True))
-        below = None if sweep.is_ratio(column) else reference_line(
-            sweep, group, column, name, style.INK if len(layout.all_references(sweep)) == 1 else colour)
-        if below and below.label not in labels:
-            labels.add(below.label)
-            lines.append(below)
-    lines.sort(key=lambda line: line.dashed)
+        y = [c.value(column) for c in group.cases]
+        line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
+                    error=errors(group.cases, column), points=True)
+        lines += with_crosses(line, split(sweep, group.cases, column, figure, y))
+        below = [] if sweep.is_ratio(column) else reference_lines(
+            sweep, figure, group, column, name, style.INK if len(layout.all_references(sweep)) == 1 else colour)
+        lines += [line for line in below if line.label not in labels]
+        labels |= {line.label for line in below}
+    lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(sweep)
     names = None if layout.is_numeric(sweep) else [value_text(sweep.x, v) for v in values]
     return Chart(layout.axis_label(sweep, sweep.x), y_label.replace("\n", " "), lines, title, names,

@@ -9,9 +9,11 @@ from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
 
 import layout
 import style
+import warnings_of
 from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
-from words import SUPERSCRIPTS, number, value_text
+from validity import CROSSES, invalid_caption, split
+from words import SUPERSCRIPTS, counted, number, value_text
 
 
 def set_x_axis(axes, sweep):
@@ -45,46 +47,65 @@ def points(sweep, group, column, aside=0.0):
     return np.array(x), np.array([c.value(column) for c in group.cases])
 
 
+def draw_curve(axes, sweep, group, column, figure, aside=0.0, **look):
+    """Draws the values of a column; those that are not valid in this figure become grey crosses without a line. Returns x
+    and y of the curve."""
+    x, y = points(sweep, group, column, aside)
+    y, invalid = split(sweep, group.cases, column, figure, y)
+    axes.plot(x, y, **{"markersize": 6, "zorder": 3, **look})
+    if np.isfinite(invalid).any():
+        axes.plot(x, invalid, **CROSSES)
+    return x, y
+
+
 def asides(sweep, curves):
     middle = 0.5 * (len(curves) - 1)
     step = 0.0 if layout.is_numeric(sweep) else 0.12
     return [step * (i - middle) for i in range(len(curves))]
 
 
-def draw_reference(axes, sweep, group, column, colour, line, labels, name):
+def draw_reference(axes, sweep, group, column, figure, colour, line, labels, name):
     """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
-    curve."""
+    curve. References that are not valid in this figure are grey: a dotted line or crosses."""
     found = layout.references(sweep, group)
+    look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
+    if not found:
+        return
     if len(found) == 1:
         value = found[0].value(column)
         if math.isnan(value):
             return
-        axes.axhline(value, color=colour, linestyle=line, linewidth=1.3, zorder=1.5)
+        text = f"{name}\n{number(value, 3)}"
+        if not warnings_of.is_valid(found[0], figure):
+            colour, text = style.GREY, f"{name}\nnot valid"
+            look |= {"color": colour, "linestyle": ":"}
+        axes.axhline(value, **look)
     else:
-        pairs = [(layout.x_position(sweep, c), sweep.reference_of(c).value(column))
-                 for c in group.cases if sweep.reference_of(c)]
-        if not pairs or all(math.isnan(v) for _, v in pairs):
+        cases = [c for c in group.cases if sweep.reference_of(c)]
+        own = [sweep.reference_of(c) for c in cases]
+        x = [layout.x_position(sweep, c) for c in cases]
+        y, invalid = split(sweep, own, column, figure, np.array([r.value(column) for r in own]))
+        axes.plot(x, invalid, **CROSSES)
+        if not np.isfinite(y).any():
             return
-        look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
         if layout.is_numeric(sweep):
-            axes.plot(*zip(*pairs), **look)
+            axes.plot(x, y, **look)
         else:  # strings have no order: a dash at each
-            for x, value in pairs:
-                axes.plot([x - 0.3, x + 0.3], [value, value], **look)
-        value = [v for _, v in pairs if not math.isnan(v)][-1]
-    text = f"{name}\n{number(value, 3)}" if len(found) == 1 else name
+            for at, value in zip(x, y):
+                axes.plot([at - 0.3, at + 0.3], [value, value], **look)
+        value, text = y[np.isfinite(y)][-1], name
     if (text, colour) not in [(t, c) for _, t, c in labels]:
         labels.append((value, text, colour))
 
 
-def reference_lines(axes, sweep, curves, column, line):
-    """Draws all references of a panel and returns their labels for the right edge."""
+def reference_lines(axes, sweep, curves, column, figure):
+    """Draws all references of a panel dashed and returns their labels for the right edge."""
     names = layout.reference_name(layout.all_references(sweep))
     shared = len(layout.all_references(sweep)) == 1
     labels = []
     for group, colour, _ in curves[:1] if shared else curves:
         own = style.INK if shared or len(curves) == 1 else colour
-        draw_reference(axes, sweep, group, column, own, line, labels, names)
+        draw_reference(axes, sweep, group, column, figure, own, "--", labels, names)
     return labels if len(labels) <= 6 else []
 
 
@@ -179,17 +200,13 @@ def measure_figure(sweep, folder, measure):
     for axes, column in zip(made, rows):
         whole_periods = column == period
         for (group, colour, marker), aside in zip(curves, asides(sweep, curves)):
-            x, y = points(sweep, group, column, aside)
+            look = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
+            x, y = draw_curve(axes, sweep, group, column, measure["name"], aside, marker=marker, color=colour,
+                              linestyle="-" if numeric else "none", **look)
             draw_errors(axes, x, y, group.cases, column, colour)
-            look = {"marker": marker, "color": colour, "markersize": 6,
-                    "linestyle": "-" if numeric else "none"}
-            if whole_periods:
-                axes.plot(x, y, **look, clip_on=False, zorder=3)
-                continue
-            axes.plot(x, y, **{**look, "linewidth": 0.7}, markerfacecolor="white", zorder=3)
         if measure.get("log") and spans_decades(sweep, column):
             axes.set_yscale("log")
-        labels = reference_lines(axes, sweep, curves, column, "--")
+        labels = reference_lines(axes, sweep, curves, column, measure["name"])
         axes.margins(y=0.12)
         widen(axes)
         axes.set_ylabel(measure["label"])
@@ -204,12 +221,12 @@ def measure_figure(sweep, folder, measure):
     legend_above(figure, sweep, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
     title = measure["title"].format(x=layout.name(sweep, sweep.x))
-    charts = [curve_chart(sweep, column, measure["label"],
+    charts = [curve_chart(sweep, measure["name"], column, measure["label"],
                           "mean over periods" if column == period else instant_title(sweep),
                           bool(measure.get("log") and spans_decades(sweep, column))) for column in rows]
     return Figure(measure["name"], title,
                   measure["caption"] + marker_caption(sweep, rows, period, instant)
-                  + error_caption(sweep, *rows),
+                  + error_caption(sweep, *rows) + invalid_caption(sweep, measure["name"], *rows),
                   f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
 
 
@@ -239,7 +256,8 @@ def marker_caption(sweep, rows, period, instant):
                          "evaluated in the same way.")
     missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
     if missing:
-        sentences.append(f" {missing} of {len(layout.ordinary(sweep))} cases have no mean over periods; the "
+        every = counted(len(layout.ordinary(sweep)), "case")
+        sentences.append(f" {missing} of {every} {'has' if missing == 1 else 'have'} no mean over periods; the "
                          "reasons are listed below the table.")
     if period in rows:
         sentences.append(" The vertical axes do not start at zero.")

@@ -109,12 +109,14 @@ def figures(sweep, folder):
         name_places(made, len(cases) // 2)
     style.save(figure, folder / "drive.png")
     title = "How the skin is driven"
-    drawn = [Figure("drive", title, caption(cases, columns, steady, name), "Position and force over time")]
+    ids = [case.id for case in cases]
+    drawn = [Figure("drive", title, caption(cases, columns, steady, name), "Position and force over time", cases=ids)]
     if span := periods.last_span_ms(cases):
         made[0, 0].set_xlim(span[0], span[1] + 0.04 * (span[1] - span[0]))  # all panels share it; room for the last tick
         style.save(figure, folder / "drive_last.png")
         drawn.append(Figure("drive_last", f"{title}: the last periods",
-                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods"))
+                            f"The last {periods.LAST} periods of the figure above.", "Position and force, last periods",
+                            cases=ids))
     return drawn
 
 

@@ -8,8 +8,10 @@ import layout
 import style
 from package import wake
 from figure import Figure
+from validity import invalid_caption
 from words import listed
 
+NAME = "frequency"
 
 
 @dataclass
@@ -26,7 +28,7 @@ class Band:
 
 
 # The perceptible vibration, if the job has no `measure.bands_Hz`.
-FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (um)")
+FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
 
 
 def bands(sweep):
@@ -55,10 +57,9 @@ def peaks(sweep):
 def draw_peaks(axes, sweep, curves, column, of):
     numeric = layout.is_numeric(sweep)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
-        x, y = fig_curves.points(sweep, group, column, aside)
-        axes.plot(x, y, marker=marker, color=colour, markersize=6, zorder=3,
-                  linestyle="-" if numeric else "none")
-    labels = fig_curves.reference_lines(axes, sweep, curves, column, "--")
+        fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour,
+                              linestyle="-" if numeric else "none")
+    labels = fig_curves.reference_lines(axes, sweep, curves, column, NAME)
     axes.set_ylabel("frequency (Hz)")
     axes.set_title(f"dominant frequency of {of}", loc="left", color="#555555")
     axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
@@ -69,11 +70,9 @@ def draw_band(axes, sweep, curves, band):
     """Draws the fraction of u with filled markers, and that of du/dt with open markers and dashed lines."""
     numeric = layout.is_numeric(sweep)
     for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
-        x = [layout.x_position(sweep, c) + aside for c in group.cases]
         for column, line, face in ((band.column, "-", colour), (band.velocity, "--", "white")):
-            axes.plot(x, [c.value(column) for c in group.cases], marker=marker, color=colour,
-                      markersize=5, zorder=3, markerfacecolor=face,
-                      linestyle=line if numeric else "none")
+            fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour, markersize=5,
+                                  markerfacecolor=face, linestyle=line if numeric else "none")
     if band.is_share:
         axes.set_ylim(-0.02, 1.04)
     else:
@@ -118,10 +117,11 @@ def figures(sweep, folder):
         draw_band(axes, sweep, curves, band)
     fig_curves.set_x_axis(made[-1], sweep)
     fig_curves.legend_above(figure, sweep, curves)
-    style.save(figure, folder / "frequency.png")
+    style.save(figure, folder / f"{NAME}.png")
     parts = ["dominant frequency"] * bool(found)
     if shown:
         parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
     title = f"{' and '.join(parts)} against {layout.name(sweep, sweep.x)}"
     title = title[:1].upper() + title[1:]
-    return [Figure("frequency", title, caption(sweep, found, shown), title)]
+    columns = [*(column for column, _ in found), *(b.column for b in shown)]
+    return [Figure(NAME, title, caption(sweep, found, shown) + invalid_caption(sweep, NAME, *columns), title)]

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Firing afferents on the hand, their spikes over time, and the motion of the skin."""
 import math
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import layout
 import style
+import warnings_of
 from figure import Figure
 from package import CLASSES
-from words import number
+from words import counted, millimetres, number
 
 COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
 MOST_CASES = 6  # largest number of cases with figures
@@ -79,13 +81,13 @@ def hand_figure(sweep, case, afferents, folder, name):
             axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000",
                       markersize=5 if len(afferents.pins) > 1 else 7, markeredgewidth=0.8,
                       zorder=2.5)
-        axes.set_title(f"{kind}: {len(active)} of {len(all_of)} fire", pad=3)
+        axes.set_title(f"{kind}: {len(active)} of {len(all_of)} {'fires' if len(active) == 1 else 'fire'}", pad=3)
     bar = figure.colorbar(shown, ax=made[0].tolist(), label="firing rate (Hz)", aspect=28,
                           shrink=0.8)
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     style.save(figure, folder / f"{name}.png")
-    title = f"Firing afferents on the hand: {layout.case_label(sweep, case)}"
+    title = f"Firing afferents on the hand: {warnings_of.label(sweep, case, name)}"
     return Figure(name, title, "Coloured dots: firing afferents with their mean rate over the run. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else
                   " Red crosses: pins that move the skin."), title)
@@ -123,11 +125,11 @@ def raster_figure(sweep, case, afferents, folder, name):
             axes.set_xlim(0.0, span)
             axes.set_ylim(-0.5, max(len(rows), 5) - 0.5)
         line[0].set_ylabel(f"{kind}, near to distant")
-        line[0].set_title(f"{afferents.count[afferents.of(kind)].sum()} spikes", loc="left", pad=3)
+        line[0].set_title(counted(int(afferents.count[afferents.of(kind)].sum()), "spike"), loc="left", pad=3)
     for axes in made[-1]:
         axes.set_xlabel("time (ms)")
     style.save(figure, folder / f"{name}.png")
-    title = f"Spikes over time: {layout.case_label(sweep, case)}"
+    title = f"Spikes over time: {warnings_of.label(sweep, case, name)}"
     return Figure(name, title, f"One line per firing afferent (at most {MOST_TICKS} per class, chosen evenly), "
                   "sorted by its distance from the nearest "
                   + ("point of afferents.pins_mm." if feels_stress(case) else "pin.") +
@@ -165,7 +167,7 @@ def places_figure(sweep, case, afferents, folder, name):
                 used.add(kind)
         axes.plot(afferents.time, afferents.u_um[pin], color=style.INK, linewidth=1.1)
         x, y = afferents.pins_on_patch[pin]
-        axes.set_title(f"({number(x)}, {number(y)}) mm", loc="left", pad=2, fontsize=9)
+        axes.set_title(f"({millimetres(x)}, {millimetres(y)}) mm", loc="left", pad=2, fontsize=9)
         axes.set_yticks([0.0, tick_at(top)])
     made[-1, 0].set_xlabel("time (ms)")
     made[-1, 0].set_xlim(0.0, min(duration_ms(case), 200.0))
@@ -176,7 +178,7 @@ def places_figure(sweep, case, afferents, folder, name):
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
     style.save(figure, folder / f"{name}.png")
-    title = f"Motion and spikes at selected pins: {layout.case_label(sweep, case)}"
+    title = f"Motion and spikes at selected pins: {warnings_of.label(sweep, case, name)}"
     return Figure(name, title, "Black: displacement of the pin, positive into the skin. Ticks: spikes of "
                   f"afferents within {number(NEAR_mm)} mm of the pin, one row per afferent, at most nine per "
                   "class.", title)
@@ -191,5 +193,6 @@ def figures(sweep, folder):
             continue
         for what, draw in (("hand", hand_figure), ("raster", raster_figure),
                            ("places", places_figure)):
-            made.append(draw(sweep, case, afferents, folder, f"{what}_{n + 1}"))
-    return [f for f in made if f]
+            if figure := draw(sweep, case, afferents, folder, f"{what}_{n + 1}"):
+                made.append(replace(figure, cases=[case.id]))
+    return made

@@ -11,9 +11,11 @@ import hover
 import layout
 import style
 from package import wake
+import warnings_of
 from figure import Figure
-from words import listed, number, value_text
+from words import counted, listed, number, some_of, value_text
 
+NAME = "heat_"  # followed by the column
 PANELS = 12
 COLUMNS = 3
 WORDS = 18  # characters per line of a tick label
@@ -68,9 +70,11 @@ def panels(sweep, others):
 
 
 def cells(sweep, column, x, y, others, values):
-    """The values (y, x) of one panel, and a mask of cells whose case has no result."""
+    """The values (y, x) of one panel, a mask of cells whose case has no result, and a mask of values that are not
+    valid."""
     xs, ys = layout.values_of(sweep, x), layout.values_of(sweep, y)
-    found, failed = np.full((len(ys), len(xs)), math.nan), np.zeros((len(ys), len(xs)), bool)
+    shape = len(ys), len(xs)
+    found, failed, invalid = np.full(shape, math.nan), np.zeros(shape, bool), np.zeros(shape, bool)
     for case in layout.swept_cases(sweep):
         own = case.settings
         if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
@@ -78,7 +82,8 @@ def cells(sweep, column, x, y, others, values):
         place = ys.index(own[y]), xs.index(own[x])
         found[place] = case.value(column)
         failed[place] = not case.whole
-    return found, failed
+        invalid[place] = np.isfinite(found[place]) and not warnings_of.holds(sweep, case, column, NAME + column)
+    return found, failed, invalid
 
 
 def scale(grids, relative):
@@ -109,15 +114,21 @@ def ticks(axis, key, sweep, room):
             label.set_horizontalalignment("right")
 
 
-def draw(axes, grid, failed, norm, colours, written):
-    axes.imshow(grid, origin="lower", aspect="auto", norm=norm, cmap=colours,
+def draw(axes, grid, failed, invalid, norm, colours, written):
+    valid = np.where(invalid, math.nan, grid)
+    axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
                 interpolation="nearest")
+    for row, column in np.argwhere(invalid):
+        ends = np.array([-0.5, 0.5])
+        for way in (1, -1):
+            axes.plot(column + ends, row + way * ends, color=style.GREY, linewidth=1.0, zorder=1.5,
+                      scalex=False, scaley=False)
     for row, column in np.argwhere(~np.isfinite(grid)):
         mark = "xxxx" if failed[row, column] else "////"
         axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
                                      edgecolor="#9a9a9a", hatch=mark, linewidth=0))
     if written:
-        for (row, column), value in np.ndenumerate(grid):
+        for (row, column), value in np.ndenumerate(valid):
             if np.isfinite(value):
                 red, green, blue, _ = colours(norm(value))
                 dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
@@ -139,7 +150,7 @@ def heat_figure(sweep, folder, measure, plan):
     x, y, others = plan
     shown, of = panels(sweep, others)
     every = [cells(sweep, column, x, y, others, v) for v in shown]
-    grids = [g for g, _ in every]
+    grids = [np.where(invalid, math.nan, g) for g, _, invalid in every]
     known = [c.value(column) for c in layout.ordinary(sweep)]
     if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
@@ -152,12 +163,12 @@ def heat_figure(sweep, folder, measure, plan):
     figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.8 + height * rows))
-    for axes, values, (grid, failed) in zip(made.flat, shown, every):
-        draw(axes, grid, failed, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
+    for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
+        draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
         settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, values))
         hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
             layout.setting_text(sweep, x, v) for v in layout.values_of(sweep, x)], y_names=[
-                layout.setting_text(sweep, y, v) for v in layout.values_of(sweep, y)])
+                layout.setting_text(sweep, y, v) for v in layout.values_of(sweep, y)], invalid=invalid)
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
         axes.set_visible(False)
@@ -171,7 +182,7 @@ def heat_figure(sweep, folder, measure, plan):
                           label=label, aspect=30, pad=0.02)
     bar.outline.set_visible(False)
     bar.ax.grid(False)
-    name = "heat_" + column
+    name = NAME + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
     text = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
@@ -183,11 +194,13 @@ def caption(every, others, shown, of):
     if others:
         text += f" One panel per {listed(others)}, with the same colour scale in all panels."
     if shown < of:
-        text += f" {shown} of {of} panels are drawn, spread evenly; the table lists all cases."
-    failed = sum(int(f.sum()) for _, f in every)
-    empty = sum(int((~np.isfinite(g)).sum()) for g, _ in every) - failed
+        text += f" {some_of(shown, of, 'panel')}, spread evenly; the table lists all cases."
+    failed, invalid = (sum(int(cell[i].sum()) for cell in every) for i in (1, 2))
+    empty = sum(int((~np.isfinite(cell[0])).sum()) for cell in every) - failed
+    if invalid:
+        text += f" White with a cross: {counted(invalid, 'case')} not valid, excluded from the colour scale."
     if failed:
-        text += f" Crossed: {failed} without a result, see the list above."
+        text += f" Cross-hatched: {failed} without a result, see the list above."
     if empty:
         text += f" Hatched: {empty} without a value or not swept; the reasons are in the table."
     return text

@@ -61,4 +61,5 @@ def figures(sweep, folder):
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
-                   "Time-averaged intensity of the surface seen from above", maps=hover.maps_of(figure))]
+                   "Time-averaged intensity of the surface seen from above", maps=hover.maps_of(figure),
+                   cases=[case.id for case, _ in found])]

@@ -8,6 +8,7 @@ import style
 from package import wake
 from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
+from validity import invalid_caption
 from words import number
 
 MEASURES = [
@@ -39,12 +40,11 @@ SHARPNESS = {
     "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
 
 
-def draw_column(axes, sweep, curves, column):
-    """Draws one column of the table with its error bars, one line per curve."""
+def draw_column(axes, sweep, curves, column, figure):
+    """Draws one column of the table with its error bars, one line per curve, as a part of the figure of this name."""
     for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
-        x, y = curves_module.points(sweep, group, column, aside)
-        axes.plot(x, y, marker=marker, color=colour, markersize=6, zorder=3,
-                  linestyle="-" if layout.is_numeric(sweep) else "none")
+        x, y = curves_module.draw_curve(axes, sweep, group, column, figure, aside, marker=marker, color=colour,
+                                        linestyle="-" if layout.is_numeric(sweep) else "none")
         draw_errors(axes, x, y, group.cases, column, colour)
     axes.margins(y=0.12)
     curves_module.widen(axes)
@@ -54,14 +54,14 @@ def ratio_curves(sweep, folder, column, name, label):
     """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
     curves = curves_module.curves_of(sweep)
     figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
-    draw_column(axes, sweep, curves, sweep.ratio_of(column))
+    draw_column(axes, sweep, curves, sweep.ratio_of(column), name)
     axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
     axes.set_ylabel(label)
     style.label_right(axes, [(1.0, layout.reference_name(layout.all_references(sweep)), style.INK)])
-    finish(figure, axes, sweep, curves, folder / name)
-    return [curve_chart(sweep, sweep.ratio_of(column), label)]
+    finish(figure, axes, sweep, curves, folder / (name + ".png"))
+    return [curve_chart(sweep, name, sweep.ratio_of(column), label)]
 
 
 def finish(figure, axes, sweep, curves, path):
@@ -75,11 +75,12 @@ def gain_figure(sweep, folder):
     if not sweep.x or not curves_module.has_any(sweep, sweep.ratio_of("eta_period_1")):
         return None
     name = layout.reference_name(layout.all_references(sweep))
-    charts = ratio_curves(sweep, folder, "eta_period_1", "gain.png", f"η / η of {name} (1)")
+    charts = ratio_curves(sweep, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
     return Figure("gain", title, f"η over complete periods relative to that of {name} in the same time window and "
                   f"medium. Above 1, a case keeps a larger fraction of the energy at the focus than {name} does."
-                  + error_caption(sweep, sweep.ratio_of("eta_period_1")), title, charts)
+                  + error_caption(sweep, sweep.ratio_of("eta_period_1"))
+                  + invalid_caption(sweep, "gain", sweep.ratio_of("eta_period_1")), title, charts)
 
 
 def strength_figure(sweep, folder):
@@ -88,9 +89,10 @@ def strength_figure(sweep, folder):
         return None
     title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
     name = layout.reference_name(layout.all_references(sweep))
-    charts = ratio_curves(sweep, folder, "focal_rms_um", "strength.png", f"focal rms / {name} (1)")
+    charts = ratio_curves(sweep, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
     caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}."
-               + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um")))
+               + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um"))
+               + invalid_caption(sweep, "strength", sweep.ratio_of("focal_rms_um")))
     return Figure("strength", title, caption, title, charts)
 
 
@@ -106,8 +108,8 @@ def displacement_figure(sweep, folder):
     curves = curves_module.curves_of(sweep)
     figure, made = curves_module.panels(len(rows), curves)
     for axes, (column, label, title) in zip(made, rows):
-        draw_column(axes, sweep, curves, column)
-        style.label_right(axes, curves_module.reference_lines(axes, sweep, curves, column, "--"))
+        draw_column(axes, sweep, curves, column, "displacement")
+        style.label_right(axes, curves_module.reference_lines(axes, sweep, curves, column, "displacement"))
         axes.set_ylabel(label)
         axes.set_title(title, loc="left", color="#555555")
     finish(figure, made[-1], sweep, curves, folder / "displacement.png")
@@ -117,8 +119,9 @@ def displacement_figure(sweep, folder):
     caption = " ".join(words[column] for column, _, _ in rows)
     if layout.all_references(sweep):
         caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
-    return Figure("displacement", title, caption + error_caption(sweep, *(row[0] for row in rows)), title,
-                  [curve_chart(sweep, *row) for row in rows])
+    columns = [row[0] for row in rows]
+    caption += error_caption(sweep, *columns) + invalid_caption(sweep, "displacement", *columns)
+    return Figure("displacement", title, caption, title, [curve_chart(sweep, "displacement", *row) for row in rows])
 
 
 def impulse_caption(sweep, name):

@@ -73,7 +73,7 @@ class Slice:
     extent: tuple        # in mm: left, right, bottom, top
     c_s: np.ndarray      # (z, horizontal)
     marks: np.ndarray    # (n, 2), the path of the focus or the sources in mm: horizontal, depth
-    sensors: np.ndarray  # likewise
+    sensors: np.ndarray  # (n, 2), in mm: horizontal, depth
 
 
 def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0, 3))):
@@ -199,7 +199,7 @@ def figures(sweep, folder):
         mark_speeds(bar, values, norm)
     style.save(figure, folder / "medium.png")
     return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
-                   "Shear-wave speed over position and depth", maps=hover.maps_of(figure))]
+                   "Shear-wave speed over position and depth", maps=hover.maps_of(figure), cases=[c.id for c, _ in pairs])]
 
 
 def caption(cases, every):
@@ -216,5 +216,5 @@ def caption(cases, every):
     if any("map" in c.physics["medium"] for c in cases):
         text += " The map is read from its file, which has not changed since the run."
     if len(cases) < every:
-        text += f" {len(cases)} of {every} media are drawn."
+        text += f" {len(cases)} of {every} media {'is' if len(cases) == 1 else 'are'} drawn."
     return text

@@ -7,8 +7,10 @@ import matplotlib.pyplot as plt
 import fig_curves
 import layout
 import style
+import validity
+import warnings_of
 from figure import Figure
-from words import listed
+from words import listed, some_of
 
 PANELS = 9
 COLUMNS = 3
@@ -54,17 +56,17 @@ def curves(sweep, colour, others):
     return every
 
 
-def draw_references(axes, sweep, cases, column):
-    """Draws the references of the cases of a line in grey behind it."""
+def draw_references(axes, sweep, cases, column, name):
+    """Draws the valid references of the cases of a line in grey behind it."""
     pairs = [(layout.x_position(sweep, c), r.value(column)) for c in cases
-             if (r := sweep.reference_of(c))]
+             if (r := sweep.reference_of(c)) and warnings_of.is_valid(r, name)]
     if pairs:
         axes.plot(*zip(*pairs), color="#b0b0b0", linewidth=2.2, zorder=1)
 
 
 def curve_figure(sweep, folder, measure, plan):
     column, title, label = measure
-    colour, others = plan
+    name, (colour, others) = "multiples_" + column, plan
     every = curves(sweep, colour, others)
     shown = chosen(sweep, every, others)
     if not any(math.isfinite(c.value(column)) for c in layout.ordinary(sweep)):
@@ -80,10 +82,11 @@ def curve_figure(sweep, folder, measure, plan):
     for axes, (panel, lines) in zip(made.flat, shown):
         for value, line in zip(values, colours):
             cases = lines.get(value, [])
-            draw_references(axes, sweep, cases, column)
-            axes.plot([layout.x_position(sweep, c) for c in cases],
-                      [c.value(column) for c in cases], color=line, linewidth=1.3,
-                      marker="o", markersize=2.5)
+            draw_references(axes, sweep, cases, column, name)
+            x = [layout.x_position(sweep, c) for c in cases]
+            y, invalid = validity.split(sweep, cases, column, name, [c.value(column) for c in cases])
+            axes.plot(x, y, color=line, linewidth=1.3, marker="o", markersize=2.5)
+            axes.plot(x, invalid, **{**validity.CROSSES, "markersize": 4, "markeredgewidth": 1.0})
         settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, panel))
         axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
     for axes in made.flat[len(shown):]:
@@ -101,7 +104,6 @@ def curve_figure(sweep, folder, measure, plan):
     handles = [plt.Line2D([], [], color=c, marker="o", markersize=3, label=layout.setting_text(sweep, colour, v))
                for v, c in zip(values, colours)]
     style.legend_strip(figure, handles)
-    name = "multiples_" + column
     style.save(figure, folder / (name + ".png"))
     head = f"{title} against {layout.name(sweep, sweep.x)}"
     text = (f"One panel per {listed(layout.name(sweep, k) for k in others)} and one colour per "
@@ -109,10 +111,10 @@ def curve_figure(sweep, folder, measure, plan):
     if layout.all_references(sweep):
         text += f" Grey: {layout.reference_name(layout.all_references(sweep))}."
     if len(shown) < len(every):
-        text += f" {len(shown)} of {len(every)} panels are drawn, spread evenly."
+        text += f" {some_of(len(shown), len(every), 'panel')}, spread evenly."
     if len(values) < len(layout.values_of(sweep, colour)):
-        text += f" {len(values)} of {len(layout.values_of(sweep, colour))} values are drawn."
-    return Figure(name, head, text, head + ", one line per value")
+        text += f" {some_of(len(values), len(layout.values_of(sweep, colour)), 'value')}."
+    return Figure(name, head, text + validity.invalid_caption(sweep, name, column), head + ", one line per value")
 
 
 def figures(sweep, folder):

@@ -11,9 +11,10 @@ import layout
 import load
 import style
 from package import wake
+import warnings_of
 from chart import Chart, Line
 from figure import Figure
-from words import number
+from words import number, some_of
 
 
 def sample(shot, x_mm, y_mm):
@@ -89,12 +90,12 @@ def figures(sweep, folder):
     titles = (("along the path, ahead of the focus at the right", "across the path") if all(moves) else
               ("along x", "along y") if not any(moves) else
               ("along the path, or along x if the focus rests", "across the path, or along y if the focus rests"))
-    labels = [layout.case_label(some, c) for c in drawn]
+    labels = [warnings_of.label(some, c, "profiles") for c in drawn]
     charts = draw(shots, colours, labels, titles, folder / "profiles.png")
     times = sorted({number(1e3 * s.t_s) for s in shots}, key=float)
     text = (f"Displacement on two lines through the focus at t = {times[0]}"
             f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts.")
     total, shown = len(layout.ordinary(sweep)), len(layout.ordinary(some))
-    text += f" {shown} of {total} cases are drawn." if shown < total else ""
+    text += f" {some_of(shown, total, 'case')}." if shown < total else ""
     title = "Profiles through the focus"
-    return [Figure("profiles", title, text, title + ", one line per case", charts)]
+    return [Figure("profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]

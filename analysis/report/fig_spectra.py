@@ -2,6 +2,7 @@
 """Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
 import math
 import re
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,9 +12,10 @@ import fig_time
 import layout
 import style
 from package import wake
+import warnings_of
 from chart import Chart, Line
 from figure import Figure
-from words import listed, number, split_unit
+from words import listed, millimetres, number, some_of, split_unit
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
 SEEN = 0.02  # smallest visible amplitude relative to the largest
@@ -145,7 +147,7 @@ def row_chart(sweep, row, colours, label, curve_of, end_Hz):
     for case in [*drawn, *([reference] if reference and reference.spectrum else [])]:
         frequency, values = curve_of(case)
         shown = frequency <= end_Hz
-        lines.append(Line(layout.case_label(sweep, case), frequency[shown], values[shown],
+        lines.append(Line(warnings_of.label(sweep, case, "spectra"), frequency[shown], values[shown],
                           "black" if case is reference else colours[case.id], case.id, dashed=case is reference))
     return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title)
 
@@ -212,11 +214,12 @@ def figures(sweep, folder):
     alike, charts = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
     some = len(layout.ordinary(sweep))
     text = caption(sweep, cases) + own_scale(alike)
-    text += f" {some} of {every} cases are drawn." if some < every else ""
+    text += f" {some_of(some, every, 'case')}." if some < every else ""
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
             velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
-    return [f for f in made if f]
+    shown = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
+    return [replace(f, cases=shown) for f in made if f]
 
 
 def spectra_title(cases):
@@ -225,7 +228,7 @@ def spectra_title(cases):
 
 
 def caption(sweep, cases):
-    places = sorted({tuple(number(1e3 * v) for v in c.trace_at_m) for c in cases})
+    places = sorted({tuple(millimetres(1e3 * v) for v in c.trace_at_m) for c in cases})
     duration = {round(c.series["time"][-1], 9) for c in cases}
     text = (f"One-sided amplitude of u at {listed(f'({x}, {y}) mm' for x, y in places)} over the "
             "complete run.")

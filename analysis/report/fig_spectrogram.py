@@ -9,8 +9,9 @@ import hover
 import layout
 import references
 import style
+import warnings_of
 from figure import Figure
-from words import number
+from words import millimetres, number
 
 SHOWN_Hz = 1000.0
 CASES, POINTS = 4, 3
@@ -84,8 +85,8 @@ def figures(sweep, folder):
         hover.attach(axes, level, *np.reshape(extent(1e3 * times, frequency), (2, 2)), "amplitude", "t (ms)", "f (Hz)", "dB")
         axes.grid(False)
         place = "" if columns == 1 or len(points(case)) == 1 else (
-            f" at ({number(1e3 * at[0])}, {number(1e3 * at[1])}) mm")
-        title = layout.wrapped(layout.case_label(sweep, case) + place, 6.6 / columns)
+            f" at ({millimetres(1e3 * at[0])}, {millimetres(1e3 * at[1])}) mm")
+        title = layout.wrapped(warnings_of.label(sweep, case, "spectrograms") + place, 6.6 / columns)
         axes.set_title(title, loc="left", fontsize=8.5)
     for axes in made.flat[len(cells):]:
         axes.set_visible(False)
@@ -106,7 +107,7 @@ def figures(sweep, folder):
     where = {at for case in cases for at, _ in points(case)}
     if len(where) == 1:
         x, y = where.pop()
-        text += f" At ({number(1e3 * x)}, {number(1e3 * y)}) mm."
+        text += f" At ({millimetres(1e3 * x)}, {millimetres(1e3 * y)}) mm."
     return [Figure("spectrograms", "Spectrograms at the trace points", text,
                    "Amplitude of the displacement over time and frequency, one panel per case",
-                   maps=hover.maps_of(figure))]
+                   maps=hover.maps_of(figure), cases=[case.id for case in cases])]

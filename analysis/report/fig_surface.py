@@ -12,8 +12,9 @@ import load
 import references
 import style
 from package import wake
+import warnings_of
 from figure import Figure
-from words import counted, listed, number
+from words import counted, listed, number, some_of
 
 COLUMNS = 4  # largest number of curves side by side
 ALL_ROWS = 5  # up to this number of values of x, all are drawn
@@ -144,7 +145,7 @@ def arrange(sweep, shots, columns, limits):
     if height > highest:
         left += 0.5 * columns * width * (1.0 - highest / height)
         width, height = width * highest / height, highest
-    titles = [layout.wrapped(layout.case_label(sweep, s.case), width) if s else "" for s in shots]
+    titles = [layout.wrapped(warnings_of.label(sweep, s.case, "surface"), width) if s else "" for s in shots]
     down = 0.2 + 0.16 * max(t.count("\n") + 1 for t in titles)  # between rows
     total = rows * (height + down) + bottom
     figure = plt.figure(figsize=(style.WIDTH_in, total))
@@ -203,13 +204,14 @@ def figures(sweep, folder):
         text += " The colours are proportional to the root of |u|, so that weak and strong wakes are both visible."
     every = len(layout.ordinary(sweep))
     some = sum(not s.case.is_reference for s in shots)
-    text += f" {some} of {every} cases are drawn." if some < every else ""
-    return [Figure("surface", title, text, title + ", seen from above", maps=hover.maps_of(figure))]
+    text += f" {some_of(some, every, 'case')}." if some < every else ""
+    return [Figure("surface", title, text, title + ", seen from above", maps=hover.maps_of(figure),
+                   cases=[s.case.id for s in shots])]
 
 
 def caption(shots, any_lines, clipped):
-    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Circle: focal "
-            "disc. Dotted line: path of the focus so far.")
+    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Solid circle with a "
+            "centre point: focal disc. Dotted line: path of the focus so far.")
     if clipped:
         text += (f" The scale ends at the largest displacement farther than {number(wake.AWAY)} focal radii from the "
                  "focus, so that the wake is visible, but at least at a fifth of the peak; larger values are "

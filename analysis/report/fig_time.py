@@ -2,6 +2,7 @@
 """A measure over time for every case: one small panel per case, or a common panel for many cases."""
 import math
 import textwrap
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -9,9 +10,10 @@ import numpy as np
 import layout
 import periods
 import style
+import warnings_of
 from chart import Chart, Line
 from figure import Figure
-from words import number, value_text
+from words import number, some_of, value_text
 
 PANELS = 12  # largest number of cases with a panel each
 COLUMNS = 2
@@ -143,7 +145,7 @@ def small_panels(sweep, measure, cases, colours):
         draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
         mark_times(axes, case)
         frame(axes, cases, measure, y_limits)
-        title = layout.wrapped(layout.case_label(sweep, case), 2.8)
+        title = layout.wrapped(warnings_of.label(sweep, case, measure["name"]), 2.8)
         axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
     for axes in made.flat[len(cases):]:
         axes.set_visible(False)
@@ -245,10 +247,11 @@ def time_figure(sweep, folder, measure):
     last = last_periods(figure, cases, measure, folder)
     marks = key_caption(sweep, cases, many) if measure is MEASURES[0] else ""  # once per page
     some = len(layout.ordinary(sweep))
-    marks += f" {some} of {every} cases are drawn." if some < every else ""
+    marks += f" {some_of(some, every, 'case')}." if some < every else ""
+    shown = [c.id for c in [*cases, *layout.all_references(sweep)]]
     made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
                   f"{measure['title']}, one line per case", [time_chart(sweep, cases, colours, measure)])
-    return [made, *last]
+    return [replace(f, cases=shown) for f in (made, *last)]
 
 
 def last_periods(figure, cases, measure, folder):
@@ -267,7 +270,7 @@ def last_periods(figure, cases, measure, folder):
 def time_chart(sweep, cases, colours, measure):
     """One line per case and reference; the vertical axis shows the settled part."""
     shown = cases + [r for r in layout.all_references(sweep) if measure["needs"] in r.series]
-    lines = [Line(layout.case_label(sweep, c), time_ms(c), positive(measure, c), colours.get(c.id, "black"), c.id,
+    lines = [Line(warnings_of.label(sweep, c, measure["name"]), time_ms(c), positive(measure, c), colours.get(c.id, "black"), c.id,
                   dashed=c.is_reference) for c in shown]
     y_limits = limits(shown, measure)
     return Chart("time (ms)", measure["label"], lines, y_log=bool(measure.get("log")) and y_limits is not None,

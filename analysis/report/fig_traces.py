@@ -9,9 +9,10 @@ import fig_time
 import layout
 import periods
 import style
+import warnings_of
 from chart import Chart, Line
 from figure import Figure
-from words import number
+from words import millimetres, some_of
 
 POINTS = 12  # largest number of trace points with a row
 
@@ -33,7 +34,7 @@ def at(case, place):
 
 
 def title_of(place):
-    return f"x = {number(place[0])} mm, y = {number(place[1])} mm"
+    return f"x = {millimetres(place[0])} mm, y = {millimetres(place[1])} mm"
 
 
 def draw(figure, made, cases, places, colours, span):
@@ -86,7 +87,7 @@ def figures(sweep, folder):
     places, every = places_of(drawn)
     colours = fig_time.colours_in_one_panel(some, drawn)
     span = periods.last_span_ms(drawn)
-    cases = [(c, layout.case_label(some, c)) for c in drawn]
+    cases = [(c, warnings_of.label(some, c, "traces")) for c in drawn]
     figure, made = plt.subplots(len(places), 3 if span else 2, squeeze=False, sharex="col", layout="constrained",
                                 figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
     draw(figure, made, cases, places, colours, span)
@@ -96,9 +97,10 @@ def figures(sweep, folder):
     if span:
         text += f" Middle: the last {periods.LAST} periods of the modulation."
     if len(places) < every:
-        text += f" {len(places)} of {every} trace points are drawn, spread evenly by their distance from the centre."
+        text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
     total, shown = len(layout.ordinary(sweep)), len(layout.ordinary(some))
-    text += f" {shown} of {total} cases are drawn." if shown < total else ""
+    text += f" {some_of(shown, total, 'case')}." if shown < total else ""
     title = "Displacement and spectrum at every trace point"
-    return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours))]
+    return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
+                   cases=[c.id for c in drawn])]
 

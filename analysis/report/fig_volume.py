@@ -8,8 +8,9 @@ import hover
 import layout
 import style
 from package import UNREADABLE, wake
+import warnings_of
 from figure import Figure
-from words import number
+from words import counted, number
 
 CASES = 4
 BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volume
@@ -66,7 +67,7 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.9 + 2.1 * len(found)))
     for axes, (case, volume) in zip(made, found):
         image, place = row_of(axes, case, volume, end)
-        label = layout.wrapped(f"{layout.case_label(sweep, case)}, t = {number(1e3 * volume[0])} ms", 3.6)
+        label = layout.wrapped(f"{warnings_of.label(sweep, case, 'volume')}, t = {number(1e3 * volume[0])} ms", 3.6)
         axes[0].set_title(f"{label}\n{place}", loc="left", fontsize=9)
     for axes in made[-1]:
         axes.set_xlabel("x (mm)")
@@ -78,6 +79,6 @@ def figures(sweep, folder):
             f"the focus. Right: horizontal slice. The colour scale ends at ±{number(end, 2)} µm, the 99.5th percentile; "
             "larger values are clipped.")
     if len(found) < len(candidates):
-        text += f" {len(found)} of {len(candidates)} cases with volumes are drawn."
+        text += f" {len(found)} of {counted(len(candidates), 'case')} with volumes {'is' if len(found) == 1 else 'are'} drawn."
     return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
-                   maps=hover.maps_of(figure))]
+                   maps=hover.maps_of(figure), cases=[case.id for case, _ in found])]

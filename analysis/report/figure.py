@@ -11,4 +11,5 @@ class Figure:
     alternative: str  # alternative text for readers who cannot see the picture
     charts: list = field(default_factory=list)  # of chart.py, or as JSON objects; empty: the picture alone
     maps: list = field(default_factory=list)  # values under the pointer, from hover.maps_of()
-    warnings: list = field(default_factory=list)  # sentences about the cases, from warnings_of.of_figure()
+    cases: list = None  # ids of the cases that it shows; None: all complete cases of the sweep
+    warnings: list = field(default_factory=list)  # from warnings_of.of_figure()

@@ -124,17 +124,27 @@ def values_of(sweep, key):
 
 
 def name(sweep, key):
-    """The name of a key. AM and SM frequencies that are swept together have a common name, since a case has
-    only one of them."""
-    return words.key_name(displayed_key(sweep, key))
+    """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
+    and SM frequencies that are swept together have a common name, since a case has only one of them."""
+    shown = displayed_key(sweep, key)
+    title = words.key_name(shown)
+    alike = [k for k in sweep.swept_keys if k != key and words.key_name(displayed_key(sweep, k)) == title]
+    if shown != key or all(c.settings.get(k) == c.settings.get(key) for k in alike for c in swept_cases(sweep)):
+        return title
+    return f"{title}, {key.split('.')[-2]}" if "." in key else title
 
 
 def axis_label(sweep, key):
     """The name of a key, with its unit if the values are numbers."""
     if all(map(is_number, values_of(sweep, key))):
-        return words.axis_label(displayed_key(sweep, key))
+        return words.axis_label(displayed_key(sweep, key), name(sweep, key))
     label = name(sweep, key)
     return label[:1].upper() + label[1:]
+
+
+def settings_text(sweep, case):
+    """All settings of a case. Keys of the same name and value, which are swept together, appear once."""
+    return ", ".join(dict.fromkeys(setting_text(sweep, k, v) for k, v in case.settings.items()))
 
 
 def displayed_key(sweep, key):
@@ -227,6 +237,23 @@ def all_references(sweep):
     """The distinct complete references of all groups."""
     found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}
     return list(found.values())
+
+
+def references_among(cases):
+    """'10 of them references', 'a reference' if this is the only case, '' without references."""
+    found = sum(c.is_reference for c in cases)
+    one = "a reference" if found == 1 else "references"
+    if found == len(cases):
+        return one if found == 1 else f"all {one}" if found else ""
+    return f"{found} of them {one}" if found else ""
+
+
+def count_of(cases):
+    """The number of cases, which names references: '51 cases, 10 of them references'."""
+    if cases and all(c.is_reference for c in cases):
+        return words.counted(len(cases), "reference")
+    among = references_among(cases)
+    return words.counted(len(cases), "case") + (f", {among}" if among else "")
 
 
 def reference_name(cases):

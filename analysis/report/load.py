@@ -47,11 +47,6 @@ class Case:
     def whole(self):
         return self.status == "complete"
 
-    @property
-    def is_valid(self):
-        """Whether no warning states that the readings are not valid."""
-        return all(w["severity"] != "error" for w in self.warnings)
-
     def value(self, name):
         return self.scalars.get(name, math.nan)
 
@@ -123,6 +118,17 @@ def read_case(case):
     if any(len(values) != frames for values in case.series.values()):
         raise ValueError("its series have different lengths")
     read_trace(case)
+
+
+def single_case(path):
+    """The case of a file outside of a sweep, with its scalars as columns. Raises OSError, RuntimeError, KeyError,
+    ValueError or TypeError if it is not a valid case file."""
+    package.verify_case(path)
+    stored = package.case_of_file(path)
+    case = Case(stored.id, stored.settings, stored.is_reference, "", path, status="complete", warnings=stored.warnings,
+                scalars=stored.values)
+    read_case(case)
+    return case
 
 
 def surface(case, time=-1):

@@ -29,7 +29,8 @@ function mapText(maps, across, up) {
     const value = map.numbers[y.index * columns + x.index];
     const place = [map.title, `${map.x_label} ${x.name}`, `${map.y_label} ${y.name}`].map(text => text.trim());
     return `${place.filter(text => text).join(", ")}: ${map.what} `
-      + (value === null ? "no value" : numberText(value) + (map.unit ? " " + map.unit : ""));
+      + (value === null ? "no value" : numberText(value) + (map.unit ? " " + map.unit : ""))
+      + (map.invalid?.includes(y.index * columns + x.index) ? " (not valid)" : "");
   }
   return "";
 }

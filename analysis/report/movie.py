@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes a movie of the surface of a case as MP4 and as GIF.
+"""Writes a movie of the surface of a case as MP4 and as GIF. Its title states the settings of the case, the time, the
+part of the surface that is shown, and the stored warnings.
 
 Usage: movie.py CASE.h5 [--out NAME] [--slow-down FACTOR] [--width PIXELS]
 NAME is the path of the movies without extension; by default that of the case file. Needs numpy, h5py, matplotlib and
@@ -12,21 +13,26 @@ import subprocess
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
 
+import compare_words
 import fig_surface
+import layout
 import load
 import player
+from progress import Progress
 from style import plt
-from words import number
+from words import counted, number
 
 ENVIRONMENT = 6
 FPS = 25            # largest frame rate, in frames per second
 LEAST_FPS = 2       # a slower movie repeats frames
 GIF_FPS, GIF_px = 12, 400  # largest frame rate and width of the GIF, whose files are large
 INCHES = 6.4
-ANGLES = ("mach_angle_deg", "mach_angle_theory_deg")  # of the Mach lines
+LINE_in = 0.17       # height of a line of the title
+BAR = 20             # characters of the progress bar
+WARNINGS = 2         # largest number in the title; all are printed
+WARNING_COLOUR = "#a02020"
 
 
 class CannotWrite(Exception):
@@ -35,18 +41,42 @@ class CannotWrite(Exception):
 
 def read(path):
     """A case of a single file. Raises CannotWrite."""
-    case = load.Case(path.stem, {}, False, "", path)
+    if path.is_dir():
+        files = sorted(path.glob("cases/*.h5")) or sorted(path.glob("*.h5"))
+        raise CannotWrite(f"{path} is a folder; give one of its case files, for example {files[0]}" if files else
+                          f"{path} is a folder without case files; run the job first")
+    if not path.exists():
+        raise CannotWrite(f"{path}: no such case file; run the job first")
     try:
-        with h5py.File(path, "r") as file:
-            case.id = str(load.plain(file.attrs["case_id"]))
-            case.scalars = {name: float(file[name][()]) for name in ANGLES if name in file}
-        load.read_case(case)
-    except (OSError, KeyError, ValueError) as error:
+        case = load.single_case(path)
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
         raise CannotWrite(f"{path} is not a valid case file: {load.first_line(error)}") from error
     if len(load.surface_times(case)) < 2:
         raise CannotWrite(f"{path} contains fewer than two surfaces; run the case with record.frames = true or with "
                           "several record.snapshots_ms")
     return case
+
+
+def name_of(case):
+    """The settings of the case, or the title of its job if nothing is swept."""
+    words = [*(["reference"] if case.is_reference else []), *compare_words.settings_texts(case.settings)]
+    return ", ".join(words) or str(case.attributes.get("title", case.id))
+
+
+def warnings_of(case):
+    """The stored warnings as sentences, those of readings that are not valid first."""
+    order = sorted(case.warnings, key=lambda warning: warning["severity"] != "error")
+    return [f"{'not valid' if warning['severity'] == 'error' else 'warning'}: {warning['message']}" for warning in order]
+
+
+def part_text(case, limits):
+    """The part of the surface that is shown, relative to the domain; limits in mm."""
+    _, x, y, _ = load.surface(case, 0)
+    shown = [limits[1] - limits[0], limits[3] - limits[2]]
+    every = [1e3 * float(np.ptp(axis)) for axis in (x, y)]
+    if all(part >= 0.999 * extent for part, extent in zip(shown, every)):
+        return "shown: the entire surface"
+    return f"shown: {number(shown[0], 3)} x {number(shown[1], 3)} mm of {number(every[0], 3)} x {number(every[1], 3)} mm"
 
 
 def frame_rate(times_s, slow_down):
@@ -69,12 +99,21 @@ class Picture:
     def __init__(self, case, slow_down, width_px):
         self.case = case
         self.end, self.peak, limits = player.common_view([case])
+        self.part = part_text(case, limits)
+        header = [(line, "black") for line in layout.wrapped(name_of(case), INCHES - 1.0).splitlines()]
+        stored = warnings_of(case)
+        more = [f"and {counted(len(stored) - WARNINGS, 'more warning')}"] if len(stored) > WARNINGS else []
+        header += [(line, WARNING_COLOUR) for text in [*stored[:WARNINGS], *more]
+                   for line in layout.wrapped(text, INCHES - 1.0).splitlines()]
         x0, x1, y0, y1 = limits
-        height = 1.45 + (INCHES - 1.0) * (y1 - y0) / (x1 - x0)
+        top = 0.4 + LINE_in * len(header)
+        height = 1.05 + top + (INCHES - 1.0) * (y1 - y0) / (x1 - x0)
         self.figure = plt.figure(figsize=(INCHES, height), dpi=2 * round(width_px / INCHES / 2))
         self.axes = self.figure.add_axes([0.75 / INCHES, 1.05 / height, (INCHES - 1.0) / INCHES,
-                                          (height - 1.45) / height])
+                                          (height - 1.05 - top) / height])
         self.bar = self.figure.add_axes([0.22, 0.52 / height, 0.56, 0.1 / height])
+        for n, (line, colour) in enumerate(header):
+            self.figure.text(0.75 / INCHES, 1.0 - (0.1 + LINE_in * n) / height, line, va="top", color=colour, fontsize=8.5)
         self.limits, self.slow_down = limits, slow_down
 
     def draw(self, index):
@@ -83,7 +122,8 @@ class Picture:
         shot = fig_surface.Snapshot(self.case, t_s, 1e3 * x, 1e3 * y, 1e6 * u)
         self.axes.clear()
         image, _ = fig_surface.draw(self.axes, shot, plt.Normalize(-self.end, self.end), self.limits)
-        self.axes.set_title(f"t = {number(1e3 * t_s)} ms, {number(self.slow_down)} times slower", loc="left")
+        self.axes.set_title(f"t = {number(1e3 * t_s)} ms, {number(self.slow_down)} times slower; {self.part}", loc="left",
+                            fontsize=8.5)
         self.axes.set_xlabel("x (mm)")
         self.axes.set_ylabel("y (mm)")
         if not self.bar.has_data():
@@ -121,37 +161,47 @@ def convert(source, path, *options):
     part.replace(path)
 
 
-def progress(indices):
-    """The indices; on a terminal with a line of progress."""
-    shown = sys.stderr.isatty()
+def watched(indices, progress):
+    """The indices, with a bar on a terminal and a line per minute elsewhere."""
     for n, index in enumerate(indices):
-        if shown:
-            print(f"\rmovie: frame {n + 1} of {len(indices)}", end="", file=sys.stderr, flush=True)
+        done = BAR * (n + 1) // len(indices)
+        progress.show(f"[{'#' * done}{'.' * (BAR - done)}] frame {n + 1} of {len(indices)}")
         yield index
-    if shown:
-        print(file=sys.stderr)
+    progress.show("encoding")
+
+
+def state(case, times_s, indices, part):
+    """Prints what the movie shows, before it is drawn."""
+    print(f"movie: {name_of(case)}")
+    for text in warnings_of(case):
+        print(f"movie: {text}")
+    print(f"movie: {len(indices)} of {counted(len(times_s), 'frame')}, {number(1e3 * times_s[0])} to "
+          f"{number(1e3 * times_s[-1])} ms; {part}", flush=True)
 
 
 def write(case_path, name, slow_down, width_px):
     """Writes NAME.mp4 and NAME.gif and returns their paths. Raises CannotWrite."""
+    case = read(case_path)
     if not shutil.which("ffmpeg"):
         raise CannotWrite("a movie needs ffmpeg; install the Debian package ffmpeg, for example with scripts/setup")
-    case = read(case_path)
     times_s = load.surface_times(case)
     slow_down = slow_down or usual_slow_down(times_s)
     indices, rate = frame_rate(times_s, slow_down)
     picture = Picture(case, slow_down, width_px)
+    state(case, times_s, indices, picture.part)
+    progress = Progress(name="movie")
     first = picture.draw(0)
     whole = name.with_name(f".{name.name}.part.mkv")
     movie, gif = name.with_name(name.name + ".mp4"), name.with_name(name.name + ".gif")
     try:
-        encode((picture.draw(i) for i in progress(indices)), first.shape[1::-1], rate, whole)
+        encode((picture.draw(i) for i in watched(indices, progress)), first.shape[1::-1], rate, whole)
         smooth, slower = (f"fps={min(most, max(rate, LEAST_FPS)):.6f}" for most in (FPS, GIF_FPS))
         convert(whole, movie, "-vf", smooth, "-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18", "-movflags",
                 "+faststart")
         scale = f"scale='min({GIF_px},iw)':-1:flags=lanczos"
         convert(whole, gif, "-vf", f"{slower},{scale},split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0")
     finally:
+        progress.end()
         whole.unlink(missing_ok=True)
     return movie, gif
 
@@ -174,4 +224,5 @@ def main(arguments):
 
 
 if __name__ == "__main__":
+    sys.stdout.reconfigure(errors="replace")
     sys.exit(main(sys.argv[1:]))

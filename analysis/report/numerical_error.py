@@ -4,7 +4,8 @@ import math
 from dataclasses import replace
 
 import layout
-from words import number
+import warnings_of
+from words import key_name, listed, number
 
 
 def known(sweep, column):
@@ -23,44 +24,59 @@ def choices(sweep):
     return replace(sweep, x=keys[0] if keys else "", label_keys=keys[1:])
 
 
-def relative_error(sweep, column):
-    """The largest estimated relative error of a column in the sweep; NaN if `shearwake converge` has studied no
-    case."""
-    ratios = [abs(c.value(column + "_error") / c.value(column)) for c in sweep.cases if c.value(column)]
-    return max((r for r in ratios if not math.isnan(r)), default=math.nan)
+def valid(sweep, column):
+    """The complete cases with a valid value in this column, without references."""
+    return [c for c in known(sweep, column) if warnings_of.holds(sweep, c, column)]
 
 
-def error(sweep, case, column):
-    """The estimated error of a value: that of the case, or else the largest relative error of the sweep."""
-    own = case.value(column + "_error")
-    return relative_error(sweep, column) * abs(case.value(column)) if math.isnan(own) else own
+def relative_error(sweep, case, column):
+    """The estimated error of a value relative to it, and the case for which `shearwake converge` has estimated it: this
+    case, or else the valid case with the largest relative error. (NaN, None) if no valid case was studied."""
+    def ratio(one):
+        value = one.value(column)
+        return abs(one.value(column + "_error") / value) if value else math.nan
+    if not math.isnan(ratio(case)):
+        return ratio(case), case
+    found = {c.id: ratio(c) for c in sweep.cases if warnings_of.holds(sweep, c, column) and not math.isnan(ratio(c))}
+    if not found:
+        return math.nan, None
+    source = sweep.by_id(max(found, key=found.get))
+    return found[source.id], source
+
+
+def estimated_at(sweep, case, column):
+    """' (error estimated at AM frequency 100 Hz)' if the error of a value is that of another case, else ''."""
+    source = relative_error(sweep, case, column)[1]
+    return "" if source in (case, None) else f" (error estimated at {layout.case_label(sweep, source)})"
 
 
 def with_error(sweep, case, column, digits=3):
     """'0.4120 ± 0.0031', or the value alone if its error has not been estimated."""
-    value, half = case.value(column), error(sweep, case, column)
+    value = case.value(column)
+    half = relative_error(sweep, case, column)[0] * abs(value)
     if math.isnan(half):
         return number(value, digits)
     places = min(6, max(0, 1 - math.floor(math.log10(half)))) if half > 0 else 6
-    return f"{value:.{places}f} ± {half:.{places}f}"
+    return f"{value:.{places}f} ± {half:.{places}f}" + estimated_at(sweep, case, column)
 
 
-def numerical_variants(sweep, case):
+def numerical_variants(sweep, case, column):
     """The valid cases that differ from a case only in numerical parameters, itself included."""
     own = {k: v for k, v in case.settings.items() if not is_numerical(k)}
-    return [c for c in known(sweep, "eta_period_1") if c.is_valid
-            and {k: v for k, v in c.settings.items() if not is_numerical(k)} == own]
+    return [c for c in valid(sweep, column) if {k: v for k, v in c.settings.items() if not is_numerical(k)} == own]
 
 
-def spread_of(cases):
-    """Half of the range of eta, relative to its mean."""
-    values = [c.value("eta_period_1") for c in cases]
-    return 0.5 * (max(values) - min(values)) / (sum(values) / len(values))
+def spread_of(cases, column):
+    """The range of a column, and this range relative to its mean."""
+    values = [c.value(column) for c in cases]
+    return max(values) - min(values), (max(values) - min(values)) / abs(sum(values) / len(values))
 
 
-def uncertainty(sweep, case, column):
-    """The relative error of eta or of its ratio to the reference: from numerical variants of the case or from
-    `shearwake converge`, the larger of both; NaN if neither exists."""
-    found = [spread_of(cases)] if len(cases := numerical_variants(sweep, case)) > 1 else []
-    estimated = error(sweep, case, column) / case.value(column)
-    return max([*found, *([] if math.isnan(estimated) else [estimated])], default=math.nan)
+def settings_that_differ(cases):
+    """What distinguishes numerical variants: 'the two engines', 'the 3 settings of grid spacing'."""
+    keys = [k for k in dict.fromkeys(k for c in cases for k in c.settings)
+            if len({str(c.settings.get(k)) for c in cases}) > 1]
+    count = {2: "two"}.get(len(cases), str(len(cases)))
+    if keys == ["solver.engine"]:
+        return f"the {count} engines"
+    return f"the {count} settings of {listed(map(key_name, keys))}" if keys else f"the {count} cases"

@@ -52,7 +52,7 @@ for (const table of document.querySelectorAll("table.sortable")) {
     const tests = filter.value.split(",").filter(text => text.trim()).map(text => term(text, names));
     rows.forEach(row => { row.hidden = !tests.every(test => test(row)); });
     const shown = rows.filter(row => !row.hidden);
-    count.textContent = shown.length + " of " + rows.length + " cases";
+    count.textContent = shown.length + " of " + rows.length + (rows.length === 1 ? " case" : " cases");
     showCases(rows.filter(row => row.hidden || !row.querySelector("input").checked).map(row => row.dataset.id));
   };
   filter.addEventListener("input", select);

@@ -11,6 +11,7 @@ from pathlib import Path
 from PIL import Image
 
 import layout
+import player
 import table
 import warnings_of
 from summary import summary
@@ -37,9 +38,27 @@ def counts(sweep):
     return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
-def warnings(sentences):
-    """The warnings about the cases of a figure."""
-    return "".join(f'<p class="warning">{escape(w)}</p>' for w in sentences)
+def warning_list(sweep):
+    """All warnings of the sweep, once each, with the number of cases; '' without warnings."""
+    items = ""
+    for kind in warnings_of.kinds(sweep):
+        start = "Not valid" if kind.is_error else "Warning"
+        where = ""
+        if len(kind.cases) > 1:
+            where = f" ({layout.count_of(kind.cases)})"
+        elif len(sweep.cases) > 1:
+            where = f" ({layout.case_label(sweep, kind.cases[0])})"
+        items += f'<li id="warning-{kind.number}">{escape(f"{start}: {kind.message}{where}.")}</li>'
+    return f'<h2 id="warnings">Warnings</h2><ol class="warning">{items}</ol>' if items else ""
+
+
+def badge(found, shown):
+    """A line with the warnings of those cases that a figure shows, with links to the list."""
+    if not found:
+        return ""
+    links = [f'<a href="#warning-{kind.number}" title="{escape(kind.message)}">{escape(kind.name())}</a>'
+             + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in found]
+    return f'<p class="badge">{"Warning" if len(found) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
 
 
 def small_picture(path, reduction=1):
@@ -71,7 +90,7 @@ def picture(figure, folder, level):
         shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
                  f"<noscript>{still}</noscript>")
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
-            f"{warnings(figure.warnings)}<figcaption>{escape(figure.caption)}</figcaption>"
+            f"{badge(figure.warnings, len(figure.cases or []))}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
             f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
 
@@ -81,8 +100,7 @@ def trouble(sweep, problems):
     items = []
     for case in sweep.cases:
         if not case.whole:
-            settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in case.settings.items())
-            label = f"{case.id}{' (reference)' if case.is_reference else ''} {settings}".strip()
+            label = f"{case.id}{' (reference)' if case.is_reference else ''} {layout.settings_text(sweep, case)}".strip()
             items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
                          f"{escape(case.reason)}</li>")
     items += [f"<li>{escape(p)}</li>" for p in problems]
@@ -144,8 +162,11 @@ def parts(sweep, figures, folder, problems, moving):
     made = []
     if notice := trouble(sweep, problems):
         made.append(("missing", "Not in the figures", notice, []))
+    if listed := warning_list(sweep):
+        made.append(("warnings", "Warnings", listed, []))
     if moving:
-        notice = warnings(warnings_of.of_figure(sweep, "player"))
+        shown = [c.id for c in player.cases_of(sweep)]
+        notice = badge(warnings_of.of_figure(sweep, "player", shown), len(shown))
         made.append(("player", "The surface seen from above",
                      f'<h2 id="player">The surface seen from above</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
@@ -154,7 +175,7 @@ def parts(sweep, figures, folder, problems, moving):
         made.append((anchor(title), title, f'<details class="topic" id="{anchor(title)}"><summary><h2>{escape(title)}'
                      f'</h2> <span>{counted(len(members), "figure")}</span></summary>{inner}</details>',
                      [(f.name, f.title) for f in members]))
-    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep)}', []))
+    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep, figures)}', []))
     return made
 
 

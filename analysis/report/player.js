@@ -41,6 +41,7 @@ class Panel {
     Object.assign(this, {player, box, canvas: box.querySelector("canvas"), index});
     this.select = box.querySelector("select");
     this.output = box.querySelector("output");
+    this.chosen = box.querySelector(".chosen");
     player.data.cases.forEach((other, i) => this.select.add(new Option(other.label, i)));
     this.select.value = index;
     this.select.addEventListener("change", () => { player.stop(); this.index = Number(this.select.value); player.retime(); });
@@ -108,26 +109,34 @@ class Panel {
     this.marks(context, frame, factor);
     context.restore();
     this.axes(context, width, height);
+    this.chosen.textContent = this.shown.label;  // a select cuts a label that is wider than itself
     this.canvas.dataset.frame = key;
     this.canvas.dataset.focus = JSON.stringify(this.shown.focus[frame]);
     this.report();
   }
-  marks(context, frame, factor) {  // path, focal disc and the position of the pointer
-    context.strokeStyle = "#111";
-    context.lineWidth = 0.8;
-    context.setLineDash([1, 3]);
+  marks(context, frame, factor) {  // dotted path, focal disc with its centre, and the position of the pointer
+    context.strokeStyle = context.fillStyle = "#111";
+    context.lineWidth = 0.9;
+    context.setLineDash([1, 4]);
     for (const [dx, dy] of this.shown.offsets) {
       context.beginPath();
       this.shown.path.forEach(([x, y]) => context.lineTo(...this.place(x + dx, y + dy)));
       context.stroke();
     }
     context.setLineDash([]);
-    context.lineWidth = 1.3;
     const focus = this.shown.focus[frame];
     for (const [dx, dy] of focus ? this.shown.offsets : []) {
+      const centre = this.place(focus[0] + dx, focus[1] + dy);
+      for (const [colour, width] of [["#fff", 4], ["#111", 1.8]]) {  // a white edge, unlike the path
+        context.strokeStyle = colour;
+        context.lineWidth = width;
+        context.beginPath();
+        context.arc(...centre, factor * this.shown.radius, 0, 2 * Math.PI);
+        context.stroke();
+      }
       context.beginPath();
-      context.arc(...this.place(focus[0] + dx, focus[1] + dy), factor * this.shown.radius, 0, 2 * Math.PI);
-      context.stroke();
+      context.arc(...centre, 2.2, 0, 2 * Math.PI);
+      context.fill();
     }
     if (!this.player.at) return;
     const [px, py] = this.place(...this.player.at);

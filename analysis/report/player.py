@@ -20,7 +20,8 @@ import layout
 import load
 import style
 from package import wake
-from words import number
+import warnings_of
+from words import counted, number
 
 MOMENTS = 60             # largest number of times per case
 WIDEST_px = 240
@@ -46,8 +47,10 @@ def cases_of(sweep):
 
 def first_shown(sweep, cases):
     """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
-    best = max(cases, key=lambda c: -math.inf if math.isnan(v := c.value("eta_period_1")) or c.is_reference or not c.is_valid
-               else v)
+    def rank(case):
+        value = case.value("eta_period_1")
+        return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
+    best = max(cases, key=rank)
     other = sweep.reference_of(best)
     if other not in cases or other is best:
         other = next((c for c in cases if c is not best), best)
@@ -87,7 +90,7 @@ def case_data(sweep, case, limits, detail):
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
     path = wake.focus_at(case, case.series["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
-    return {"label": layout.case_label(sweep, case), "times": [round(1e3 * s.t_s, 6) for s in shots],
+    return {"label": warnings_of.label(sweep, case, "player"), "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -159,13 +162,13 @@ def controls(data, last):
 
 def caption(cases, data, detail):
     kept = max(len(load.surface_times(c)) for c in cases)
-    text = (f"Displacement of the surface seen from above, {len(cases)} "
-            f"{'case' if len(cases) == 1 else 'cases'}. Circle: focal disc. Dotted line: path of the focus. Choose "
+    text = (f"Displacement of the surface seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
+            "focal disc. Dotted line: path of the focus. Choose "
             "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
             "rectangle to zoom. Values beyond the colour scale are clipped.")
     shown = max(len(c["times"]) for c in data["cases"])
     if shown < kept:
-        text += f" The page contains {shown} of {kept} frames."
+        text += f" The page contains {shown} of {counted(kept, 'frame')}."
     if not detail.lossless:
         text += " The pictures are compressed; values are accurate to about 3 % of the largest |u|."
     return text
@@ -184,7 +187,7 @@ def player(sweep):
             "palette": colours()}
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1
-    panel = ('<div class="player-panel"><select aria-label="case"></select><canvas role="img" '
+    panel = ('<div class="player-panel"><select aria-label="case"></select><p class="chosen"></p><canvas role="img" '
              'aria-label="the surface seen from above"></canvas><output></output></div>')
     return (
         f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Reports the progress of a report: a line that is replaced on a terminal, one line per minute elsewhere."""
+"""Reports the progress of a report or a movie: a line that is replaced on a terminal, one line per minute elsewhere."""
 import sys
 import time
 
@@ -8,18 +8,18 @@ CLEAR = "\r\033[K"
 
 
 class Progress:
-    def __init__(self, stream=None, clock=time.monotonic):
-        self.stream, self.clock = stream or sys.stderr, clock
+    def __init__(self, stream=None, clock=time.monotonic, name="report"):
+        self.stream, self.clock, self.name = stream or sys.stderr, clock, name
         self.live = self.stream.isatty()
         self.last = clock()
 
     def show(self, text):
         """Reports what is done now, for example 'case 3 of 20'."""
         if self.live:
-            print(f"{CLEAR}report: {text}", end="", file=self.stream, flush=True)
+            print(f"{CLEAR}{self.name}: {text}", end="", file=self.stream, flush=True)
         elif self.clock() - self.last >= INTERVAL_s:
             self.last = self.clock()
-            print(f"report: {text}", file=self.stream, flush=True)
+            print(f"{self.name}: {text}", file=self.stream, flush=True)
 
     def end(self):
         """Removes the line from a terminal."""

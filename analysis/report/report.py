@@ -93,11 +93,12 @@ def draw_all(sweep, folder, drawn, progress):
             if missing and cases is sweep and not figure.name.startswith("heat_"):  # heat maps mark these cases
                 figure.caption += f" {counted(missing, 'case')} without a result: see the list above."
             if cases is not sweep:
-                figure.caption += (f" The figure shows {shown} of {every} cases, spread evenly over the sweep; "
+                figure.caption += (f" The figure shows {shown} of {counted(every, 'case')}, spread evenly over the sweep; "
                                    "the table lists all.")
+            if figure.cases is None:
+                figure.cases = [case.id for case in cases.cases if case.whole]
+            figure.warnings = warnings_of.of_figure(sweep, figure.name, figure.cases)
             figures.append(figure)
-    for figure in figures:
-        figure.warnings = warnings_of.of_figure(sweep, figure.name)
     progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
     return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, sweep) or "", problems
 

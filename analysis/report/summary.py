@@ -3,9 +3,13 @@
 import math
 
 import layout
-from numerical_error import (choices, is_numerical, known, numerical_variants, spread_of, uncertainty,
-                             with_error)
-from words import counted, number
+import warnings_of
+from numerical_error import (choices, estimated_at, is_numerical, known, numerical_variants, relative_error,
+                             settings_that_differ, spread_of, valid, with_error)
+from warnings_of import is_valid
+from words import counted, listed, number
+
+CLASSES = ("SA1", "RA", "PC")
 
 
 def where(sweep, case):
@@ -22,10 +26,16 @@ def subject(sweep, case):
     return f"{kind} at {place}" if place else kind
 
 
+def reference_for(sweep, case):
+    """The reference of a case if the readings of both are valid, else None; None for a reference."""
+    found = sweep.reference_of(case)
+    return found if found and found is not case and is_valid(case) and is_valid(found) else None
+
+
 def gain(sweep, case):
-    """eta relative to that of the reference of the case; NaN for a reference."""
-    reference = sweep.reference_of(case)
-    below = reference.value("eta_period_1") if reference and reference is not case else math.nan
+    """eta relative to that of the reference of the case; NaN for a reference, or if one of them is not valid."""
+    reference = reference_for(sweep, case)
+    below = reference.value("eta_period_1") if reference else math.nan
     return case.value("eta_period_1") / below if below else math.nan
 
 
@@ -39,125 +49,167 @@ def comparison(value, reference, name):
 
 
 def caveats(sweep):
-    """Why no case may be called the best: cases without a result, and readings that are not valid."""
+    """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
+    valid."""
     missing = [c for c in sweep.cases if not c.whole]
-    invalid = [c for c in known(sweep, "eta_period_1") if not c.is_valid]
+    whole = [c for c in sweep.cases if c.whole]
+    invalid = [c for c in whole if not is_valid(c)]
     text = ""
     if missing:
         has = "has" if len(missing) == 1 else "have"
         text += f" {counted(len(missing), 'case')} of {len(sweep.cases)} {has} no result yet."
     if invalid:
-        text += (f" The readings of {counted(len(invalid), 'case')} are not valid and are not used: "
-                 f"{reason_of(invalid[0])}.")
+        among = layout.references_among(invalid)
+        them = f" ({among})" if among else ""
+        are = "is" if len(invalid) == 1 else "are"
+        text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid and {are} not used{them}: "
+                 f"{warnings_of.reasons(invalid)}.")
+    without = [c for c in layout.ordinary(sweep) if is_valid(c) and math.isnan(c.value("eta_period_1"))]
+    if without and len(without) < len(layout.ordinary(sweep)):
+        text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
+                 "(eta_period_1) and cannot be compared.")
+    if alone := [c for c in valid(sweep, "eta_period_1") if sweep.reference_of(c) and not reference_for(sweep, c)]:
+        text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
+                 "not valid.")
     return text
 
 
-def reason_of(case):
-    return next(w["message"] for w in case.warnings if w["severity"] == "error")
+def range_of(sweep, cases, column="eta_period_1"):
+    low, high = (f(c.value(column) for c in cases) for f in (min, max))
+    return span(low, high)
 
 
-def only_numerical(cases):
+def only_numerical(sweep, cases):
     """For a sweep over numerical parameters alone."""
-    low, high = (f(c.value("eta_period_1") for c in cases) for f in (min, max))
     if len(cases) == 1:
-        return f"The efficiency η (eta_period_1) is {number(high, 3)}."
-    return (f"The efficiency η (eta_period_1) is {span(low, high)}. The cases differ only in numerical parameters, so "
-            f"the range of {number(200 * spread_of(cases), 2)} % is a numerical error.")
+        return f"The efficiency η (eta_period_1) is {with_error(sweep, cases[0], 'eta_period_1')}." + estimate(sweep, cases[0])
+    return (f"The efficiency η (eta_period_1) is {range_of(sweep, cases)}: {settings_that_differ(cases)} differ by "
+            f"{number(100 * spread_of(cases, 'eta_period_1')[1], 2)} %." + estimate(sweep, cases[0]))
+
+
+def estimate(sweep, case, column="eta_period_1"):
+    """States the numerical error of a column, or that it is unknown."""
+    relative = relative_error(sweep, case, column)[0]
+    if math.isnan(relative):
+        return " Numerical error not estimated: run shearwake converge."
+    return f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %{at_another(sweep, case, column)}."
+
+
+def quantity(column):
+    return "the ratio" if "over_reference" in column else "η"
+
+
+def at_another(sweep, case, column):
+    """The case at which the error of a ratio was estimated; the error of eta itself is stated next to its value."""
+    return estimated_at(sweep, case, column) if "over_reference" in column else ""
 
 
 def without_best(sweep, cases):
     """For a sweep in which no case may be called the best."""
-    low, high = (f(c.value("eta_period_1") for c in cases) for f in (min, max))
-    return (f"The efficiency η (eta_period_1) of {counted(len(cases), 'complete case')} is {span(low, high)}; no case "
+    noun = "complete case" if all(map(is_valid, layout.ordinary(sweep))) else "valid case"
+    return (f"The efficiency η (eta_period_1) of {counted(len(cases), noun)} is {range_of(sweep, cases)}; no case "
             "is called the best until all are complete.")
 
 
 def indistinct(sweep, best, cases, column):
-    """States the numerical error of a column, and how many cases differ from the best by no more than it."""
-    relative = uncertainty(sweep, best, column)
-    if math.isnan(relative):
-        return " The numerical error has not been estimated: shearwake converge does so."
-    variants = numerical_variants(sweep, best)
-    near = [c for c in cases if c not in variants
-            and abs(c.value(column) - best.value(column)) <= 2 * relative * abs(best.value(column))]
-    of_what = "of the ratio" if "over_reference" in column else "of η"
+    """Relates the differences between cases to those between engines and to the numerical error of a column."""
+    variants = numerical_variants(sweep, best, column)
+    rest = [c for c in cases if c not in variants]
+    text, relative = "", relative_error(sweep, best, column)[0]
+    if len(variants) > 1:
+        range_, share = spread_of(variants, column)
+        who = settings_that_differ(variants)
+        text += f" {who[:1].upper()}{who[1:]} differ by {number(100 * share, 2)} % in {quantity(column)} there"
+        near = [c for c in rest if abs(c.value(column) - best.value(column)) <= range_]
+        text += f"; {further(near)} from this case by no more than that." if near else "."
+    near = [c for c in rest if abs(c.value(column) - best.value(column)) <= 2 * relative * abs(best.value(column))]
     if not near:
-        return f" The numerical error {of_what} is {number(100 * relative, 2)} %."
-    differ = "differs" if len(near) == 1 else "differ"
-    return (f" {counted(len(near), 'further case')} {differ} from it by no more than the numerical error of both, "
-            f"{number(100 * relative, 2)} % {of_what} each.")
+        return text + estimate(sweep, best, column)
+    return (f"{text} {further(near)} from this case by no more than the numerical error of both, "
+            f"{number(100 * relative, 2)} % of {quantity(column)} each{at_another(sweep, best, column)}.")
+
+
+def further(cases):
+    return f"{counted(len(cases), 'further case')} {'differs' if len(cases) == 1 else 'differ'}"
 
 
 def efficiency(sweep):
     """The case that keeps the vibration best at the focus, and its advantage over its reference."""
-    every = known(sweep, "eta_period_1")
-    cases = [c for c in every if c.is_valid]
-    if not every:
+    if not known(sweep, "eta_period_1"):
         return "No case has an efficiency η over complete periods (eta_period_1)."
+    cases = valid(sweep, "eta_period_1")
     if not cases:
-        return f"No efficiency is stated, because no case has valid readings: {reason_of(every[0])}."
+        return "No efficiency is stated, because no case has valid readings." + caveats(sweep)
     notes = caveats(sweep)
     swept = [k for k in layout.axes(sweep) if not is_numerical(k)]
     if not swept and layout.axes(sweep):
-        return only_numerical(cases) + notes
+        return only_numerical(sweep, cases) + notes
     if sweep.x and any(not c.whole for c in sweep.cases):
         return without_best(sweep, cases) + notes
     compared = [c for c in cases if not math.isnan(gain(sweep, c))]
     if not compared:
         return highest(sweep, cases) + notes
     best = max(compared, key=lambda c: gain(sweep, c))
-    text = against_reference(choices(sweep), best)
-    if sweep.x:
-        text += indistinct(sweep, best, compared, "eta_period_over_reference_1")
-    return text + notes
+    text = against_reference(choices(sweep), best, compared)
+    relate = indistinct(sweep, best, compared, "eta_period_over_reference_1") if sweep.x else estimate(
+        sweep, best, "eta_period_over_reference_1")
+    return text + relate + notes
 
 
 def highest(sweep, cases):
-    """The case with the largest efficiency, of cases without references."""
+    """The case with the largest efficiency, of cases without valid references."""
     best = max(cases, key=lambda c: c.value("eta_period_1"))
     value = with_error(sweep, best, "eta_period_1")
     if not sweep.x:
-        return f"The efficiency η (eta_period_1) is {value}."
-    return (f"The efficiency η (eta_period_1) is highest, {value}, at {where(choices(sweep), best)}."
+        return f"The efficiency η (eta_period_1) is {value}." + estimate(sweep, best)
+    place = where(choices(sweep), best)
+    if len(cases) == 1:
+        return f"The efficiency η (eta_period_1) of the only valid case, {place}, is {value}." + estimate(sweep, best)
+    return (f"The efficiency η (eta_period_1) is highest, {value}, at {place}{of_the_valid(sweep, cases)}."
             + indistinct(sweep, best, cases, "eta_period_1"))
 
 
-def against_reference(sweep, best):
-    """The best case compared with its reference."""
+def of_the_valid(sweep, cases):
+    """' of the 9 valid cases', or '' if these are all cases."""
+    return "" if len(cases) == len(layout.ordinary(sweep)) else f" of the {counted(len(cases), 'valid case')}"
+
+
+def against_reference(sweep, best, compared):
+    """The best of the compared cases and its reference."""
     value = best.value("eta_period_1")
     reference = sweep.reference_of(best).value("eta_period_1")
     name = layout.reference_name(layout.all_references(sweep))
     versus = (f"its efficiency η (eta_period_1) is {with_error(sweep, best, 'eta_period_1')}, "
               f"{comparison(value, reference, name)}.")
-    ratio = uncertainty(sweep, best, "eta_period_over_reference_1")
+    ratio, _ = relative_error(sweep, best, "eta_period_over_reference_1")
     if abs(value / reference - 1.0) <= ratio:
         versus += f" This difference does not exceed its numerical error of {number(100 * ratio, 2)} %."
     if not sweep.x:
         return f"{subject(sweep, best)}: {versus}"
     if value < reference:
-        return f"No case focuses better than {name}. The best is {subject(sweep, best)}: {versus}"
+        count = len(compared)
+        kind = "" if count == len(layout.ordinary(sweep)) else "valid "
+        none = f"None of the {count} {kind}cases focuses" if count > 1 else f"The only {kind}case does not focus"
+        return f"{none} better than {name}. The best is {subject(sweep, best)}: {versus}"
+    among = of_the_valid(sweep, compared)
     if len(layout.all_references(sweep)) > 1:
-        return f"{subject(sweep, best)} improves most on {name} under the same conditions: {versus}"
-    return f"{subject(sweep, best)} focuses best: {versus}"
-
-
-def valid(sweep, column):
-    return [c for c in known(sweep, column) if c.is_valid]
+        return f"{subject(sweep, best)} improves most on {name} under the same conditions{among}: {versus}"
+    return f"{subject(sweep, best)} focuses best{among}: {versus}"
 
 
 def strength(sweep):
+    """The strength at the focus relative to the reference; '' if no reading is valid."""
     ratio = {}
     for case in valid(sweep, "focal_rms_um"):
-        reference = sweep.reference_of(case)
-        if reference and reference is not case and reference.value("focal_rms_um"):
+        reference = reference_for(sweep, case)
+        if reference and reference.value("focal_rms_um"):
             ratio[case.id] = case.value("focal_rms_um") / reference.value("focal_rms_um")
     ratio = {k: v for k, v in ratio.items() if not math.isnan(v)}
     if not ratio:
         cases = valid(sweep, "focal_rms_um")
         if not cases:
             return ""
-        low, high = (f(c.value("focal_rms_um") for c in cases) for f in (min, max))
-        return f" The focal rms is {span(low, high)} µm."
+        return f" The focal rms is {range_of(sweep, cases, 'focal_rms_um')} µm."
     name = layout.reference_name(layout.all_references(sweep))
     lowest, highest = (sweep.by_id(f(ratio, key=ratio.get)) for f in (min, max))
     low, high = ratio[lowest.id], ratio[highest.id]
@@ -172,8 +224,36 @@ def span(low, high):
     return low if low == high else f"{low} to {high}"
 
 
+def fired(sweep):
+    """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
+    cases = [c for c in layout.ordinary(sweep) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
+    spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1"))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1"))]
+              for kind in CLASSES}
+    firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
+    silent = [kind for kind, found in spikes.items() if found and kind not in firing]
+    parts = [f"The {kind} afferents fire {spikes_text(sweep, found)}" for kind, found in firing.items()]
+    if silent:
+        parts.append(f"{'the' if parts else 'The'} {listed(silent)} afferents are silent")
+    return f"{'; '.join(parts)}. " if parts else ""
+
+
+def spikes_text(sweep, found):
+    """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
+    if len(found) > 3:
+        low, high = (f(found, key=lambda item: item[1]) for f in (min, max))
+        found = [low, high]
+        return " to ".join(spikes_at(sweep, *item) for item in found)
+    return listed(spikes_at(sweep, *item) for item in found)
+
+
+def spikes_at(sweep, case, count):
+    place = where(sweep, case)
+    return counted(count, "spike") + (f" at {place}" if place else "")
+
+
 def summary(sweep):
     if not layout.ordinary(sweep):
         return "No case is complete yet, so there is nothing to draw."
-    text = efficiency(sweep) + strength(choices(sweep))
+    receptors = "" if valid(sweep, "eta_period_1") else fired(sweep)
+    text = receptors + efficiency(sweep) + strength(choices(sweep))
     return text[:1].upper() + text[1:]

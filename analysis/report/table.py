@@ -5,7 +5,7 @@ import math
 
 import layout
 from package import wake
-from words import number, value_text
+from words import counted, number, value_text
 
 
 def measures(sweep):
@@ -46,16 +46,26 @@ def id_cell(case):
             f'<a href="../cases/{name}.h5"><code>{name}</code></a></td>')
 
 
-def tools(sweep):
-    """The filter above the table and the links to the data."""
+def filtered(figures):
+    """States which figures hide the lines of cases that are not selected: those with one line per case."""
+    links = [f'<a href="#{html.escape(f.name)}">{html.escape(f.title)}</a>' for f in figures
+             if any(line.get("case") for chart in f.charts for line in chart["lines"])]
+    if not links:
+        return "The filter selects rows of this table; it changes no figure."
+    return ("Rows that the filter removes and cases that are not ticked have no lines in the figures with one line per "
+            f"case: {'; '.join(links)}. All other figures and the player do not change.")
+
+
+def tools(sweep, figures):
+    """The filter above the table, its effect on the figures, and the links to the data."""
     name = html.escape(sweep.name)
     return ('<div class="tools"><label>Filter <input id="filter" type="search" '
             'placeholder="for example: eta_period_1 &gt; 0.2, complete"></label>'
-            f'<output id="count">{len(sweep.cases)} of {len(sweep.cases)} cases</output>'
+            f'<output id="count">{len(sweep.cases)} of {counted(len(sweep.cases), "case")}</output>'
             '<button type="button" id="csv">Save rows as CSV</button></div>'
-            '<p class="counts">Select a heading to sort by its column; select it again to reverse the order. Rows '
-            "that the filter removes and cases that are not ticked have no lines in the figures above. All columns, in "
-            f'the output folder of this page: <a href="../tables/{name}.csv">{name}.csv</a>, '
+            '<p class="counts">Select a heading to sort by its column; select it again to reverse the order. Scroll sideways '
+            f'to see all columns. {filtered(figures)} Files with all columns, in the output folder of this page: '
+            f'<a href="../tables/{name}.csv">{name}.csv</a>, '
             f'<a href="../tables/{name}.json">{name}.json</a>.</p>')
 
 
@@ -70,7 +80,7 @@ def row(case, kinds, keys, shown, followers, mark):
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
 
-def table(sweep):
+def table(sweep, figures):
     """The table and, below it, the notes to which its last column refers."""
     keys = layout.axes(sweep)
     followers = [k for k in sweep.swept_keys if k not in keys]  # zipped with other keys; placed at the end
@@ -84,7 +94,7 @@ def table(sweep):
             mark = f'<a href="#note-{n}">{n}</a>'
         rows.append(row(case, kinds, keys, shown, followers, mark))
     columns = ["id", *kinds, *keys, *shown, *followers, "wall_s", "status", "note"]
-    body = (f'{tools(sweep)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
+    body = (f'{tools(sweep, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())
     return body + (f'<ol class="notes">{listed}</ol>' if notes else "")

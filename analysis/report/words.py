@@ -47,8 +47,9 @@ def key_name(key):
     return f"{name}, {place.group(1)} {place.group(2)}" if place else name
 
 
-def axis_label(key):
-    name, unit = key_name(key), split_unit(key)[1]
+def axis_label(key, title=""):
+    """'AM frequency (Hz)'; the title replaces the name of the key."""
+    name, unit = title or key_name(key), split_unit(key)[1]
     name = name[:1].upper() + name[1:]
     return f"{name} ({unit})" if unit else name
 
@@ -59,7 +60,7 @@ def number(value, digits=4):
     if value is None or not math.isfinite(value):
         return ""
     if value == 0 or 1e-4 <= abs(value) < 1e6:
-        rounded = float(f"{value:.{digits}g}")
+        rounded = float(f"{value:.{digits}g}") + 0.0  # without the sign of zero
         decimals = 0
         if rounded:
             decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
@@ -72,6 +73,11 @@ def number(value, digits=4):
             mantissa = mantissa.rstrip("0").rstrip(".")
         shown = f"{mantissa}×10{str(int(exponent)).translate(SUPERSCRIPTS)}"
     return shown.replace("-", "\N{MINUS SIGN}")
+
+
+def millimetres(value):
+    """A coordinate in mm, rounded to 1 um: the coordinates of pins have rounding errors."""
+    return number(round(float(value), 3))
 
 
 def value_text(key, value):
@@ -118,6 +124,11 @@ def table_text(value):
 
 def counted(count, noun):
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def some_of(count, every, noun):
+    """'3 of 8 cases are drawn'; `noun` is in the singular."""
+    return f"{count} of {counted(every, noun)} {'is' if count == 1 else 'are'} drawn"
 
 
 def listed(words):

@@ -13,6 +13,7 @@ import numpy as np
 
 from . import checksum, stored
 from .errors import NotRecorded
+from .plan import Column
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,12 +69,16 @@ class Case:
     def status(self) -> str:
         """`complete`; otherwise what `reduce` stated, for example `failed`, or `missing` if it is not computed."""
         state = self._row.get("status", "missing")
-        return "complete" if self.is_complete and state in ("complete", "missing") else state
+        if self.is_complete:
+            return "complete" if state == "missing" else state
+        return "missing" if state == "complete" else state
 
     @property
     def reason(self) -> str:
         """Why the case is not complete, as stated by `reduce`; empty for a complete case."""
-        return "" if self.status == "complete" else self._row.get("note", "") or "not computed"
+        if self.status == "complete":
+            return ""
+        return self._row["note"] if self._row.get("status") == self.status else "not computed"
 
     @property
     def reference(self) -> Case | None:
@@ -98,6 +103,11 @@ class Case:
         """Why columns are empty."""
         row = self._row
         return row["notes"] if row.get("status") == "complete" else self._scalars[1] if self.is_complete else {}
+
+    @property
+    def columns(self) -> list[Column]:
+        """The scalars of the file with their units and meanings."""
+        return [Column(name, unit, meaning) for name, (unit, meaning) in self._scalars[2].items()]
 
     def value(self, column: str) -> float:
         """A column of the table; NaN if it is empty."""
@@ -153,6 +163,13 @@ class Case:
         """The names of the variables of a group and of their dimensions. Raises NotRecorded."""
         try:
             return {name: item.dims for name, item in stored.items(self._file(), group).items()}
+        except KeyError:
+            raise self._not_recorded(group) from None
+
+    def units(self, group: str = "/") -> dict[str, str]:
+        """The units of the variables of a group. Raises NotRecorded."""
+        try:
+            return {name: item.attributes.get("units", "") for name, item in stored.items(self._file(), group).items()}
         except KeyError:
             raise self._not_recorded(group) from None
 

@@ -8,7 +8,7 @@ import os
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -165,6 +165,11 @@ class Job:
         made.folder = self.folder
         return made
 
+    @property
+    def _label(self) -> str:
+        """What texts of the program call the file of the job."""
+        return str(self._path) if self._path else f"<Job {self.name}>" if self.name else "<Job>"
+
     @contextlib.contextmanager
     def _file(self) -> Iterator[Path]:
         """The path of a file with the job, which is deleted afterwards if it is temporary."""
@@ -177,7 +182,7 @@ class Job:
         try:
             yield Path(file.name)
         except ProgramError as error:
-            raise error.renamed(file.name, f"<Job {self.name}>" if self.name else "<Job>") from None
+            raise error.renamed(file.name, self._label) from None
         finally:
             os.unlink(file.name)
 
@@ -189,7 +194,7 @@ class Job:
 
     def _check(self, path: Path, elsewhere: bool = False) -> list[Diagnostic]:
         document = program.call_json(["check", str(path), *(["--elsewhere"] if elsewhere else [])], (0, 3))
-        found = program.diagnostics_of(document)
+        found = [replace(d, file=d.file.replace(str(path), self._label)) for d in program.diagnostics_of(document)]
         if document["errors"]:
             raise program.error_of(3, "\n".join(str(d) for d in found if d.severity == "error"), found)
         return found
@@ -246,7 +251,7 @@ def merge(into: dict[str, Any], tables: Mapping[str, Any]) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Arrays, numbers and tuples as values that TOML knows."""
+    """Arrays, numbers and tuples as values that TOML can express."""
     if isinstance(value, Mapping):
         return {str(key): plain(entry) for key, entry in value.items()}
     if hasattr(value, "tolist"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Iterator, Mapping
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Mapping
 from . import stored
 from .case import Case
 from .errors import NotAnOutputFolder, NotRecorded
-from .keys import by_short_key, short_keys
+from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, read_plan, read_table
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ class Sweep:
         if self._reduced:
             return [Column(c["name"], c["unit"], c["meaning"]) for c in self._reduced.columns]
         first = next((case for case in self.every_case if case.is_complete), None)
-        return [Column(name, unit, meaning) for name, (unit, meaning) in first._scalars[2].items()] if first else []
+        return first.columns if first else []
 
     @property
     def table(self) -> pd.DataFrame:
@@ -147,7 +148,6 @@ class Sweep:
 
 def unit_of(key: str) -> str:
     """The unit at the end of a key of the job, as in the key: "mm" of "load.footprint.fwhm_mm"; "1" without one."""
-    from .keys import split_unit
     return split_unit(key)[1] or "1"
 
 
@@ -156,18 +156,19 @@ def open_sweep(folder: str | os.PathLike[str]) -> Sweep:
     return Sweep(folder)
 
 
+def case_of_file(path: Path) -> Case:
+    """The case of a file. Raises OSError, RuntimeError, KeyError, ValueError or TypeError if it is not a case file."""
+    found = stored.attributes(path)
+    return Case(path, {"id": found["case_id"], "settings": json.loads(found["settings"]),
+                       "is_reference": found["is_reference"] == "yes", "reference_id": found["reference_id"]})
+
+
 def open_case(path: str | os.PathLike[str]) -> Case:
     """Opens a single case file. Reads its attributes only. Raises NotRecorded if it is not a case file."""
-    import json
     path = Path(path)
     try:
-        found = stored.attributes(path)
-        return Case(path, {"id": found["case_id"], "settings": json.loads(found["settings"]),
-                           "is_reference": found["is_reference"] == "yes", "reference_id": found["reference_id"]})
+        return case_of_file(path)
     except FileNotFoundError as error:
         raise NotRecorded(f"{path}: no such case file") from error
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
         raise NotRecorded(f"{path} is not a valid case file: {first_line(error)}") from error
-
-
-__all__ = ["Sweep", "open_case", "open_sweep", "short_keys"]

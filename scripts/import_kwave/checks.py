@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Rejects media and time steps for which the simulation would be unstable or without meaning."""
+"""Rejects media and time steps for which the simulation would be unstable or without meaning, and warns of values that
+are probably not intended."""
 import numpy as np
 
 from structures import BadInput
+
+LARGEST_SPACING_m, LARGEST_SIZE_m = 0.1, 1.0  # of a body part; larger values are probably not in m
+LEAST_DENSITY_kg_m3, LARGEST_DENSITY_kg_m3 = 10.0, 3e4  # no tissue, liquid or metal lies outside
+ABOVE = 0.01  # share of the energy of a source above the supported frequency that causes a warning
 
 
 def first_node(bad, study):
@@ -58,9 +63,77 @@ def check_time_step(study):
     alone_s, safe_s = step_limits(study)
     step_s = study.time_step_s
     if step_s > alone_s:
+        stable, unstable = f"{1e6 * safe_s:.6g}", f"{1e6 * alone_s:.6g}"
+        between = f" and steps above {unstable} us are unstable" if unstable != stable else ""
         raise BadInput(f"kgrid.dt = {1e6 * step_s:.6g} us is unstable: at this spacing and in this medium, steps up to "
-                       f"{1e6 * safe_s:.6g} us are stable and steps above {1e6 * alone_s:.6g} us are unstable; reduce "
-                       "kgrid.dt")
+                       f"{stable} us are stable{between}; reduce kgrid.dt")
     if step_s > safe_s:
         study.notes.append(f"kgrid.dt = {1e6 * step_s:.6g} us may be unstable: steps up to {1e6 * safe_s:.6g} us are "
                            "stable")
+
+
+def check_plausible(study):
+    """Warns of values that are probably in other units than k-Wave expects."""
+    for axis, spacing_m, points in zip("xyz", study.spacing_m, study.points):
+        if spacing_m > LARGEST_SPACING_m:
+            study.warnings.append(f"kgrid.d{axis} is {spacing_m:g} m; k-Wave expects metres")
+        elif spacing_m * points > LARGEST_SIZE_m:
+            study.warnings.append(f"kgrid.N{axis} * kgrid.d{axis} is {spacing_m * points:g} m, more than a body; k-Wave "
+                                  "expects metres")
+    density = study.medium["density_kg_m3"]
+    for bad, value in ((density < LEAST_DENSITY_kg_m3, np.min(density)), (density > LARGEST_DENSITY_kg_m3, np.max(density))):
+        if np.any(bad):
+            study.warnings.append(f"medium.density is {value:g} kg/m3{first_node(bad, study)}; k-Wave expects kg/m3, "
+                                  "about 1000 in tissue")
+
+
+def in_layer(study, nodes):
+    """Which nodes lie inside the absorbing layer."""
+    thick = np.where(study.layer_strength > 0.0, study.layer_points, 0.0)
+    return np.any((nodes < thick) | (nodes >= study.points - thick), axis=1)
+
+
+def check_layer_nodes(study, plane):
+    """Warns if the layer absorbs at sources, sensor or measured plane."""
+    groups = [(f"source.{source['field']}", source["nodes"]) for source in study.sources]
+    for name, nodes in [*groups, ("sensor.mask", study.sensor_nodes)]:
+        inside = int(np.count_nonzero(in_layer(study, nodes)))
+        if inside:
+            study.warnings.append(f"{name}: {inside} of {len(nodes)} nodes lie inside the absorbing layer (options.PMLSize), "
+                                  "where waves are damped")
+    if in_layer(study, np.array([[*(study.points[:2] // 2), plane]]))[0]:
+        study.warnings.append(f"the measured plane z {plane - int(study.first[2]) + 1} lies inside the absorbing layer "
+                              "(options.PMLSize); --plane selects another plane")
+
+
+def supported_frequency_Hz(study):
+    """The frequency whose shortest wave has two points per wavelength, as k-Wave reports it. Fluids have no shear
+    waves."""
+    c_p, c_s = np.broadcast_arrays(study.medium["c_p_m_s"], study.medium["c_s_m_s"])
+    return float(np.min(np.where(c_s > 0.0, c_s, c_p)) / (2.0 * np.max(study.spacing_m)))
+
+
+def energy_spectrum(series, steps):
+    """The energy of all rows over frequency. The row of a source that acts until the last step is continued smoothly,
+    since its end has no effect; its begin and an earlier end count as jumps."""
+    energy = 0.0
+    for first in range(0, len(series), 256):  # so that large sources need little memory
+        rows = series[first:first + 256]
+        rest = rows[:, ::-1] if rows.shape[1] >= steps else np.zeros_like(rows)
+        energy = energy + np.sum(np.abs(np.fft.rfft(np.hstack([rows, rest, np.zeros_like(rows)]), axis=1)) ** 2, axis=0)
+    return energy
+
+
+def check_spectrum(study):
+    """Warns if the grid does not represent a part of a source's spectrum."""
+    supported_Hz = supported_frequency_Hz(study)
+    for source in study.sources:
+        if source["is_initial"]:
+            continue
+        energy = energy_spectrum(source["series"], study.steps)
+        frequency_Hz = np.fft.rfftfreq(3 * source["series"].shape[1], study.time_step_s)
+        above = float(np.sum(energy[frequency_Hz > supported_Hz]))
+        if above > ABOVE * float(np.sum(energy)):
+            study.warnings.append(f"source.{source['field']}: {100.0 * above / float(np.sum(energy)):.2g} % of its energy lies "
+                                  f"above {supported_Hz:.4g} Hz, the maximum supported frequency of the grid; reduce kgrid.dx or "
+                                  "filter the source")

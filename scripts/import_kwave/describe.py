@@ -2,6 +2,7 @@
 """Describes an imported simulation, so that a wrong order of indices can be recognised."""
 import numpy as np
 
+from checks import supported_frequency_Hz
 from record import FIELDS
 
 
@@ -19,13 +20,33 @@ def extent(nodes, study):
     return f"{counted(len(nodes), 'node')}, {', '.join(ranges)}"
 
 
+def triple(values):
+    """Three values, or one if they are equal."""
+    return f"{values[0]:g}" if len(set(values)) == 1 else ", ".join(f"{value:g}" for value in values)
+
+
+def grid_lines(study):
+    """The size, the absorbing layer and the resolved frequencies."""
+    points = study.points - 2 * study.first
+    size = " x ".join(f"{mm:.6g}" for mm in 1e3 * points * study.spacing_m)
+    if np.all(study.layer_points == 0.0) or np.all(study.layer_strength == 0.0):
+        layer = "none"
+    else:
+        layer = f"PMLSize {triple(study.layer_points)}, {'outside' if np.any(study.first) else 'inside'} the grid"
+    return [f"size: {size} mm, spacing {triple(1e3 * study.spacing_m)} mm",
+            f"absorbing layer (PML): {layer}, PMLAlpha {triple(study.layer_strength)}, "
+            f"MultiAxialPMLRatio {study.layer_ratio:g}",
+            f"maximum supported frequency: {supported_frequency_Hz(study):.4g} Hz"]
+
+
 def lines_of(study, plane):
-    """One line for each group of sources with the same nodes, for the sensor and for the measured plane."""
+    """Lines about the grid, each group of sources with the same nodes, the sensor and the measured plane."""
     groups = {}
     for source in study.sources:
         groups.setdefault(source["nodes"].tobytes(), []).append(source)
-    lines = [f"source {', '.join(source['field'] for source in group)} ({group[0]['mode']}): "
-             f"{extent(group[0]['nodes'], study)}" for group in groups.values()]
+    lines = [*grid_lines(study)]
+    lines += [f"source {', '.join(source['field'] for source in group)} ({group[0]['mode']}): "
+              f"{extent(group[0]['nodes'], study)}" for group in groups.values()]
     recorded = ", ".join(field for field in FIELDS if field in study.sensor_fields)
     lines.append(f"sensor ({recorded or 'no fields'}): {extent(study.sensor_nodes, study)}")
     depth_mm = 1e3 * (plane + 0.5) * study.spacing_m[2]

@@ -3,9 +3,10 @@
 import h5py
 import numpy as np
 
-from structures import BadInput, Structure, Unreadable
+from structures import BadInput, Structure, Unreadable, kind_of, text_of
+from variables import NAMES, chosen_variables
 
-NAMES = ("kgrid", "medium", "source", "sensor", "options")
+STUDY = "shearwake grid study"  # begins the schema of the files that this script writes
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
@@ -98,8 +99,13 @@ def of_hdf5(item, level=0):
 
 
 def read_hdf5(path):
+    """The values of the structures, and notes."""
     with h5py.File(path, "r") as file:
-        return {name: of_hdf5(file[name]) for name in NAMES if name in file}
+        if decoded(file.attrs.get("schema", b"")).startswith(STUDY):
+            raise BadInput(f"{path} is already an imported study: run its job with shearwake run, or give the file of "
+                           "k-Wave")
+        chosen, notes = chosen_variables(path, [name for name in file if not name.startswith("#")])
+        return {name: of_hdf5(file[variable]) for name, variable in chosen.items()}, notes
 
 
 # ---- .mat files of versions before 7.3: MATLAB, Octave with save -v7, and scipy.io.savemat
@@ -142,6 +148,16 @@ def kind_of_file(path):
     return f"a text file, which begins with \"{decoded(start.split(bytes([10]))[0][:40])}\"" if is_text else ""
 
 
+def variables_of(path):
+    """The names of all variables of a .mat file before version 7.3."""
+    import scipy.io
+    try:
+        names = [name for name, _, _ in scipy.io.whosmat(path)]
+    except Exception:  # SciPy cannot list some objects; loadmat reads the other variables, and reports damaged files
+        return list(NAMES)
+    return [name for name in names if name not in ("", "None") and not name.startswith("__")]
+
+
 def read_mat(path):
     try:
         import scipy.io
@@ -149,33 +165,56 @@ def read_mat(path):
         raise BadInput(f"{path} is not an HDF5 file; .mat files of versions before 7.3 require SciPy (Debian: "
                        "python3-scipy). In MATLAB, save(file, '-v7.3', ...) writes HDF5") from problem
     try:
-        found = scipy.io.loadmat(path, variable_names=NAMES)
-    except OSError:
+        chosen, notes = chosen_variables(path, variables_of(path))
+        found = scipy.io.loadmat(path, variable_names=list(chosen.values()))
+    except (OSError, BadInput):
         raise
     except Exception as problem:  # SciPy documents no exceptions for damaged files
         kind = kind_of_file(path)
         raise BadInput(f"{path} is neither an HDF5 file nor a .mat file" + (f" but {kind}" if kind else
                        f" ({problem})") + "; in MATLAB, use save(file, '-v7.3', ...)") from problem
-    return {name: of_mat(value) for name, value in found.items() if name in NAMES}
+    return {name: of_mat(found[variable]) for name, variable in chosen.items() if variable in found}, notes
+
+
+def of_pairs(values):
+    """The fields of a cell array of names and values, as k-Wave's functions take them."""
+    if len(values) % 2:
+        raise BadInput(f"options is a cell array of {len(values)} elements; it must contain pairs of a name and a value")
+    names = [text_of(name) for name in values[::2]]
+    bad = [n for n, name in enumerate(names) if name is None or not name.isidentifier()]
+    if bad:
+        at = 2 * bad[0]
+        raise BadInput(f"element {at + 1} of options is {kind_of(values[at])}; it must be the name of an option, as in "
+                       "{'PMLSize', 10}")
+    return dict(zip(names, values[1::2]))
+
+
+def structure_of(name, value):
+    """The structure of a variable; None if it is empty."""
+    if name == "options" and isinstance(value, list):
+        value = of_pairs(value)
+    if value is None or isinstance(value, dict):
+        return None if value is None else Structure(value, name)
+    if name == "options":
+        reason = f"cannot be read: {value.reason}" if isinstance(value, Unreadable) else f"is {kind_of(value)}"
+        raise BadInput(f"options {reason}; it must be a struct, or a cell array of names and values as in {{'PMLSize', 10}}")
+    raise BadInput(f"{name} is not a structure: save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)"
+                   if name == "kgrid" else f"{name} is not a structure (docs/how-to/kwave.md)")
 
 
 def structures(path):
-    """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist."""
+    """{name: Structure} of kgrid, medium and source, and of sensor and options if they exist; and notes."""
+    if path.suffix == ".toml" and path.is_file():
+        raise BadInput(f"{path} is a job, not a k-Wave simulation; shearwake run {path} computes it")
     with open(path, "rb"):  # reports a missing file
         pass
     try:
-        found = read_hdf5(path) if h5py.is_hdf5(path) else read_mat(path)
+        found, notes = read_hdf5(path) if h5py.is_hdf5(path) else read_mat(path)
     except (RuntimeError, KeyError, ValueError, OSError) as problem:  # raised by h5py for damaged files
         raise BadInput(f"{path} cannot be read: {problem}") from problem
-    parts = {}
-    for name, value in found.items():
-        if isinstance(value, dict):
-            parts[name] = Structure(value, name)
-        elif value is not None and name in ("kgrid", "medium", "source", "sensor"):
-            raise BadInput(f"{name} is not a structure: "
-                           f"save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)"
-                           if name == "kgrid" else f"{name} is not a structure (docs/how-to/kwave.md)")
+    parts = {name: structure_of(name, found[name]) for name in NAMES if name in found}
+    parts = {name: structure for name, structure in parts.items() if structure}
     for name in ("kgrid", "medium", "source"):
         if name not in parts:
             raise BadInput(f"{path} has no structure {name}")
-    return parts
+    return parts, notes

@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from checks import check_layer_nodes
 from describe import lines_of, summary_of
 from files import structures
 from structures import BadInput
@@ -31,7 +32,8 @@ structures in FILE (all fields: docs/how-to/kwave.md):
   medium   sound_speed_compression, sound_speed_shear, density; optionally absorption
   source   u_mask with ux, uy, uz; s_mask with sxx ... syz; p0
   sensor   mask, record (optional)
-  options  PMLSize, PMLAlpha, PMLInside, MultiAxialPMLRatio, ScaleSourceTerms, Smooth (optional)
+  options  PMLSize, PMLAlpha, PMLInside, MultiAxialPMLRatio, ScaleSourceTerms, Smooth (optional); a struct, or a
+           cell array of names and values, which may also be named input_args
 
 example:
   scripts/import-kwave study.mat        writes study.toml and study.h5
@@ -219,10 +221,22 @@ def missing_file(path):
             f"; the working directory is {Path.cwd()}"))
 
 
+def output_of(chosen):
+    """The path of the output files without extension. Raises BadInput and NotADirectoryError."""
+    out = chosen.out or Path(chosen.file.stem)
+    if out.suffix.lower() in (".toml", ".h5"):
+        out = out.with_suffix("")
+    if not out.parent.is_dir():
+        raise NotADirectoryError(errno.ENOENT, "the folder of the output files does not exist", str(out.parent))
+    if out.with_name(out.name + ".h5").resolve() == chosen.file.resolve():
+        raise BadInput(f"{out}.h5 would replace the input file; choose another name with --out")
+    return out
+
+
 def main():
     chosen = options()
     try:
-        study = Study(structures(chosen.file))
+        study = Study(*structures(chosen.file))
         if abs(study.spacing_m[0] - study.spacing_m[1]) > 1e-9 * study.spacing_m[0]:
             raise BadInput("kgrid.dx and kgrid.dy differ, but must be equal; permute the axes so that only the "
                            "spacing along z differs")
@@ -231,9 +245,8 @@ def main():
             plane = chosen.plane - 1 + int(study.first[2])
             if not 0 <= plane < study.points[2]:
                 raise BadInput(f"--plane must be 1 to {study.points[2] - 2 * study.first[2]}")
-        out = chosen.out or Path(chosen.file.stem)
-        if not out.parent.is_dir():
-            raise NotADirectoryError(errno.ENOENT, "the folder of the output files does not exist", str(out.parent))
+        check_layer_nodes(study, plane)
+        out = output_of(chosen)
         job = job_text(out.name, study, plane, chosen.precision, chosen.file.name)
         with complete(out.with_name(out.name + ".h5")) as part:
             write_study(part, study)
@@ -255,6 +268,8 @@ def main():
         print(f"import-kwave: {chosen.file} cannot be converted: {type(problem).__name__}: {problem}",
               file=sys.stderr)
         return 3
+    for warning in study.warnings:
+        print(f"warning: {warning}")
     for note in study.notes:
         print(f"note: {note}")
     print(summary_of(out, study))

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Converts a k-Wave simulation to a grid study with the sources of pstdElastic3D at each node."""
+import difflib
 import math
 
 import numpy as np
 
-from checks import check_medium, check_range, check_time_step
+from checks import check_medium, check_plausible, check_range, check_spectrum, check_time_step, first_node
 from record import FIELDS, recorded_fields
 from structures import BadInput, Structure
 
@@ -17,6 +18,25 @@ KNOWN = {
     "sensor": {"mask", "record", "record_start_index"},
     "options": {"PMLSize", "PMLAlpha", "PMLInside", "MultiAxialPMLRatio", "Smooth", "ScaleSourceTerms"},
 }
+# Options of pstdElastic3D about plots, files and the processor.
+IGNORED = {"CartInterp", "CreateLog", "DataCast", "DataRecast", "DisplayMask", "LogScale", "MeshPlot", "MovieArgs",
+           "MovieName", "MovieProfile", "MovieType", "PlotFreq", "PlotLayout", "PlotPML", "PlotScale", "PlotSim",
+           "RecordMovie", "SaveToDisk", "SaveToDiskExit", "StreamToDisk"}
+
+
+def check_fields(structure, notes):
+    """Rejects fields that change the result in an unknown way."""
+    name = structure.name
+    known = KNOWN.get(name)
+    for field in structure.fields() if known else []:
+        if name == "options" and field in IGNORED:
+            cast = "; --precision single computes in single precision" if field == "DataCast" else ""
+            notes.append(f"options.{field}: ignored, does not change the physics{cast}")
+        elif field not in known:
+            near = difflib.get_close_matches(field.lower(), [one.lower() for one in known], n=1)
+            meant = next((f" (did you mean {one}?)" for one in known if near and one.lower() == near[0]), "")
+            raise BadInput(f"{name}.{field} is not a field that pstdElastic3D uses{meant}; the fields are "
+                           f"{', '.join(sorted(known))}")
 
 
 def three(value, name, whole=False):
@@ -47,20 +67,19 @@ def shape_hint(values, points):
 class Study:
     """Grid, absorbing layer, medium, sources and sensor of a study, in SI units."""
 
-    def __init__(self, parts):
-        for name, structure in parts.items():
-            unknown = sorted(set(structure.fields()) - KNOWN.get(name, set(structure.fields())))
-            if unknown:
-                raise BadInput(f"{name}.{unknown[0]} is not a field that pstdElastic3D uses; the fields are "
-                               f"{', '.join(sorted(KNOWN[name]))}")
-        self.notes = []
+    def __init__(self, parts, notes):
+        self.notes, self.warnings = list(notes), []
+        for structure in parts.values():
+            check_fields(structure, self.notes)
         self.first = np.zeros(3, dtype=int)  # index of the first point of kgrid in the enlarged grid
         self.options = parts.get("options") or Structure({}, "options")
         self.read_grid(parts["kgrid"])
         self.read_medium(parts["medium"])
+        check_plausible(self)
         self.enlarge_if_layer_is_outside()
         self.sources = []
         self.read_sources(parts["source"])
+        check_spectrum(self)
         self.read_sensor(parts.get("sensor") or Structure({}, "sensor"))
 
     # ---- the grid and its layer
@@ -166,6 +185,10 @@ class Study:
         if mask.shape != given:
             raise BadInput(f"{name} has the shape {mask.shape}; it must be that of the grid, "
                            f"{grid_of(given)}{shape_hint(mask, given)}")
+        bad = (mask != np.floor(mask)) | (mask < 0.0)
+        if np.any(bad):
+            raise BadInput(f"{name} is {mask[bad].flat[0]:g}{first_node(np.pad(bad, [(n, n) for n in self.first]), self)}; a "
+                           "mask contains 0 and 1, or labels 1, 2, ... of the series of a source")
         flat = mask.ravel(order="F")
         at = np.flatnonzero(flat)
         if at.size == 0:
@@ -194,7 +217,13 @@ class Study:
         series = np.atleast_2d(series)
         if series.shape[1] == 1 and series.shape[0] > 1 and len(nodes) != series.shape[0]:
             series = series.T
-        count = series.shape[0]
+        count, samples = series.shape
+        if samples > self.steps:
+            self.notes.append(f"source.{field} has {samples} samples, but kgrid.Nt is {self.steps}: later samples are not "
+                              "used")
+        elif samples < self.steps:
+            self.notes.append(f"source.{field} has {samples} samples, but kgrid.Nt is {self.steps}: as in k-Wave, the source "
+                              f"does not act after step {samples}")
         labelled = not np.all(labels == 1)
         if labelled:
             if np.any(labels != np.floor(labels)) or labels.max() != count:
@@ -219,7 +248,7 @@ class Study:
             scales = 2.0 * self.c_p_at(nodes) * self.time_step_s / self.spacing_m[axis]
             weights = scales if count == len(nodes) and not labelled else scales[rows]
         self.sources.append({"field": field, "mode": mode, "nodes": nodes, "weights": weights, "rows": rows,
-                             "series": series[:, :self.steps]})
+                             "series": series[:, :self.steps], "is_initial": False})
 
     def add_initial_pressure(self, p0):
         if self.options.number("Smooth", 1.0) != 0.0:
@@ -229,7 +258,7 @@ class Study:
         weights = -0.5 * p0[tuple((nodes - self.first).T)]
         for field in ("sxx", "syy", "szz"):
             self.sources.append({"field": field, "mode": "additive", "nodes": nodes, "weights": weights,
-                                 "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2))})
+                                 "rows": np.zeros(len(nodes), dtype=int), "series": np.ones((1, 2)), "is_initial": True})
 
     # ---- the sensor
 

@@ -56,6 +56,7 @@ struct ConvergeArguments : schedule::RunArguments {
 struct CompareArguments {
     std::filesystem::path first, second; // case files or output folders
     std::filesystem::path picture;       // empty: none
+    bool all = false; // every pair, time, trace and column instead of those that differ most
     bool json = false;
 };
 

@@ -13,9 +13,10 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
     on_root(world, [&] {
         for (const std::filesystem::path& path : {arguments.first, arguments.second})
             if (std::filesystem::is_directory(path))
-                reduce_folder({path}, reduce::ErrorColumns::omitted); // so that tables are current
+                reduce_folder({path}, reduce::ErrorColumns::kept); // so that tables are current
         std::vector<std::string> words = {arguments.first.string(), arguments.second.string()};
         if (arguments.json) words.emplace_back("--json");
+        if (arguments.all) words.emplace_back("--all");
         if (!arguments.picture.empty()) {
             words.emplace_back("--picture");
             words.push_back(arguments.picture.string());

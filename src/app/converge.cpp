@@ -13,6 +13,8 @@
 #include "storage/journal/plan_file.hpp"
 
 #include <fmt/format.h>
+#include <map>
+#include <set>
 
 namespace shearwake::app {
 namespace {
@@ -22,10 +24,11 @@ std::map<std::string, converge::Values> values_in(const schedule::OutputFolder& 
                                                   std::size_t swept_keys) {
     const reduce::Table table =
         reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
-    const std::size_t first = 2 + swept_keys, end = table.columns.size() - 3;
+    const std::size_t first = 2 + swept_keys, status = table.columns.size() - 2,
+                      end = table.columns.size() - reduce::closing_columns;
     std::map<std::string, converge::Values> values;
     for (const auto& row : table.rows) {
-        if (std::get<std::string>(row[end + 1]) != "complete") continue;
+        if (std::get<std::string>(row[status]) != "complete") continue;
         converge::Values& found = values[std::get<std::string>(row[0])];
         for (std::size_t i = first; i < end; ++i)
             found[table.columns[i]] = std::get<double>(row[i]);
@@ -65,12 +68,28 @@ std::string command_line(const ConvergeArguments& arguments) {
     return line;
 }
 
+/// The columns of the table that the study does not cover.
+std::string omitted_text(const std::vector<converge::CaseChange>& changes,
+                         const std::map<std::string, converge::Values>& values) {
+    std::set<std::string> omitted;
+    for (const auto& [id, row] : values)
+        for (const auto& [column, value] : row)
+            omitted.insert(column);
+    for (const converge::CaseChange& c : changes)
+        for (const converge::ColumnChange& column : c.columns)
+            omitted.erase(column.column);
+    if (omitted.empty()) return "";
+    return fmt::format("\ncolumns without an estimate, which are empty or count samples: {}\n",
+                       fmt::join(omitted, ", "));
+}
+
 /// Writes the result and returns it as text.
 std::string finish(const std::string& name, const converge::RefinedPlan& refined,
                    const schedule::OutputFolder& sweep, const schedule::OutputFolder& study) {
-    const auto changes =
-        converge::changes_of(refined, values_in(study, refined.plan.swept_keys.size()));
-    const std::string text = converge::markdown_text(changes, headlines());
+    const auto values = values_in(study, refined.plan.swept_keys.size());
+    const auto changes = converge::changes_of(refined, values);
+    const std::string text =
+        converge::markdown_text(changes, headlines()) + omitted_text(changes, values);
     const std::filesystem::path table = study.root / "converge.md";
     storage::write_file(sweep.errors(), converge::json_text(name, changes));
     storage::write_file(table, "# " + refined.plan.title + "\n\n" + text);

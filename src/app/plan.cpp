@@ -22,6 +22,15 @@
 namespace shearwake::app {
 namespace {
 
+/// The last word of a key, or the complete key if another swept key ends in the same word.
+std::string label_of(const std::string& key, const std::vector<Setting>& settings) {
+    const std::string ending = key.substr(key.rfind('.') + 1);
+    const auto with_ending = std::ranges::count_if(settings, [&](const Setting& other) {
+        return other.key.substr(other.key.rfind('.') + 1) == ending;
+    });
+    return with_ending > 1 ? key : ending;
+}
+
 std::string settings_of(const PlannedCase& planned) {
     std::string text = planned.is_reference ? "reference" : "";
     for (const Setting& setting : planned.settings) {
@@ -34,7 +43,7 @@ std::string settings_of(const PlannedCase& planned) {
             },
             setting.value);
         text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
-                            setting.key.substr(setting.key.rfind('.') + 1), value);
+                            label_of(setting.key, planned.settings), value);
     }
     return text;
 }
@@ -192,8 +201,6 @@ void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& wa
 void print_totals(const Estimates& e) {
     const TimeParts& p = e.parts;
     const double sum_s = std::max(p.compute_s + p.transposes_s + p.files_s, 1e-300);
-    // Teams in excess of the cases stay idle.
-    const int idle = e.layout.teams > e.busy ? e.ranks - e.busy * e.layout.ranks_per_case : 0;
     const Domain& d = e.cases.front().planned->physics.domain;
     fmt::print("\nthe grid of the first case covers {:g} x {:g} mm\n", 1e3 * d.extent_x_m(),
                1e3 * d.extent_y_m());
@@ -208,7 +215,7 @@ void print_totals(const Estimates& e) {
                "time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
                e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s",
                e.busy, e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
-               idle > 0 ? fmt::format(", {} ranks stay idle", idle) : "", e.core_hours(),
+               schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()), e.core_hours(),
                e.layout.seconds < 60.0 ? fmt::format("{:.2g} s", e.layout.seconds)
                                        : hours_and_minutes(e.layout.seconds),
                e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
@@ -253,7 +260,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"disk_B", e.demand.disk_B},
                                             {"is_calibrated", !e.calibrated.empty()},
                                             {"error", e.error.empty() ? Json() : Json(e.error)},
-                                            {"next", next}}));
+                                            {"next", e.error.empty() ? Json(next) : Json()}}));
 }
 
 void print_text(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
@@ -290,7 +297,11 @@ ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
         estimates.error =
             schedule::excess(estimates.demand, available_B,
                              std::filesystem::path("out") / job.plan.name, schedule::run_elsewhere);
-    const std::string next = schedule::run_command_line(arguments.job, arguments.overrides, {});
+    const std::string too_many = schedule::excessive_team(arguments.ranks_per_case, ranks);
+    if (!too_many.empty()) fmt::print(stderr, "warning: {}\n", too_many);
+    const std::string next =
+        schedule::planned_command_line(arguments.job, arguments.overrides, ranks,
+                                       too_many.empty() ? arguments.ranks_per_case : ranks);
     if (arguments.json)
         print_json(estimates, arguments, job, next);
     else

@@ -17,8 +17,11 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
     on_root(world, [&] {
         folder = schedule::folder_of_results(path);
         const reduce::ReducedTables written = reduce_folder(folder, arguments.errors);
-        fmt::print("{} cases: {} complete, {} failed or missing\n", written.rows, written.whole,
-                   written.rows - written.whole);
+        fmt::print("{} case{}: {} complete, {} failed or missing\n", written.rows,
+                   written.rows == 1 ? "" : "s", written.whole, written.rows - written.whole);
+        if (written.not_valid > 0)
+            fmt::print("the readings of {} case{} are not valid: see the column note\n",
+                       written.not_valid, written.not_valid == 1 ? "" : "s");
         if (written.programs.size() > 1)
             fmt::print("warning: {} versions of the program computed the cases: {}\n",
                        written.programs.size() == 2 ? "two"

@@ -7,6 +7,7 @@
 #include "parallel/agree.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
+#include "schedule/shards.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -22,12 +23,15 @@ namespace {
 
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
-    double seconds = 0.0; // of the complete cases
+    double seconds = 0.0;          // of the complete cases
+    std::vector<std::size_t> open; // positions in the plan of the cases to do
     std::vector<std::string> damaged;
-    bool is_active = false; // a run currently computes into the folder
-    std::string host;       // of that run; empty: this host, or unknown
-    int teams = 1;          // of that run, or of the last one
-    double elapsed_s = 0.0; // of the running cases together
+    std::vector<std::string> not_valid; // complete cases whose readings are not valid
+    bool is_active = false;             // a run currently computes into the folder
+    bool is_preparing = false;          // it chooses time steps and has not started its cases
+    std::string host;                   // of that run; empty: this host, or unknown
+    int teams = 1;                      // of that run, or of the last one
+    double elapsed_s = 0.0;             // of the running cases together
 
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
@@ -59,19 +63,24 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
         tally.is_active = holder.has_value();
         if (holder) tally.host = holder->host;
     }
-    for (const storage::IndexedCase& c : plan.cases) {
+    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+        const storage::IndexedCase& c = plan.cases[i];
         const auto entry = journal.cases.find(c.id);
         const bool known = entry != journal.cases.end();
         const storage::CaseDigest* digest = index.find(c.id);
         if (digest && digest->whole()) {
             ++tally.done;
             if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
+            if (!digest->is_valid()) tally.not_valid.push_back(c.id);
             continue;
         }
         if (digest) tally.damaged.push_back(c.id);
         if (known && entry->second.state == storage::CaseHistory::State::failed) {
             ++tally.failed;
-        } else if (known && entry->second.state == storage::CaseHistory::State::started) {
+            continue;
+        }
+        tally.open.push_back(i);
+        if (known && entry->second.state == storage::CaseHistory::State::started) {
             ++(tally.is_active ? tally.running : tally.interrupted);
             if (tally.is_active)
                 tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
@@ -79,6 +88,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             ++tally.left;
         }
     }
+    tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
     return tally;
 }
 
@@ -106,7 +116,15 @@ std::string next_step(const schedule::OutputFolder& folder, const State& state) 
     const Tally& tally = state.tally;
     const std::string run =
         schedule::run_command_line(folder.job(), state.journal.overrides, folder.root);
-    if (tally.to_do() > 0) return tally.is_active ? "wait for the active run" : run;
+    if (tally.to_do() > 0) {
+        const schedule::ShardStates shards = schedule::shard_states(folder, tally.open);
+        // A run of the complete sweep is active if no shard is; of a run on another host, the shard
+        // is unknown.
+        const bool may_start = !tally.is_active || (!shards.running.empty() && tally.host.empty());
+        if (may_start && !shards.to_start.empty())
+            return schedule::shards_command_line(run, shards);
+        return tally.is_active ? "wait for the active run" : run;
+    }
     if (tally.failed > 0) return run + " --retry-failed";
     return schedule::reduce_command_line(folder);
 }
@@ -121,6 +139,13 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
             failed.push_back(&c);
     }
     return failed;
+}
+
+/// What the run does, or why there is none.
+const char* state_of(const Tally& tally) {
+    if (tally.is_preparing) return "preparing";
+    if (tally.is_active) return "running";
+    return tally.to_do() > 0 ? "stopped" : "finished";
 }
 
 void print_json(const schedule::OutputFolder& folder, State& state) {
@@ -146,21 +171,28 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"remaining", tally.left + tally.interrupted},
                           {"interrupted", tally.interrupted},
                           {"is_active", tally.is_active},
+                          {"state", state_of(tally)},
                           {"teams", tally.teams},
                           {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
                           {"seconds_left", has_times ? Json(tally.time_left_s()) : Json()},
                           {"failed_cases", failed},
                           {"damaged_cases", damaged},
+                          {"not_valid", tally.not_valid.size()},
+                          {"not_valid_cases", tally.not_valid},
                           {"next", state.next}}));
 }
 
 void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
     auto& [plan, journal, index, tally, next] = state;
-    fmt::print("{}: {}\n", plan.name, printable(plan.title));
-    fmt::print("{} cases: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
-               tally.done, tally.running, tally.failed, tally.left + tally.interrupted);
+    fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
+    fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
+               plan.cases.size() == 1 ? "" : "s", tally.done, tally.running, tally.failed,
+               tally.left + tally.interrupted);
     if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
-    fmt::print("{}{}\n", tally.is_active ? "; a run is active" : "",
+    fmt::print("{}{}\n",
+               tally.is_preparing ? "; a run is preparing its cases"
+               : tally.is_active  ? "; a run is active"
+                                  : "",
                tally.host.empty() ? "" : " on " + tally.host);
     if (tally.seconds > 0.0 && tally.to_do() > 0)
         fmt::print("remaining: about {} on {} team{}, at {:.3g} s per case\n",
@@ -174,6 +206,10 @@ void print_text(const schedule::OutputFolder& folder, State& state, bool verify)
                        : "");
     for (const std::string& id : tally.damaged)
         fmt::print("damaged {}: {}; the next run computes it again\n", id, index.find(id)->damage);
+    if (!tally.not_valid.empty())
+        fmt::print("not valid: the readings of {} case{}: {}; see the column note of the table\n",
+                   tally.not_valid.size(), tally.not_valid.size() == 1 ? "" : "s",
+                   fmt::join(tally.not_valid, ", "));
     if (verify) print_verified(plan, index);
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",

@@ -58,6 +58,8 @@ void add_compare(CLI::App& app, Action& action) {
                      "draw the fields and their difference into this file: .png, .svg or .pdf "
                      "(of sweeps: the pair that differs most)")
         ->type_name("FILE");
+    command->add_flag("--all", arguments->all,
+                      "list every pair, time, trace and column instead of those that differ most");
     command->add_flag("--json", arguments->json, "print the result as JSON");
     command->callback([=, &action] {
         action = [=](const Comm& world) { return compare_command(*arguments, world); };

@@ -197,6 +197,20 @@ std::set<std::string> kinds_to_measure(const std::set<std::string>& kinds,
     return missing;
 }
 
+namespace {
+
+/// The engines and other parts of the program to which kinds of work belong: "pstd, receptors".
+std::string parts_of(const std::set<std::string>& kinds) {
+    std::set<std::string> parts;
+    for (const std::string& kind : kinds)
+        parts.insert(kind == engines::of_fresh_memory.name ? "memory"
+                                                           : kind.substr(0, kind.find('.')));
+    if (parts.empty()) parts.insert("files");
+    return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+} // namespace
+
 Machine calibrated(const Machine& known, const std::set<std::string>& kinds, const Comm& world,
                    const CalibrationHooks& hooks) {
     const bool is_new = known.measured.empty();
@@ -204,9 +218,9 @@ Machine calibrated(const Machine& known, const std::set<std::string>& kinds, con
     if (missing.empty() && !is_new) return known;
     if (world.is_root())
         hooks.report(
-            fmt::format("calibrating the cost model for {} rank{}: takes a few seconds per "
+            fmt::format("calibrating the cost model for {} rank{} ({}): takes a few seconds per "
                         "engine, once per machine",
-                        world.size(), world.size() == 1 ? "" : "s"));
+                        world.size(), world.size() == 1 ? "" : "s", parts_of(missing)));
     Machine machine = known;
     try {
         machine.rates = measured_rates(missing, known.rates, world);

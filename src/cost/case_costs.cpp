@@ -59,16 +59,19 @@ double shared_seconds_on(const CaseCost& cost, int ranks, const Machine&) {
     return cost.shared_s / std::max(1, std::min(ranks, cost.useful_ranks));
 }
 
-CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine)
+CaseCosts::CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine,
+                     const BeforeProbe& before_probe)
     : machine_(std::move(machine)) {
-    std::vector<const Case*> open;
+    std::vector<const PlannedCase*> open;
     for (const PlannedCase* planned : cases) {
         cases_.push_back(&planned->physics);
-        if (is_open(planned->physics)) open.push_back(&planned->physics);
+        if (is_open(planned->physics)) open.push_back(planned);
     }
     const std::size_t wanted = std::min(most_probes, open.size());
     for (std::size_t i = 0; i < wanted; ++i) {
-        const Case& c = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
+        const PlannedCase& planned = *open[wanted == 1 ? 0 : i * (open.size() - 1) / (wanted - 1)];
+        if (before_probe) before_probe(planned, i + 1, wanted);
+        const Case& c = planned.physics;
         const double began_s = core_s();
         const double step_s = engine_of(c).probed_step_s(c);
         probes_.push_back({&c, step_s, core_s() - began_s});

@@ -5,6 +5,7 @@
 #include "cost/machine.hpp"
 #include "engines/engine.hpp"
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -38,7 +39,13 @@ double shared_seconds_on(const CaseCost& cost, int ranks, const Machine& machine
 /// with the time step of the most similar probed case. Not collective.
 class CaseCosts {
 public:
-    CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine);
+    /// Called before the time step of a case is chosen: number `number` of `count`, from 1. What it
+    /// throws ends the construction.
+    using BeforeProbe =
+        std::function<void(const PlannedCase& planned, std::size_t number, std::size_t count)>;
+
+    CaseCosts(const std::vector<const PlannedCase*>& cases, Machine machine,
+              const BeforeProbe& before_probe = {});
 
     const CaseCost& of(const Case& c);
     /// Memory per rank of the case on a team of `ranks` ranks, including that of the program

@@ -185,8 +185,9 @@ std::string without_locking(const neural::ClassResponse& r, double modulation_Hz
                             double duration_s) {
     if (!(modulation_Hz > 0.0)) return "there is no modulation";
     return fmt::format(
-        "no {} afferent fires {} times; the most active one fires {} times in {:.3g} periods",
-        name_of(r.kind), neural::fewest_for_locking, r.most_spikes, modulation_Hz * duration_s);
+        "no {} afferent fires {} times; the most active one fires {} time{} in {:.3g} periods",
+        name_of(r.kind), neural::fewest_for_locking, r.most_spikes, r.most_spikes == 1 ? "" : "s",
+        modulation_Hz * duration_s);
 }
 
 std::vector<measures::Column> columns_of(const std::vector<neural::ClassResponse>& classes,

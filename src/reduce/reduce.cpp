@@ -13,10 +13,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 
 namespace shearwake::reduce {
 namespace {
@@ -25,7 +27,7 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// A row of the table, from the case file or from what is known about a missing one.
 struct CaseRow {
-    std::string status, note;
+    std::string status, note, valid;
     double wall_s = nothing;
     std::vector<storage::IndexedScalar> scalars;
 
@@ -69,7 +71,8 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table,
                       storage::CaseIndex& index) {
     using nlohmann::ordered_json;
     ordered_json columns = ordered_json::array(), cases = ordered_json::array();
-    const std::size_t first = 2 + plan.swept_keys.size(), end = table.columns.size() - 3;
+    const std::size_t first = 2 + plan.swept_keys.size(),
+                      end = table.columns.size() - closing_columns;
     std::vector<std::string> names(table.columns.begin() + static_cast<std::ptrdiff_t>(first),
                                    table.columns.begin() + static_cast<std::ptrdiff_t>(end));
     const auto place = [](const std::string& name) {
@@ -93,9 +96,10 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table,
                 if (!scalar.note.empty()) notes[scalar.name] = scalar.note;
         }
         cases.push_back({{"id", plan.cases[row].id},
-                         {"status", std::get<std::string>(cells[end + 1])},
-                         {"note", std::get<std::string>(cells[end + 2])},
-                         {"wall_s", std::get<double>(cells[end])},
+                         {"status", std::get<std::string>(cells[end + 2])},
+                         {"valid", std::get<std::string>(cells[end])},
+                         {"note", std::get<std::string>(cells[end + 3])},
+                         {"wall_s", std::get<double>(cells[end + 1])},
                          {"values", values},
                          {"notes", notes},
                          {"warnings", warnings}});
@@ -144,6 +148,7 @@ CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& 
         row.note =
             digest->whole() ? joined(warnings_of(*digest), notes_of(row.scalars)) : digest->damage;
         row.wall_s = digest->wall_s;
+        if (digest->whole()) row.valid = digest->is_valid() ? "yes" : "no";
         return row;
     }
     const auto history = journal.cases.find(c.id);
@@ -169,10 +174,10 @@ std::vector<measures::Measure> ratios() {
     return found;
 }
 
-/// The columns of measures: all between the swept keys and wall_s.
+/// The columns of measures: all between the swept keys and the closing columns.
 std::vector<std::string> measure_columns(const storage::PlanIndex& plan, const Table& table) {
     return {table.columns.begin() + static_cast<std::ptrdiff_t>(2 + plan.swept_keys.size()),
-            table.columns.end() - 3};
+            table.columns.end() - static_cast<std::ptrdiff_t>(closing_columns)};
 }
 
 Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
@@ -197,7 +202,7 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     table.columns.insert(table.columns.end(), measures.begin(), measures.end());
     for (const measures::Measure& ratio : ratios())
         table.columns.emplace_back(ratio.name);
-    table.columns.insert(table.columns.end(), {"wall_s", "status", "note"});
+    table.columns.insert(table.columns.end(), {"valid", "wall_s", "status", "note"});
 
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const storage::IndexedCase& c = plan.cases[i];
@@ -213,12 +218,24 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
                                    ? nothing
                                    : rows[i].value(of) / rows[reference->second].value(of));
         }
+        cells.emplace_back(rows[i].valid);
         cells.emplace_back(rows[i].wall_s);
         cells.emplace_back(rows[i].status);
         cells.emplace_back(rows[i].note);
         table.rows.push_back(std::move(cells));
     }
     return table;
+}
+
+/// Whether the first line of an existing table names a column of errors.
+bool has_error_columns(const std::filesystem::path& path) {
+    std::ifstream file(path);
+    std::string line;
+    if (!std::getline(file, line)) return false;
+    std::istringstream names(line);
+    for (std::string name; std::getline(names, name, ',');)
+        if (measures::find_measure(column_of_error(name))) return true;
+    return false;
 }
 
 } // namespace
@@ -234,24 +251,27 @@ ReducedTables reduce(const ReduceInput& input) {
     const Table plain = build_table(input, plan, index);
     const Errors errors = input.errors.empty() ? Errors{} : read_errors(input.errors);
     const Table extended = with_errors(plain, measure_columns(plan, plain), errors);
-    const bool adds_errors = input.error_columns == ErrorColumns::added;
+    ReducedTables written;
+    written.csv = input.tables / (plan.name + ".csv");
+    written.markdown = input.tables / (plan.name + ".md");
+    const bool keeps_errors = input.error_columns == ErrorColumns::kept && !errors.empty() &&
+                              has_error_columns(written.csv);
+    const bool adds_errors = input.error_columns == ErrorColumns::added || keeps_errors;
     if (adds_errors && errors.empty())
         throw UsageError(fmt::format("{} has no estimates of the numerical error: run shearwake "
                                      "converge with the job of this folder first",
                                      input.folder.string()));
     const Table& table = adds_errors ? extended : plain;
-    ReducedTables written;
     for (const storage::IndexedCase& c : plan.cases) {
         const storage::CaseDigest* digest = index.find(c.id);
         if (digest && !digest->whole()) written.damaged.push_back(c.id);
         if (!digest || !digest->whole()) continue;
+        if (!digest->is_valid()) ++written.not_valid;
         if (!digest->has_checksum) ++written.without_checksum;
         if (std::ranges::find(written.programs, digest->git_id) == written.programs.end())
             written.programs.push_back(digest->git_id);
     }
     storage::make_directory(input.tables);
-    written.csv = input.tables / (plan.name + ".csv");
-    written.markdown = input.tables / (plan.name + ".md");
     storage::write_file(written.csv, csv(table));
     storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
 
@@ -262,7 +282,7 @@ ReducedTables reduce(const ReduceInput& input) {
             columns.emplace_back(measure.name);
             columns.push_back(error_column(measure.name)); // omitted unless the table has it
         }
-    columns.insert(columns.end(), {"wall_s", "status", "note"});
+    columns.insert(columns.end(), {"valid", "wall_s", "status", "note"});
     storage::write_file(written.markdown,
                         "# " + markdown_text(plan.title) + "\n\n" + markdown(table, columns));
 

@@ -11,7 +11,11 @@
 namespace shearwake::reduce {
 
 /// Whether the CSV and Markdown tables have columns with the errors of `shearwake converge`.
-enum class ErrorColumns { omitted, added };
+/// `kept`: if the existing table has them.
+enum class ErrorColumns { omitted, added, kept };
+
+/// The last columns of every table: valid, wall_s, status, note.
+inline constexpr std::size_t closing_columns = 4;
 
 /// The location of the files of a sweep and of its tables.
 struct ReduceInput {
@@ -25,6 +29,7 @@ struct ReducedTables {
     std::filesystem::path csv, markdown;
     std::size_t rows = 0;
     std::size_t whole = 0;
+    std::size_t not_valid = 0;        // complete cases whose readings are not valid
     std::vector<std::string> damaged; // ids
     std::size_t without_checksum =
         0; // number of complete files of earlier versions, which cannot be verified
@@ -32,9 +37,10 @@ struct ReducedTables {
 };
 
 /// One row per case, in the order of the plan, references last: id, all swept keys, all measures,
-/// ratios to the reference case, wall_s, status (complete, failed, damaged, missing) and note (the
-/// reason for a failure or for empty cells). Verifies the checksums of all case files. Only reads
-/// files; not collective.
+/// ratios to the reference case, valid (yes or no: whether the readings may be used; empty without
+/// a complete file), wall_s, status (complete, failed, damaged, missing) and note (the reason for a
+/// failure or for empty cells). Verifies the checksums of all case files. Only reads files; not
+/// collective.
 Table table_of(const ReduceInput& input);
 
 /// Writes the table as CSV, Markdown and JSON. Throws UsageError (environment) when it cannot, or

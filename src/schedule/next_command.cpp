@@ -12,6 +12,10 @@ bool is_plain(char c) {
            std::string_view("._-/=+,:@%").find(c) != std::string_view::npos;
 }
 
+std::string team_option(int ranks_per_case) {
+    return ranks_per_case > 0 ? fmt::format(" --ranks-per-case {}", ranks_per_case) : "";
+}
+
 } // namespace
 
 std::string shell_word(const std::string& word) {
@@ -35,11 +39,17 @@ std::string run_command_line(const std::filesystem::path& job,
     return line;
 }
 
+std::string planned_command_line(const std::filesystem::path& job,
+                                 const std::vector<std::string>& overrides, int ranks,
+                                 int ranks_per_case) {
+    return (ranks > 1 ? fmt::format("mpirun -n {} ", ranks) : "") +
+           run_command_line(job, overrides, {}) + team_option(ranks_per_case);
+}
+
 std::string run_command_line(const RunArguments& arguments) {
     if (!arguments.resumed_by.empty()) return arguments.resumed_by;
-    std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out);
-    if (arguments.ranks_per_case > 0)
-        line += fmt::format(" --ranks-per-case {}", arguments.ranks_per_case);
+    std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out) +
+                       team_option(arguments.ranks_per_case);
     if (!arguments.only.empty())
         line += fmt::format(" --only {}",
                             shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));

@@ -19,6 +19,12 @@ std::string run_command_line(const std::filesystem::path& job,
                              const std::vector<std::string>& overrides,
                              const std::filesystem::path& out);
 
+/// The command that runs a job as it was planned: on `ranks` ranks, with `ranks_per_case` ranks per
+/// team (0: chosen by the program).
+std::string planned_command_line(const std::filesystem::path& job,
+                                 const std::vector<std::string>& overrides, int ranks,
+                                 int ranks_per_case);
+
 /// The command that resumes a run with its options for selection, teams and versions.
 std::string run_command_line(const RunArguments& arguments);
 

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace shearwake::schedule {
@@ -35,7 +36,7 @@ std::string bar(double share) {
 
 } // namespace
 
-Progress::Progress(Style style, std::filesystem::path log)
+Progress::Progress(Style style, Log log)
     : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
       began_(std::chrono::steady_clock::now()), last_(began_) {}
 
@@ -43,22 +44,36 @@ void Progress::start() {
     began_ = last_ = std::chrono::steady_clock::now();
 }
 
-/// Appends a line to the log every ten seconds and at the end.
+/// Appends a line to the log every ten seconds; finish() appends the last one.
 void Progress::log(const SweepCounts& counts) {
-    const auto now = std::chrono::steady_clock::now();
-    if (now - logged_ < std::chrono::seconds(10) && counts.done + counts.failed < counts.total)
-        return;
-    logged_ = now;
-    const double elapsed = std::chrono::duration<double>(now - began_).count();
-    storage::append_line(
-        log_, fmt::format(R"({{"time": "{}", "elapsed_s": {:.3f}, "total": {}, "done": {}, )"
-                          R"("failed": {}, "running": {}, "partial": {:.4f}, "left_s": {:.3f}}})",
-                          storage::timestamp(), elapsed, counts.total, counts.done, counts.failed,
-                          counts.running, counts.partial, counts.left_s));
+    counts_ = counts;
+    has_unlogged_ = true;
+    if (std::chrono::steady_clock::now() - logged_ >= std::chrono::seconds(10)) write_log();
+}
+
+/// docs/reference/json-output.md describes the members.
+void Progress::write_log() {
+    logged_ = std::chrono::steady_clock::now();
+    has_unlogged_ = false;
+    const double elapsed_s = std::chrono::duration<double>(logged_ - began_).count();
+    const nlohmann::ordered_json line = {{"schema", 1},
+                                         {"command", "run"},
+                                         {"folder", log_.folder},
+                                         {"part", log_.part},
+                                         {"time", storage::timestamp()},
+                                         {"elapsed_s", elapsed_s},
+                                         {"total", counts_.total},
+                                         {"done", counts_.done},
+                                         {"failed", counts_.failed},
+                                         {"running", counts_.running},
+                                         {"partial", counts_.partial},
+                                         {"left_s", counts_.left_s}};
+    using Json = nlohmann::ordered_json;
+    storage::append_line(log_.path, line.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 void Progress::update(const SweepCounts& counts) {
-    if (!log_.empty()) log(counts);
+    if (!log_.path.empty()) log(counts);
     if (quiet_ || counts.total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
@@ -102,6 +117,7 @@ void Progress::say(const std::string& text) {
 }
 
 void Progress::finish() {
+    if (!log_.path.empty() && has_unlogged_) write_log();
     if (drawn_) fmt::print(stderr, "\n");
     drawn_ = false;
 }

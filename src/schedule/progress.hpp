@@ -22,8 +22,12 @@ struct SweepCounts {
 class Progress {
 public:
     enum class Style { automatic, quiet };
-    /// `log`: a file to which a JSON object per line is appended; empty: none.
-    Progress(Style style, std::filesystem::path log);
+    /// A file to which a JSON object per line is appended; an empty path: none.
+    struct Log {
+        std::filesystem::path path;
+        std::string folder, part; // of the run; an empty part: the complete sweep
+    };
+    Progress(Style style, Log log);
 
     /// Starts the clock from which the rate is computed.
     void start();
@@ -35,11 +39,14 @@ public:
 
 private:
     void log(const SweepCounts& counts);
+    void write_log();
     std::string line(const SweepCounts& counts) const;
 
     bool quiet_, live_;
-    std::filesystem::path log_;
+    Log log_;
     std::chrono::steady_clock::time_point logged_;
+    SweepCounts counts_;                 // the latest ones
+    bool has_unlogged_ = false;          // whether they are not in the log
     bool drawn_ = false, ended_ = false; // ended_: the last line is printed
     std::chrono::steady_clock::time_point began_, last_;
 };

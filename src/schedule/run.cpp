@@ -5,10 +5,10 @@
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
+#include "schedule/closing_message.hpp"
 #include "schedule/deadline.hpp"
 #include "schedule/job_source.hpp"
 #include "schedule/machine_limits.hpp"
-#include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
 #include "schedule/progress.hpp"
 #include "schedule/select_cases.hpp"
@@ -21,9 +21,11 @@
 #include "storage/journal/run_lock.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <chrono>
 #include <fmt/format.h>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace shearwake::schedule {
@@ -120,48 +122,6 @@ void must_be_there(const OutputFolder& folder, const Plan& plan,
                      ExitCode::environment);
 }
 
-std::string epilogue(const OutputFolder& folder, const Selection& selection,
-                     const WorkResult& result, bool stopped, const RunArguments& arguments) {
-    std::string text =
-        fmt::format("{} cases: {} computed now, {} already complete, {} failed", selection.total,
-                    result.done, selection.whole, result.failed + selection.failed_before);
-    if (selection.not_selected > 0)
-        text += fmt::format(", {} not selected", selection.not_selected);
-    if (result.elsewhere > 0) text += fmt::format(", {} by other runs", result.elsewhere);
-    if (stopped) {
-        if (result.put_off > 0)
-            text += fmt::format("\n{} cases were not started, since they cannot finish within the "
-                                "remaining time",
-                                result.put_off);
-        if (std::error_code none; std::filesystem::exists(folder.stop_file(), none))
-            text += fmt::format("\n{} stops all runs: remove it to continue",
-                                shell_word(folder.stop_file().string()));
-        text += fmt::format("\nstopped early, all computed results are saved\nnext: {}",
-                            run_command_line(arguments));
-        if (stop_requested() && std::getenv("OMPI_COMM_WORLD_SIZE"))
-            text +=
-                "\nexit code 75; if mpirun itself received the signal, it may exit with another "
-                "code (1, 130 or 143)";
-        return text;
-    }
-    const long left = static_cast<long>(selection.work.size()) - result.done - result.failed -
-                      result.put_off - result.elsewhere;
-    if (left > 0)
-        text += fmt::format("\n{} cases were not started: {} computes them", left,
-                            run_command_line(arguments));
-    if (selection.failed_before > 0)
-        text += "\ncases that failed before are only retried with --retry-failed";
-    if (result.failed + selection.failed_before > 0)
-        text += "\nreasons: shearwake status " + shell_word(folder.root.string());
-    if (result.failed_files > 0)
-        text += fmt::format("\n{} of them failed because of files or disks: rerun the command to "
-                            "retry them",
-                            result.failed_files);
-    text += "\nresults: " + folder.cases().string();
-    if (arguments.resumed_by.empty()) text += "\nnext: " + reduce_command_line(folder);
-    return text;
-}
-
 /// Whether the remaining cases are left for a later run. A requested stop has priority over
 /// failures; otherwise failures of files and --fail-fast determine the exit code.
 bool was_stopped(const WorkResult& result) {
@@ -170,11 +130,34 @@ bool was_stopped(const WorkResult& result) {
     return result.put_off > 0 || (result.elsewhere > 0 && result.failed_files == 0);
 }
 
-ExitCode code_of(const WorkResult& result, const Selection& selection, bool stopped) {
-    if (stopped) return ExitCode::stopped_early;
+bool is_stopped(const WorkResult& result, const Selection& selection) {
+    const bool all_ended = result.failed + result.done == static_cast<long>(selection.work.size());
+    return !all_ended && was_stopped(result);
+}
+
+ExitCode code_of(const WorkResult& result, const Selection& selection) {
+    if (is_stopped(result, selection)) return ExitCode::stopped_early;
     if (result.failed_files > 0) return ExitCode::environment;
     return result.failed + selection.failed_before > 0 ? ExitCode::some_cases_failed
                                                        : ExitCode::done;
+}
+
+/// Records the end of the run, prints the closing message on rank 0 and returns the exit code.
+/// Collective.
+ExitCode concluded(const OutputFolder& folder, const Plan& plan, const Selection& selection,
+                   const WorkResult& result, const RunArguments& arguments, const Comm& world) {
+    const ExitCode code = code_of(result, selection);
+    const char* how = code == ExitCode::stopped_early ? "stopped"
+                      : result.failed > 0             ? "with failures"
+                                                      : "done";
+    const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
+    on_root(world, [&] {
+        storage::Journal(folder.journal(part_name(arguments))).run_ended(how, result.times);
+        if (arguments.quiet && code == ExitCode::done) return;
+        fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
+                   closing_message(folder, plan, selection, result, ending, arguments));
+    });
+    return code;
 }
 
 void say_beginning(const Beginning& beginning, const RunArguments& arguments, Progress& progress) {
@@ -221,10 +204,79 @@ void must_fit(const config::Job& job, const OutputFolder& folder, const RunArgum
 }
 
 std::string layout_text(const std::string& name, std::size_t cases, const TeamLayout& layout,
-                        const OutputFolder& folder) {
-    return fmt::format("{}: {} cases to compute on {} team{} of {} rank{}, into {}", name, cases,
-                       layout.teams, layout.teams == 1 ? "" : "s", layout.ranks_per_case,
-                       layout.ranks_per_case == 1 ? "" : "s", folder.root.string());
+                        int ranks, const OutputFolder& folder) {
+    return fmt::format("{}: {} case{} to compute on {} team{} of {} rank{}{}, into {}", name, cases,
+                       cases == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
+                       layout.ranks_per_case, layout.ranks_per_case == 1 ? "" : "s",
+                       cases > 0 ? idle_ranks_text(layout, ranks, cases) : "",
+                       folder.root.string());
+}
+
+/// Thrown on all ranks together.
+struct StoppedBeforeCases {};
+
+/// What the choice of time steps reports, and when it ends early: on a signal, at the time limit,
+/// or for a STOP file.
+struct Preparation {
+    const OutputFolder& folder;
+    const Deadline& deadline;
+    const Comm& world;
+    storage::Journal journal;
+    const storage::RunStart& start;
+    std::function<void(const std::string&)> say;
+    std::chrono::steady_clock::time_point said = {};
+
+    /// Before the time step of a case is chosen. Collective.
+    void before(const PlannedCase& planned, std::size_t number, std::size_t count) {
+        std::error_code none;
+        const bool stop = stop_requested() || deadline.left_s() <= 0.0 ||
+                          (world.is_root() && std::filesystem::exists(folder.stop_file(), none));
+        if (world.max(stop ? 1 : 0) != 0) throw StoppedBeforeCases{};
+        if (number == 1) on_root(world, [&] { journal.run_prepares(start); });
+        // Most choices take a tenth of a second; a line for each would hide the others.
+        const auto now = std::chrono::steady_clock::now();
+        if (number > 1 && now - said < std::chrono::seconds(2)) return;
+        said = now;
+        say(fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
+    }
+};
+
+/// The performance model of the cases; nothing if a stop was requested before all time steps were
+/// chosen. Collective.
+std::optional<cost::CaseCosts> costs_of(const std::vector<const PlannedCase*>& cases,
+                                        Preparation preparation) {
+    try {
+        return cost::CaseCosts(
+            cases, {}, [&](const PlannedCase& planned, std::size_t number, std::size_t count) {
+                preparation.before(planned, number, count);
+            });
+    } catch (const StoppedBeforeCases&) {
+        return std::nullopt;
+    }
+}
+
+storage::RunStart start_of(const RunArguments& arguments, int ranks) {
+    return {.ranks = ranks,
+            .overrides = arguments.overrides,
+            .git_id = pipeline::program_git_id(),
+            .kernels = std::string(simd::name_of(simd::instruction_set()))};
+}
+
+/// Prints what is doubtful about the job and the arguments, on rank 0.
+void say_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
+                  Progress& progress) {
+    if (!job.diagnostics.empty()) fmt::print(stderr, "{}", warnings_of(job));
+    const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
+    if (!excess.empty()) progress.say("warning: " + excess);
+}
+
+/// The cases to compute with their number of teams, and those that resume from checkpoints.
+std::string work_text(const config::Job& job, const Selection& selection, const TeamLayout& layout,
+                      int ranks, const OutputFolder& folder) {
+    const std::string text =
+        layout_text(job.plan.name, selection.work.size(), layout, ranks, folder);
+    const std::string resumed = resumable_cases(folder, job.plan, selection.work);
+    return resumed.empty() ? text : text + "\nresumed from checkpoints: " + resumed;
 }
 
 } // namespace
@@ -234,43 +286,45 @@ ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
 }
 
 ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world) {
+    watch_for_stop_signals();
+    const std::string part = part_name(arguments); // usage errors precede warnings
     const Deadline deadline(arguments.walltime, world);
     const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
                                                     : arguments.out};
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
                                                           : Progress::Style::automatic,
-                      world.is_root() ? arguments.log_json : "");
-    if (world.is_root() && !arguments.quiet && !job.diagnostics.empty())
-        fmt::print(stderr, "{}", warnings_of(job));
-
+                      {world.is_root() ? arguments.log_json : "", folder.root.string(), part});
+    const auto say = [&](const std::string& text) {
+        if (world.is_root() && !arguments.quiet) progress.say(text);
+    };
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!arguments.force)
         on_root(world, [&] { must_fit(job, folder, arguments, world.size(), memory_B); });
-    watch_for_stop_signals();
+    if (world.is_root() && !arguments.quiet) say_warnings(job, arguments, world.size(), progress);
     Beginning beginning;
     std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run
-    storage::RunStart start{.ranks = world.size(),
-                            .overrides = arguments.overrides,
-                            .git_id = pipeline::program_git_id(),
-                            .kernels = std::string(simd::name_of(simd::instruction_set()))};
+    storage::RunStart start = start_of(arguments, world.size());
     on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
     say_beginning(beginning, arguments, progress);
-    const Selection selection = share(beginning.selection, world);
+    Selection selection = share(beginning.selection, world);
+    selection.others = beginning.selection.others;
     std::vector<const PlannedCase*> cases;
     for (const std::size_t index : selection.work)
         cases.push_back(&job.plan.cases[index]);
-    cost::CaseCosts costs(cases, {});
-    calibrate_for(costs, world.size(), world, [&](const std::string& text) {
-        if (!arguments.quiet) progress.say(text);
-    });
-    const OrderedWork work = ordered(cases, selection, costs);
+    const storage::Journal journal(folder.journal(part));
+    std::optional<cost::CaseCosts> costs =
+        costs_of(cases, {folder, deadline, world, journal, start, say});
+    if (!costs) {
+        WorkResult none;
+        none.asked_to_stop = true;
+        return concluded(folder, job.plan, selection, none, arguments, world);
+    }
+    calibrate_for(*costs, world.size(), world, say);
+    const OrderedWork work = ordered(cases, selection, *costs);
 
     const TeamLayout layout =
-        choose_teams(work.cases, world.size(), arguments.ranks_per_case, memory_B, costs);
-    if (world.is_root() && !arguments.quiet)
-        progress.say(layout_text(job.plan.name, work.cases.size(), layout, folder));
-    const std::string part = part_name(arguments);
-    const storage::Journal journal(folder.journal(part));
+        choose_teams(work.cases, world.size(), arguments.ranks_per_case, memory_B, *costs);
+    on_root(world, [&] { say(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
     start.cases_left = work.cases.size();
     on_root(world, [&] { note_beginning(start, beginning, journal); });
@@ -280,7 +334,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
                                    fmt::format("{}", fmt::join(arguments.overrides, "\n")),
                                    memory_B};
     const WorkList list{work.cases, work.numbers, facts,    folder,       part,
-                        arguments,  costs,        deadline, layout.teams, layout.ranks_per_case};
+                        arguments,  *costs,       deadline, layout.teams, layout.ranks_per_case};
     progress.start();
     Worker worker(list, beginning.journal, world, team, progress);
     worker.work();
@@ -288,16 +342,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     progress.finish();
 
     on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
-    const bool all_ended = result.failed + result.done == static_cast<long>(work.cases.size());
-    const bool stopped = !all_ended && was_stopped(result);
-    const char* ending = stopped ? "stopped" : result.failed > 0 ? "with failures" : "done";
-    on_root(world, [&] { journal.run_ended(ending, result.times); });
-    const ExitCode code = code_of(result, selection, stopped);
-    if (world.is_root() && !arguments.quiet)
-        fmt::print("{}\n", epilogue(folder, selection, result, stopped, arguments));
-    else if (world.is_root() && code != ExitCode::done)
-        fmt::print(stderr, "{}\n", epilogue(folder, selection, result, stopped, arguments));
-    return code;
+    return concluded(folder, job.plan, selection, result, arguments, world);
 }
 
 } // namespace shearwake::schedule

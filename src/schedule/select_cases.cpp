@@ -63,6 +63,7 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
             std::find(arguments.only.begin(), arguments.only.end(), id) != arguments.only.end();
         if (!wanted || i % shard.of != shard.number - 1) {
             ++selection.not_selected;
+            selection.others.push_back(i);
             continue;
         }
         if (index.is_whole(id)) {

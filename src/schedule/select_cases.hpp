@@ -14,8 +14,9 @@ namespace shearwake::schedule {
 
 /// The cases that a run has to compute.
 struct Selection {
-    std::vector<std::size_t> work;  // positions in Plan::cases
-    std::vector<std::size_t> there; // positions of the complete cases; on rank 0 only
+    std::vector<std::size_t> work;   // positions in Plan::cases
+    std::vector<std::size_t> there;  // positions of the complete cases; on rank 0 only
+    std::vector<std::size_t> others; // positions of the cases that are not selected; on rank 0 only
     std::size_t total = 0;
     std::size_t whole = 0;        // cases with a complete file
     long failed_before = 0;       // that are not retried

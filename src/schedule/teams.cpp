@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
 #include <numeric>
 
@@ -63,6 +64,19 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
     }
     if (!std::isfinite(best.seconds)) best.seconds = 0.0;
     return best;
+}
+
+std::string excessive_team(int wanted, int ranks) {
+    if (wanted <= ranks) return "";
+    return fmt::format("--ranks-per-case {} exceeds the {} rank{} of the run: a team has {}",
+                       wanted, ranks, ranks == 1 ? "" : "s", ranks);
+}
+
+std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases) {
+    // Excess ranks join the last team, so that only teams without a case are idle.
+    if (cases >= static_cast<std::size_t>(layout.teams)) return "";
+    const int idle = ranks - static_cast<int>(cases) * layout.ranks_per_case;
+    return fmt::format(", {} rank{} idle", idle, idle == 1 ? " stays" : "s stay");
 }
 
 std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,

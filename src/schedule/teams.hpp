@@ -26,6 +26,12 @@ struct TeamLayout {
 TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks, int wanted,
                         double memory_per_rank_B, cost::CaseCosts& costs);
 
+/// A warning if `wanted` ranks per case exceed the ranks that there are; otherwise empty.
+std::string excessive_team(int wanted, int ranks);
+
+/// ", 1 rank stays idle" for teams that have no case; otherwise empty.
+std::string idle_ranks_text(const TeamLayout& layout, int ranks, std::size_t cases);
+
 /// Positions in `cases`, longest case first, so that no long case remains at the end. Cases that
 /// share a medium are adjacent, so that its transfer function is computed once.
 std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& cases,

@@ -29,10 +29,6 @@ constexpr std::array waits_for_files = {1s, 5s};
 /// After this number of consecutive file errors, further cases would probably fail as well.
 constexpr int most_file_failures_in_a_row = 3;
 
-int engine_number(const Case& c) {
-    return static_cast<int>(c.solver.index());
-}
-
 std::vector<ExpectedCase> expected(const WorkList& list) {
     std::vector<ExpectedCase> all;
     for (const PlannedCase* planned : list.cases) {
@@ -208,18 +204,23 @@ bool Worker::one_case(const PlannedCase& planned) {
 bool Worker::compute(const PlannedCase& planned) {
     on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
     // What an engine shares between its cases is in the way of another engine's.
-    if (before_ && engine_number(*before_) != engine_number(planned.physics)) engine_.reset();
+    if (before_ && before_->solver.index() != planned.physics.solver.index()) engine_.reset();
     if (!engine_) engine_ = engines::make_engine(planned.physics.solver);
     pipeline::CaseCheckpoints checkpoints(
         list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
         list_.arguments.checkpoints, team_, journal_,
         {[this] { return stop_asked(); }, [this](const auto& text) { say(text); },
          [this](double share) { progressed(share); }});
+    const auto began = std::chrono::steady_clock::now();
     const auto outcome =
         pipeline::run_case(planned, list_.facts, *engine_, team_,
                            list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
     if (!outcome) {
-        if (team_.is_root()) counters_.fetch_add(begun, -1);
+        if (!team_.is_root()) return false;
+        counters_.fetch_add(begun, -1);
+        const auto solving = std::chrono::steady_clock::now() - began; // not overhead
+        counters_.fetch_add(solves_us,
+                            std::chrono::round<std::chrono::microseconds>(solving).count());
         return false;
     }
     const storage::CaseTimes times{outcome->seconds, estimated_s(planned),

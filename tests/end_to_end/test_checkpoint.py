@@ -137,11 +137,11 @@ class Checkpoint(SavedCase):
             process.send_signal(kind)
             said = process.communicate(timeout=PATIENCE_s)[0]
             self.assertEqual(process.returncode, 75, said)
-            self.says(said, "stopped early", "next: shearwake run job.toml")
+            self.says(said, "stopped early", "the next run resumes from checkpoints: case ", "next: shearwake run job.toml")
             self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
             self.assertEqual(journal(self.out)[-2]["event"], "checkpointed")
         self.assertEqual(len(self.events("resumed")), 2)
-        self.shearwake("run", "job.toml")
+        self.says(self.shearwake("run", "job.toml").said, "resumed from checkpoints: case ")
         self.assertEqual(self.largest_difference(), 0.0)
         last = self.events("resumed")[-1]["step"]
         self.assertEqual(last, self.events("checkpointed")[-1]["step"])

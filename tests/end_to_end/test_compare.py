@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake compare: cases and sweeps of different grids, engines and pressures."""
 import json
+import subprocess
 import unittest
 
 import h5py
 
-from program import SWEEP, ProgramTest, case_files, without_reference
+from program import SWEEP, ProgramTest, case_files, command, environment, without_reference
 
 JOB = without_reference(("frames = true", "snapshots_ms = [2.0, 4.0]"),
                         (SWEEP, SWEEP.replace("400, 500, 1000", "500, 1000")))
@@ -66,7 +67,8 @@ class Compare(ProgramTest):
         with h5py.File(self.folder / "map.h5", "w") as file:
             file["c_s_m_s"] = 5.0
         for name, words in (("text.h5", "text.h5 cannot be read as a case file"),
-                            ("map.h5", "map.h5 is not a case file of shearwake"), ("none.h5", "none.h5 does not exist")):
+                            ("map.h5", "map.h5 is not a case file of shearwake"),
+                            ("none.h5", "none.h5 does not exist"), ("out/none", "output folder; run the job first")):
             said = self.shearwake("compare", name, path, expect=6).said
             self.says(said, words)
             self.assertNotIn("Traceback", said)
@@ -86,8 +88,43 @@ class Compare(ProgramTest):
         self.assertEqual([f["relative_l2"] for f in pair["fields"]], [0.0, 0.0])
         self.assertTrue(all(c["change"] == 0.0 for c in pair["columns"]))
         said = self.shearwake("compare", path, path).said
-        self.says(said, "surface at 4 ms: equal", "all columns are equal")
+        self.says(said, "2 surfaces: equal", "all columns are equal")
         self.assertNotIn("change", said)  # no heading of an empty table
+
+    def test_many_frames_are_summarised(self):
+        self.shearwake("run", "job.toml", "-S", "record.frames=true", "--out", "a", "--quiet")
+        self.shearwake("run", "job.toml", "-S", "record.frames=true", "-S", "load.peak_Pa=101", "--out", "b", "--quiet")
+        found = self.compare("a", "b")["pairs"][0]["fields"]
+        self.assertEqual(len(found), 40)
+        largest = max(found, key=lambda f: f["largest_um"])
+        case_a, case_b = (case_files(self.folder / name)[0] for name in "ab")
+        said = self.shearwake("compare", case_a, case_b).said
+        lines = [line for line in said.splitlines() if line.startswith("  surface at")]
+        self.assertEqual(len(lines), 5)
+        self.says(said, f"40 surfaces: relative L2 up to 0.99 %, largest difference {largest['largest_um']:.3g} um",
+                  f"surface at {largest['time_ms']:.6g} ms", "--all lists each")
+        self.assertEqual(self.shearwake("compare", case_a, case_b, "--all").said.count("surface at"), 40)
+
+    def test_a_reader_that_closes_the_pipe_ends_the_comparison_quietly(self):
+        done = subprocess.run(["bash", "-c", 'set -o pipefail; "$@" | true', "bash",
+                               *command("compare", self.out, self.out, "--json")], cwd=self.folder, env=environment(),
+                              capture_output=True, encoding="utf-8", check=False)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
+    def test_a_picture_without_a_common_surface_is_replaced_by_a_note(self):
+        self.shearwake("run", "job.toml", "-S", "record.snapshots_ms=[3.0]", "-S", "measure.at_ms=3", "--out", "other", "--quiet")
+        done = self.shearwake("compare", "other", self.out, "--picture", "map.png")
+        self.says(done.said, "surface: no common time", "no picture: the two have no surface at a common time", "eta")
+        self.assertFalse((self.folder / "map.png").exists())
+        document = self.shearwake("compare", "other", self.out, "--picture", "map.png", "--json")
+        self.assertEqual(json.loads(document.stdout)["pairs"][0]["fields"], [])
+        self.says(document.stderr, "no picture")
+
+    def test_measured_depths_that_differ_are_stated(self):
+        self.shearwake("run", "job.toml", "-S", "measure.depths_mm=[0.5]", "--out", "deep", "--quiet")
+        self.assertEqual(self.compare("deep", self.out)["pairs"][0]["depths_mm"], [[0.5], [0.0]])
+        self.says(self.shearwake("compare", "deep", self.out).said, "measured depths differ: 0.5 mm and 0 mm")
+        self.assertNotIn("depths", self.shearwake("compare", self.out, self.out).said)
 
     def test_sweeps_without_common_cases_are_rejected(self):
         self.write_job(without_reference((SWEEP, '"load.peak_Pa" = [50, 60]'), ("[table]\nx = \"load.modulation.am_frequency_Hz\"\n", "")),

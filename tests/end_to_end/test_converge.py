@@ -88,7 +88,8 @@ class Converge(ProgramTest):
         self.shearwake("run", "job.toml", "--quiet")
         self.says(self.shearwake("reduce", "--errors", self.out, expect=2).said,
                   "has no estimates of the numerical error: run shearwake converge")
-        self.shearwake("converge", "job.toml", "--cases", "1", "--quiet")
+        said = self.shearwake("converge", "job.toml", "--cases", "1").said
+        self.assertRegex(said, r"columns without an estimate, which are empty or count samples: .*ipr_at_1")
         self.shearwake("reduce", self.out)
         self.assertNotIn("eta_at_1_error", rows(self.out)[0])
         self.shearwake("reduce", "--errors", self.out)
@@ -97,6 +98,9 @@ class Converge(ProgramTest):
         self.assertAlmostEqual(float(first["eta_at_1_error"]), case["columns"]["eta_at_1"]["error"], delta=1e-8)
         self.assertEqual(second["eta_at_1_error"], "")
         self.assertNotIn("ipr_at_1_error", first)
+        # Other commands that rewrite the table keep its columns; `reduce` without the option removes them.
+        self.shearwake("compare", self.out, self.out)
+        self.assertEqual(rows(self.out), [first, second])
         table = json.loads((self.out / "tables" / "small.json").read_text(encoding="utf-8"))
         self.assertIn("estimated numerical error of eta_at_1", [c["meaning"] for c in table["columns"]])
 

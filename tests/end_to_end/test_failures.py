@@ -114,8 +114,8 @@ class Damage(ProgramTest):
 
     def test_folders_that_are_not_output_folders_are_rejected(self):
         for command in ("status", "reduce"):
-            for folder in ("nowhere", self.folder):
-                self.says(self.shearwake(command, folder, expect=6).said, "plan.json")
+            for folder, words in (("nowhere", "no such output folder"), (self.folder, "contains no plan.json")):
+                self.says(self.shearwake(command, folder, expect=6).said, words, "run the job first")
             (self.out / "plan.json").write_text('{"schema": 1', encoding="utf-8")
             self.says(self.shearwake(command, self.out, expect=6).said, "is not a plan")
             (self.out / "plan.json").write_text("[1, 2]", encoding="utf-8")

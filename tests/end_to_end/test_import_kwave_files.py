@@ -208,7 +208,7 @@ class Errors(FilesTest):
         negative = ones.copy()
         negative[2, 3, 4] = -1000.0
         for group, fields, words in (
-                ("kgrid", {"dt": 1e-4}, ("kgrid.dt = 100 us is unstable", "are stable and steps above", "reduce kgrid.dt")),
+                ("kgrid", {"dt": 1e-4}, ("kgrid.dt = 100 us is unstable", "us are stable; reduce kgrid.dt")),
                 ("kgrid", {"Nt": 20.5}, ("kgrid.Nt is 20.5", "whole number")),
                 ("kgrid", {"t_array": numpy.array([0.0, 1e-5, 3e-5]), "dt": numpy.zeros((0, 0))}, ("uniformly spaced",)),
                 ("medium", {"sound_speed_shear": 25.0}, ("medium.sound_speed_shear exceeds", "sound_speed_compression")),
@@ -222,6 +222,7 @@ class Errors(FilesTest):
                 ("sensor", {"mask": numpy.ones((4, 6))}, ("sensor.mask", "it appears to be transposed")),
                 ("sensor", {"record_start_index": 21.0}, ("sensor.record_start_index is 21", "kgrid.Nt = 20")),
                 ("options", {"PMLSize": 5.0}, ("options.PMLSize is 5 along y", "kgrid.Ny = 9")),
+                ("source", {"u_mask": 0.5 * ones}, ("source.u_mask is 0.5 at node (1, 1, 1); a mask contains 0 and 1",)),
                 ("medium", {"density": "heavy"}, ('medium.density does not contain numbers but the text "heavy"',))):
             with self.subTest(words=words):
                 structures = study()

@@ -35,17 +35,21 @@ class Json(ProgramTest):
                                ("spacing_mm = 1.5", "spacing_mm = 0.05")))
         large = self.document("check", "job.toml", expect=3)
         self.says(large["diagnostics"][-1]["message"], "MB per rank, and a rank may use")
-        self.assertIsNotNone(self.document("plan", "job.toml", expect=3)["error"])
+        refused = self.document("plan", "job.toml", expect=3)
+        self.assertIsNotNone(refused["error"])
+        self.assertIsNone(refused["next"])
 
     def test_results_are_described(self):
         self.write_job()
         plan = self.document("plan", "job.toml", "-n", 3, "--ranks-per-case", 1)
         self.assertEqual((plan["ranks"], plan["teams"], plan["ranks_per_case"]), (3, 3, 1))
+        self.assertEqual(plan["next"], "mpirun -n 3 shearwake run job.toml --ranks-per-case 1")
         self.assertAlmostEqual(plan["core_hours"], 3 * plan["wall_s"] / 3600)
         self.assertAlmostEqual(plan["disk_B"], sum(case["disk_B"] for case in plan["cases"]))
         self.shearwake("run", "job.toml", "--only", plan["cases"][0]["id"], "--quiet")
         part = self.document("status", self.out)
         self.assertEqual((part["cases"], part["done"], part["remaining"], part["is_active"]), (4, 1, 3, False))
+        self.assertEqual((part["state"], part["not_valid"], part["not_valid_cases"]), ("stopped", 0, []))
         self.assertAlmostEqual(part["seconds_left"], 3 * part["seconds_per_case"])  # on one team
         self.says(part["next"], "shearwake run")
         self.shearwake("run", "job.toml", "--quiet", ranks=2)

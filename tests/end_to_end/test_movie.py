@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Movies of cases."""
+import contextlib
+import json
+import os
+import pty
 import shutil
 import subprocess
 import unittest
 
-from program import ProgramTest
+import h5py
+
+from program import ProgramTest, case_files, command, environment
 
 
 def facts(path, entries):
@@ -12,6 +18,13 @@ def facts(path, entries):
     done = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", f"stream={entries}", "-of",
                            "csv=p=0", str(path)], capture_output=True, text=True, check=True)
     return done.stdout.strip().split(",")
+
+
+def setting_of(path):
+    """The AM frequency of a case of the sweep; nothing for the reference."""
+    with h5py.File(path, "r") as file:
+        settings = json.loads(file.attrs["settings"])
+        return settings.get("load.modulation.am_frequency_Hz") if file.attrs["is_reference"] == b"no" else None
 
 
 @unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg is missing: scripts/setup installs it")
@@ -42,6 +55,36 @@ class Movie(ProgramTest):
     def test_a_file_that_is_no_case_is_rejected(self):
         (self.folder / "no.h5").write_text("nothing", encoding="utf-8")
         self.says(self.shearwake("movie", "no.h5", expect=6).said, "no.h5 is not a valid case file")
+        self.says(self.shearwake("movie", "none.h5", expect=6).said, "none.h5: no such case file; run the job first")
+
+    def test_a_folder_in_place_of_a_case_names_a_case_file(self):
+        case = self.case("-S", "record.snapshots_ms=[4]", "--quiet")
+        said = self.shearwake("movie", self.out, expect=6).said
+        self.says(said, f"{self.out} is a folder; give one of its case files", str(case.parent))
+        (self.folder / "empty").mkdir()
+        self.says(self.shearwake("movie", "empty", expect=6).said, "empty is a folder without case files")
+
+    def test_the_case_the_part_and_the_stored_warning_are_stated(self):
+        self.write_job()
+        self.shearwake("run", "job.toml", "-S", "record.frames=false", "-S", "time.duration_ms=20", "-S",
+                       "record.snapshots_ms=[18, 20]", "--quiet")
+        case = next(path for path in case_files(self.out) if setting_of(path) == 500)
+        said = self.shearwake("movie", case, "--out", "m", "--width", "320").said
+        self.says(said, "movie: AM frequency 500\u00a0Hz", "movie: not valid: waves of", "2 of 2 frames, 18 to 20 ms; shown: ",
+                  "movie: m.mp4")
+
+    def test_progress_is_a_bar_on_a_terminal(self):
+        case = self.case("-S", "record.snapshots_ms=[1, 2, 3, 4]", "--quiet")
+        main, other = pty.openpty()
+        done = subprocess.Popen(command("movie", case, "--out", "m", "--width", "320"), cwd=self.folder, env=environment(),
+                                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other)
+        os.close(other)
+        shown = b""
+        with os.fdopen(main, "rb", buffering=0) as terminal, contextlib.suppress(OSError):  # EIO: the program has ended
+            while part := terminal.read(4096):
+                shown += part
+        self.assertEqual(done.wait(), 0)
+        self.says(shown.decode(), "movie: [#####...............] frame 1 of 4", "[####################] frame 4 of 4", "encoding")
 
 
 if __name__ == "__main__":

@@ -21,7 +21,15 @@ class ReportAlone(ProgramTest):
 
     def test_a_folder_with_neither_plan_nor_cases_is_rejected(self):
         (self.folder / "copy" / "cases").mkdir(parents=True)
-        self.says(self.shearwake("report", "copy", expect=6).said, "cannot read copy/plan.json")
+        said = self.shearwake("report", "copy", expect=6).said
+        self.says(said, "copy is not an output folder, since it contains no plan.json; run the job first")
+
+    def test_a_folder_that_does_not_exist_asks_for_a_run(self):
+        for command in (("report", "out/x"), ("reduce", "out/x"), ("status", "out/x"), ("compare", "out/x", "out/y")):
+            with self.subTest(command=command):
+                said = self.shearwake(*command, expect=6).said
+                self.says(said, "out/x", "output folder", "run the job first")
+                self.assertNotIn("cannot read", said)
 
 
 if __name__ == "__main__":

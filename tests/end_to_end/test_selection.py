@@ -1,9 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parts of a sweep: --only, --shard, -S, --out."""
+import fcntl
 import json
 import unittest
 
-from program import ProgramTest, assert_same_table, case_files, plan_ids, started, table
+import jsonschema
+
+from program import ROOT, ProgramTest, assert_same_table, case_files, plan_ids, started, table
+
+
+SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
 
 
 class Selection(ProgramTest):
@@ -29,6 +35,9 @@ class Selection(ProgramTest):
                              {"total": 2, "done": 2, "failed": 0, "running": 0})
             self.assertGreater(last["elapsed_s"], 0.0)
             self.assertRegex(last["time"], r"^\d{4}-\d\d-\d\dT")
+            self.assertEqual((last["folder"], last["part"]), ("out/small", shard.replace("/", "-of-")))
+            self.assertNotEqual(lines[-1], lines[-2])
+            jsonschema.Draft202012Validator(SCHEMA).validate(last)
         self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
     def test_an_unknown_id_is_rejected(self):
@@ -42,8 +51,11 @@ class Selection(ProgramTest):
         whole = self.folder / "whole"
         self.shearwake("run", "job.toml", "--out", whole)
         self.shearwake("reduce", whole)
-        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now")
-        self.says(self.shearwake("run", "job.toml", "--shard", "2/2").said, "2 computed now")
+        self.says(self.shearwake("run", "job.toml", "--shard", "1/2").said, "2 computed now",
+                  "2 cases of the sweep that this run did not select are not complete", "next: run the other shards")
+        last = self.shearwake("run", "job.toml", "--shard", "2/2").said
+        self.says(last, "2 computed now", "next: shearwake reduce")
+        self.assertNotIn("did not select are not complete", last)
         self.shearwake("reduce", self.out)
         self.assertEqual(len(set(started(self.out))), 4)
         assert_same_table(self, table(whole), table(self.out))
@@ -69,7 +81,18 @@ class Selection(ProgramTest):
         said = self.shearwake("status", "part").said
         command = next(line for line in said.splitlines() if line.startswith("next: shearwake "))
         words = command.removeprefix("next: shearwake ").replace("'", "").split()
-        self.says(self.shearwake(*words).said, "2 computed now", "2 already complete")
+        self.assertEqual(words[-2:], ["--shard", "2/2"])
+        self.says(self.shearwake(*words).said, "2 computed now", "0 already complete", "2 not selected")
+
+    def test_status_prints_a_command_for_the_shards_that_are_left(self):
+        self.shearwake("run", "job.toml", "--shard", "2/4")
+        said = self.shearwake("status", "out/small").said
+        self.says(said, "next: for k in 1 3 4; do shearwake run out/small/job.toml --out out/small --shard $k/4; done")
+        lock = self.out / "locks" / "1-of-4"
+        with open(lock, "w", encoding="utf-8") as held, open(self.out / "locks" / "run", "a", encoding="utf-8") as run:
+            fcntl.flock(held, fcntl.LOCK_EX)  # as the run of shard 1 holds them
+            fcntl.flock(run, fcntl.LOCK_EX)
+            self.says(self.shearwake("status", "out/small").said, "next: for k in 3 4; do")
 
     def test_an_invalid_override_is_rejected(self):
         self.says(self.shearwake("run", "job.toml", "-S", "load.peek_Pa=200", expect=3).said,

@@ -198,6 +198,16 @@ class Sweep(ProgramTest):
         self.assertEqual((lines[-1]["done"], lines[-1]["partial"]), (1, 0))
         self.assertTrue(all(0 <= line["partial"] <= line["running"] for line in lines), lines)
 
+    def test_plan_distinguishes_swept_keys_that_end_in_the_same_word(self):
+        body = ('[[medium.body]]\nshape = "ellipsoid"\nsemi_axes_mm = [5.0, 5.0, 3.0]\ncenter_mm = [0.0, 0.0, 10.0]\n'
+                'c_s_m_s = 6.0\n\n[load]\n')
+        self.write_job(without_reference(
+            ("[load]\n", body), ('engine = "layered"', 'engine = "spectral"'),
+            (SWEEP, '"medium.body[1].c_s_m_s" = [6, 7]\n"medium.layer[1].c_s_m_s" = [4, 5]\n"load.peak_Pa" = [10, 20]'),
+            ('x = "load.modulation.am_frequency_Hz"\n', "")))
+        self.says(self.shearwake("plan", "job.toml").said,
+                  "medium.body[1].c_s_m_s = 6, medium.layer[1].c_s_m_s = 4, peak_Pa = 10")
+
     def test_quiet_prints_only_errors(self):
         self.write_job()
         self.assertEqual(self.shearwake("run", "job.toml", "--quiet", ranks=2).said, "")

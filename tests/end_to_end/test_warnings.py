@@ -41,13 +41,24 @@ class Warnings(ProgramTest):
 
     def test_returning_waves_make_a_reading_invalid_everywhere(self):
         self.write_job(WAVES_RETURN)
-        self.says(self.shearwake("run", "job.toml").said, "return through the opposite one")
+        invalid = "the readings of 1 case are not valid"
+        self.says(self.shearwake("run", "job.toml").said, "return through the opposite one", invalid)
+        state = json.loads(self.shearwake("status", self.out, "--json").stdout)
+        self.assertEqual((state["not_valid"], state["not_valid_cases"]), (1, [case_files(self.out)[0].stem]))
         [warnings] = self.stored()
         returned = [w for w in warnings if w["key"] == "domain.extent_mm"]
         self.assertEqual([w["severity"] for w in returned], ["error"])
         self.says(returned[0]["message"], "the readings of this case are not valid")
-        self.shearwake("reduce", self.out)
+        self.says(self.shearwake("reduce", self.out).said, invalid)
         self.says(self.notes()[0], "not valid: domain.extent_mm: waves of 5 m/s")
+        table = self.out / "tables" / "small.csv"
+        with open(table, encoding="utf-8") as file:
+            self.assertEqual([row["valid"] for row in csv.DictReader(file)], ["no"])
+        # A change of validity is a difference.
+        (self.folder / "before.csv").write_text(table.read_text(encoding="utf-8").replace(",no,", ",yes,"),
+                                                encoding="utf-8")
+        changed_columns = json.loads(self.shearwake("diff", self.out, "before.csv", "--json", expect=5).stdout)["moved"]
+        self.assertEqual([column["column"] for column in changed_columns], ["valid"])
         self.says(self.shearwake("show", case_files(self.out)[0]).said, "not valid: domain.extent_mm")
         self.says(self.shearwake("report", self.out).said, "No efficiency is stated, because no case has valid readings")
         # The index of the folder has the same warnings as the file.

@@ -38,6 +38,19 @@ class Stops(FaultTest):
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
         self.assertEqual(len(started(self.out)), 400)
 
+    def test_a_stop_request_ends_the_choice_of_time_steps(self):
+        self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
+        self.out.mkdir(parents=True)
+        (self.out / "STOP").touch()
+        said = self.shearwake("run", "job.toml", expect=75, ranks=2).said
+        self.says(said, "0 computed now", "STOP stops all runs", "stopped early")
+        self.assertNotIn("cases to compute on", said)
+        self.assertEqual([line["event"] for line in journal(self.out)], ["run_ended"])
+        (self.out / "STOP").unlink()
+        self.says(self.shearwake("run", "job.toml", ranks=2).said, "choosing the time step of case", "(1 of 3)",
+                  "3 computed now")
+        self.assertEqual([line["event"] for line in journal(self.out)][1:3], ["run_prepares", "run_started"])
+
     def test_a_run_stops_at_its_time_limit(self):
         self.write_job(MANY)
         self.says(self.shearwake("run", "job.toml", "--walltime", "half an hour", expect=2).said,

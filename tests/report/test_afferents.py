@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -19,6 +20,7 @@ from synthetic import AM, Folder, fixed  # noqa: E402
 import fig_afferents  # noqa: E402
 import fig_hand  # noqa: E402
 import load  # noqa: E402
+import style  # noqa: E402
 
 
 def add_afferents(path, counts, moves=True, felt="pins"):
@@ -94,6 +96,24 @@ class AfferentsTest(unittest.TestCase):
         self.assertEqual(self.drawn(fig_afferents.figures), set())  # one point is not drawn as a curve
         self.add(200.0, [3, 0, 2, 0, 0])
         self.assertEqual(self.drawn(fig_afferents.figures), {"afferents_PC"})
+
+    def test_coordinates_of_pins_are_rounded_and_single_spikes_are_singular(self):
+        identity = self.add(100.0, [1, 0, 0, 0, 0])
+        with h5py.File(self.folder.file(identity), "r+") as file:
+            file["pins"]["x"][...] = [6.123e-19, -6.123e-19]
+            file["pins"]["y"][...] = [0.0123456, -0.0]
+        titles, save = [], style.save
+
+        def keep(figure, path):
+            titles.extend(axes.get_title(loc=where) for axes in figure.axes for where in ("left", "center"))
+            save(figure, path)
+
+        with mock.patch.object(style, "save", keep):
+            self.drawn(fig_hand.figures)
+        self.assertIn("(0, 12.35) mm", titles)
+        self.assertIn("(0, 0) mm", titles)
+        self.assertIn("1 spike", titles)
+        self.assertIn("PC: 1 of 3 fires", titles)
 
     def test_a_case_without_afferents_has_no_such_figures(self):
         self.folder.add({AM: 100.0})

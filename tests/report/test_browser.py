@@ -239,6 +239,75 @@ class BrowserTest(unittest.TestCase):
             (part, i, all) => i === 0 || !!(all[i - 1].compareDocumentPosition(part) & 4))""")
         self.assertTrue(all(tops), "the contents have the order of the page")
 
+    def test_the_legend_shows_references_dashed(self):
+        for width in (1280, 390):
+            page = self.open(width)
+            styles = page.run("""Object.fromEntries(Array.from(
+                document.querySelector("#chart-eta .panel").querySelectorAll(".u-series"),
+                row => [row.querySelector(".u-label").textContent, row.querySelector(".u-marker").style.borderTopStyle]))""")
+            self.assertEqual({name: look for name, look in styles.items() if name != "AM frequency (Hz)"},
+                             {"efficiency η (1)": "solid", "plain STM": "dashed"})
+            marker = page.run("""(() => { const box = document.querySelector("#chart-eta .u-series:last-child .u-marker")
+                .getBoundingClientRect(); return [box.width, box.height]; })()""")
+            self.assertGreater(marker[0], 3 * marker[1])  # a part of a line, not a square
+
+    def test_crosses_of_readings_that_are_not_valid_have_values(self):
+        def invalid(root):
+            folder = Folder(root)
+            for f in (100.0, 200.0, 400.0):
+                wrong = {"severity": "error", "key": "domain.extent_mm", "message": "waves return"}
+                folder.add({AM: f}, reference=case_id(4), scalars={"eta_period_1": 1e-3 * f},
+                           warnings=[wrong] if f == 200.0 else [])
+            folder.add({}, is_reference=True, kind="STM", scalars={"eta_period_1": 0.3})
+            return folder
+        path = self.folder_of(invalid)
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.open(width, path=path)
+                self.fits(page, width)
+                place = page.run("""(() => {
+                    const {plot, lines} = charts.find(chart => chart.holder.id === "chart-eta");
+                    plot.over.scrollIntoView({block: "center"});
+                    const box = plot.over.getBoundingClientRect(), line = lines.find(line => line.crossed);
+                    return [box.left + plot.valToPos(line.x[1], "x"), box.top + plot.valToPos(line.y[1], "y")];
+                })()""")
+                ends = page.run("""(() => {
+                    const {plot, lines} = charts.find(chart => chart.holder.id === "chart-eta"), far = 2 * devicePixelRatio;
+                    const line = lines.find(line => line.crossed), at = plot.valToPos(line.x[1], "x", true);
+                    return [[-1, -1], [-1, 1], [1, -1], [1, 1]].map(([dx, dy]) => plot.ctx.getImageData(at + far * dx,
+                        plot.valToPos(line.y[1], "y", true) + far * dy, 1, 1).data[3]);
+                })()""")
+                self.assertGreater(min(ends), 100, "all four arms are drawn, also after a dashed line")
+                page.move(place[0] - 3, place[1])
+                page.move(*place)
+                output = 'document.querySelector("#chart-eta output").textContent'
+                self.assertTrue(page.wait(output + '.includes("200")'))
+                self.assertIn("not valid: AM frequency (Hz) 200, efficiency η (1) 0.2", page.run(output))
+                self.assertEqual(page.errors(), [])
+
+    def test_labels_and_notes_are_complete_on_a_phone(self):
+        preset = "medium.preset"
+
+        def long(root):
+            folder = Folder(root, series=[preset], swept=[AM, preset])
+            for name in ("a-medium-with-a-long-name", "another-medium-with-an-even-longer-name"):
+                folder.add({AM: 100.0, preset: name}, scalars={"eta_period_1": math.nan},
+                           notes={"eta_period_1": "no period of the modulation fits into the run; " * 60})
+            return folder
+        page = self.open(390, path=self.folder_of(long))
+        self.fits(page, 390)
+        self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
+        clipped = """Array.from(document.querySelectorAll({0!r}), part => part.scrollWidth > part.clientWidth + 1
+            || part.scrollHeight > part.clientHeight + 1)"""
+        self.assertEqual(page.run(clipped.format(".player-panel .chosen")), [False, False])
+        self.assertEqual(page.run(clipped.format("ol.notes")), [False])
+        for option, chosen in page.run("""Array.from(document.querySelectorAll(".player-panel"), panel => [
+                panel.querySelector("select").selectedOptions[0].text, panel.querySelector(".chosen").textContent])"""):
+            self.assertIn("longer-name" if "longer" in option else "long-name", chosen)
+            self.assertEqual(option, chosen)
+        self.assertEqual(page.run("getComputedStyle(document.querySelector('.tall')).backgroundAttachment"),
+                         "local, local, scroll, scroll")  # a shadow at an edge behind which there are columns
+
     CLOCK = 'document.querySelector(".clock").textContent'
     FRAMES = """Array.from(document.querySelectorAll(".player canvas"), canvas => canvas.dataset.frame)"""
 
@@ -260,6 +329,10 @@ class BrowserTest(unittest.TestCase):
                 page.run('document.querySelector(".back").click()')
                 self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/0"))'))
                 self.assertEqual(page.run(self.CLOCK), "2 ms")
+                dark = page.run("""(() => { const panel = document.querySelector(".player").player.panels[0];
+                    const [x, y] = panel.place(...panel.shown.focus[panel.frame()]);
+                    return Array.from(panel.canvas.getContext("2d").getImageData(Math.round(x), Math.round(y), 1, 1).data); })()""")
+                self.assertLess(max(dark[:3]), 60)  # the point at the centre of the focal disc, on red
                 for before, after in zip(page.run(focus), late):
                     self.assertAlmostEqual(after - before, 14.0, places=2)  # 2 ms at 7 m/s
                 page.run('document.querySelector(".player input").focus()')

@@ -18,8 +18,9 @@ sys.path.insert(0, str(ROOT / "analysis" / "report"))
 
 import compare_words  # noqa: E402
 import load  # noqa: E402
-from compare_fields import (common_axis, compare_sensors, interpolation, on_common_grid,  # noqa: E402
+from compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,  # noqa: E402
                             place_of_largest, relative_l2)
+from compare_sensors import compare_sensors  # noqa: E402
 
 
 def axis(count, spacing):
@@ -33,6 +34,24 @@ def field(x, y):
 def surface(count, spacing):
     x, y = axis(count, spacing), axis(count - 8, spacing)
     return 0.004, x, y, field(x, y)
+
+
+def sensor_case(folder, spacing_m, factor, nodes, points=None):
+    """A case whose sensor recorded uz, the sum of the node's indices with alternating sign, and, if the number of points
+    is given, its study file."""
+    path = folder / "out" / "study" / "cases" / "case.h5"
+    path.parent.mkdir(parents=True)
+    with h5py.File(path, "w") as file:
+        for direction, values in zip("ijk", zip(*nodes)):
+            file[f"sensor/{direction}"] = values
+        file["sensor/time"] = [0.001, 0.002]
+        file["sensor/uz"] = factor * np.array([[sum(node), -sum(node)] for node in nodes], float)
+        file["sensor/uz"].attrs["units"] = "m/s"
+    if points:
+        with h5py.File(folder / "study.h5", "w") as file:
+            file["grid/points"], file["grid/spacing_m"] = np.array(points, float), np.full(3, spacing_m)
+    return load.Case("case", {}, False, "", path, physics={"domain": {"spacing_m": spacing_m}},
+                     attributes={"job": 'solver.pstd.study = "study.h5"', "started": "2999-01-01T00:00:00Z"})
 
 
 class CompareFields(unittest.TestCase):
@@ -63,30 +82,68 @@ class CompareFields(unittest.TestCase):
         self.assertLess(errors[1], errors[0] / 64)
         self.assertLess(errors[1], 1e-5)
 
-    def test_rounding_errors_do_not_decide_on_the_place_of_the_maximum(self):
+    def test_the_place_is_that_of_the_true_maximum(self):
+        x, y = axis(5, 1.0), axis(12, 1.0)
+        difference = np.zeros((5, 12))
+        difference[2, 11], difference[2, 7] = 1.8e-12, 3.278e-12  # far below rounding errors of the field itself
+        self.assertEqual(place_of_largest(difference, x, y), (2, 7))
+        found, = self.surfaces_with(difference)
+        self.assertAlmostEqual(found["largest_um"], 3.278e-6, delta=1e-15)
+        self.assertEqual(found["at_mm"], [0.0, 1.0])
+
+    def surfaces_with(self, difference):
+        """The comparison of two surfaces with this difference in m at nodes of 1 mm."""
+        with tempfile.TemporaryDirectory() as folder:
+            cases = []
+            for name, u in (("a.h5", difference), ("b.h5", 0.0 * difference)):
+                with h5py.File(Path(folder) / name, "w") as file:
+                    surface = file.create_group("surface")
+                    surface["time"], surface["u_z"] = [0.004], u[None, None]
+                    surface["x"], surface["y"] = axis(u.shape[0], 1e-3), axis(u.shape[1], 1e-3)
+                cases.append(load.Case(name, {}, False, "", Path(folder) / name))
+            return compare_surfaces(*cases)
+
+    def test_of_equal_differences_the_place_with_the_largest_y_is_chosen(self):
         x = y = np.array([-1.0, 0.0, 1.0])
-        for error in (-1e-8, 0.0, 1e-8):  # rounding errors of float32 for values near 1
+        for error in (-1e-10, 0.0, 1e-10):  # closer than 1e-9 of the largest difference
             difference = np.array([[0.2, 0.0, 0.2], [0.1, 0.0, 0.1], [0.2 + error, 0.0, 0.2]])
-            self.assertEqual(place_of_largest(difference, 1.0, x, y), (2, 2))
-        difference[0, 0] = 0.21
-        self.assertEqual(place_of_largest(difference, 1.0, x, y), (0, 0))
+            self.assertEqual(place_of_largest(difference, x, y), (2, 2))
+        difference[0, 0] = 0.2 + 1e-8
+        self.assertEqual(place_of_largest(difference, x, y), (0, 0))
 
     def test_sensors_are_compared_at_common_nodes_and_times(self):
         with tempfile.TemporaryDirectory() as folder:
-            cases = []
-            for name, factor, nodes in (("a.h5", 1.1, [(1, 2, 3), (4, 5, 6)]), ("b.h5", 1.0, [(4, 5, 6), (7, 8, 9)])):
-                path = Path(folder) / name
-                with h5py.File(path, "w") as file:
-                    for axis, values in zip("ijk", zip(*nodes)):
-                        file[f"sensor/{axis}"] = values
-                    file["sensor/time"] = [0.001, 0.002]
-                    file["sensor/uz"] = factor * np.array([[sum(node), -sum(node)] for node in nodes], float)
-                    file["sensor/uz"].attrs["units"] = "m/s"
-                cases.append(load.Case(name, {}, False, "", path, physics={"domain": {"spacing_m": 0.001}}))
-            entry, = compare_sensors(*cases)
+            (entry,), note = compare_sensors(*(sensor_case(Path(folder) / name, 0.001, factor, nodes) for name, factor, nodes in (
+                ("a", 1.1, [(1, 2, 3), (4, 5, 6)]), ("b", 1.0, [(4, 5, 6), (7, 8, 9)]))))
         self.assertAlmostEqual(entry["relative_l2"], 0.1, places=14)
         self.assertAlmostEqual(entry["largest"], 1.5, places=12)
         self.assertEqual((entry["at_node"], entry["nodes"], entry["times"], entry["unit"]), ([4, 5, 6], 1, 2, "m/s"))
+        self.assertEqual(note, "")
+
+    def test_sensors_of_two_resolutions_are_compared_at_equal_positions(self):
+        coarse, fine = [(5, 4, 3), (6, 4, 3)], [(12, 8, 6), (13, 8, 6)]  # (6, 4, 3) of 1 mm lies at (12, 8, 6) of 0.5 mm
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder)
+            cases = [sensor_case(path / "a", 1e-3, 1.0, coarse, points=(10, 8, 6)),
+                     sensor_case(path / "b", 0.5e-3, 2.0, fine, points=(20, 16, 12))]
+            (entry,), note = compare_sensors(*cases)
+            self.assertEqual((entry["nodes"], entry["at_node"]), (1, [6, 4, 3]))
+            self.assertAlmostEqual(entry["largest"], 2.0 * 26 - 13, places=12)
+            self.assertIn("up to 0.25 mm apart", note)
+            pair = {"sensors": [entry], "sensors_note": note}
+            self.assertIn("at node [7, 5, 4]", compare_words.sensor_lines(pair)[0])  # counted from 1
+            shifted = sensor_case(path / "c", 0.5e-3, 1.0, [(13, 8, 6)], points=(20, 16, 12))
+            found, note = compare_sensors(cases[0], shifted)
+            self.assertEqual(found, [])
+            self.assertIn("the nearest are 0.5 mm apart", note)
+            self.assertEqual(compare_words.sensor_lines({"sensors": [], "sensors_note": note}),
+                             [f"  sensors not compared: {note}"])
+            (path / "b" / "study.h5").unlink()
+            found, note = compare_sensors(*cases)
+            self.assertEqual(found, [])
+            self.assertIn("the positions of the nodes are unknown", note)
+            shifted.path.unlink()
+            self.assertEqual(compare_sensors(cases[0], shifted), ([], "only the first has a sensor"))
 
     def test_rounding_errors_of_columns_are_not_listed(self):
         rows = [{"column": "eta", "first": 0.2, "second": 0.2, "change": 1e-14},

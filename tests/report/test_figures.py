@@ -69,12 +69,12 @@ class FolderTest(unittest.TestCase):
         sweep = load.load(self.root)
         x, y, others = fig_heat.plane(sweep)
         self.assertEqual((x, y, others), (AM, FWHM, []))
-        values, broken = fig_heat.cells(sweep, "eta_period_1", x, y, others, ())
+        values, broken, _ = fig_heat.cells(sweep, "eta_period_1", x, y, others, ())
         self.assertEqual(values.shape, (3, 4))
         self.assertEqual(values[1, 2], 1e-3 * 400.0 + 3.0 + 50.0)  # row: 3 mm, column: 400 Hz
         self.assertEqual(np.argwhere(broken).tolist(), [[0, 3]])
         self.assertTrue(np.isnan(values[1, 3]) and not broken[1, 3])  # not swept
-        self.assertIn("Crossed: 1 without a result", page.data)
+        self.assertIn("Cross-hatched: 1 without a result", page.data)
         self.assertIn("Hatched: 2 without a value", page.data)
 
     def names(self):
@@ -129,7 +129,7 @@ class FolderTest(unittest.TestCase):
         self.assertEqual(square.shape, (len(x), len(y)))
         self.assertEqual([line.tolist() for line in found],
                          [[list(point) for point in line] for line in lines])
-        self.assertIn(">sharpness_<wbr>1<", table.table(sweep))
+        self.assertIn(">sharpness_<wbr>1<", table.table(sweep, []))
 
     def test_a_straight_line_has_no_map_of_its_mean_intensity(self):
         folder = Folder(self.root)
@@ -141,7 +141,7 @@ class FolderTest(unittest.TestCase):
         sweep = self.draw(folder, fig_intensity)
         self.assertIsNotNone(load.mean_square(sweep.cases[0]))
         self.assertNotIn("intensity.png", self.names())
-        self.assertNotIn("sharpness", table.table(sweep))
+        self.assertNotIn("sharpness", table.table(sweep, []))
 
     def test_frames_are_shown_with_a_slider(self):
         folder = Folder(self.root)

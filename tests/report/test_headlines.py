@@ -6,6 +6,7 @@ cases, numerical parameters, numerical errors, references that depend on a swept
 Run: python3 tests/report/test_headlines.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import json
+import math
 import tempfile
 import unittest
 
@@ -52,15 +53,16 @@ class HeadlineTest(unittest.TestCase):
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.8}, warnings=[INVALID])
         folder.add({AM: 200.0}, scalars={"eta_period_1": 0.3}, warnings=[RETURNS])
         text = self.result(folder)
-        self.assertIn("is highest, 0.3, at AM frequency 200 Hz", text)
-        self.assertIn("The readings of 1 case are not valid and are not used: waves return at 4.8 ms.", text)
+        self.assertIn("of the only valid case, AM frequency 200 Hz, is 0.3.", text)
+        self.assertIn("1 of 2 complete cases is not valid and is not used: waves return at 4.8 ms.", text)
         self.assertNotIn("0.8", text)
 
     def test_without_a_valid_reading_there_is_no_result(self):
         folder = Folder(self.root, x="", swept=[])
         folder.add({}, scalars={"eta_period_1": 0.8}, warnings=[INVALID])
         text = self.result(folder)
-        self.assertIn("No efficiency is stated, because no case has valid readings: waves return", text)
+        self.assertIn("No efficiency is stated, because no case has valid readings. 1 of 1 complete case is not "
+                      "valid and is not used: waves return at 4.8 ms.", text)
         self.assertNotIn("0.8", text)
 
     def test_with_missing_cases_no_case_is_the_best(self):
@@ -71,16 +73,21 @@ class HeadlineTest(unittest.TestCase):
                       "1 case of 3 has no result yet.", text)
         self.assertNotIn("highest", text)
 
+    def test_cases_without_a_mean_over_periods_are_counted(self):
+        text = self.result(self.folder([0.2, 0.4, math.nan]))
+        self.assertIn("is highest, 0.4, at AM frequency 200 Hz of the 2 valid cases.", text)
+        self.assertIn("1 case has no mean over complete periods (eta_period_1) and cannot be compared.", text)
+
     def test_engines_do_not_compete(self):
         folder = Folder(self.root, x=ENGINE, swept=[ENGINE])
         for engine, eta in (("layered", 0.40), ("spectral", 0.41)):
             folder.add({ENGINE: engine}, scalars={"eta_period_1": eta})
         text = self.result(folder)
-        self.assertIn("is 0.4 to 0.41. The cases differ only in numerical parameters, so the range of 2.5 % is a "
-                      "numerical error.", text)
+        self.assertIn("is 0.4 to 0.41: the two engines differ by 2.5 %. Numerical error not estimated: run shearwake "
+                      "converge.", text)
         self.assertNotIn("best", text)
 
-    def test_the_difference_between_engines_is_the_error_of_a_comparison(self):
+    def test_the_difference_between_engines_is_no_numerical_error(self):
         folder = Folder(self.root, series=[ENGINE], swept=[AM, ENGINE])
         for f, etas in ((100.0, (0.40, 0.42)), (200.0, (0.41, 0.43)), (300.0, (0.20, 0.21))):
             for engine, eta in zip(("layered", "pstd"), etas):
@@ -88,18 +95,85 @@ class HeadlineTest(unittest.TestCase):
         text = self.result(folder)
         self.assertIn("is highest, 0.43, at AM frequency 200 Hz.", text)
         self.assertNotIn("pstd", text)
-        # Half of 0.41 to 0.43 is 2.4 %. 0.40 and 0.42 are within twice that, 0.2 is not.
-        self.assertIn("1 further case differs from it by no more than the numerical error of both, 2.4 % of η", text)
+        # 0.41 to 0.43 is 4.8 % of the mean. 0.42 differs from 0.43 by less than 0.02; 0.40, 0.21 and 0.20 do not.
+        self.assertIn("The two engines differ by 4.8 % in η there; 1 further case differs from this case by no more than "
+                      "that. Numerical error not estimated: run shearwake converge.", text)
 
     def test_differences_are_stated_relative_to_the_estimated_error(self):
         folder = self.folder([0.300, 0.500, 0.501])
         self.errors(folder, {case_id(1): 0.003})  # 1 %
         text = self.result(folder)
-        self.assertIn("is highest, 0.5010 ± 0.0050, at AM frequency 300 Hz. 1 further case differs from it by no more "
-                      "than the numerical error of both, 1 %", text)
+        self.assertIn("is highest, 0.5010 ± 0.0050 (error estimated at AM frequency 100 Hz), at AM frequency 300 Hz. "
+                      "1 further case differs from this case by no more than the numerical error of both, 1 %", text)
+
+    def test_the_error_of_the_case_itself_names_no_other_case(self):
+        folder = self.folder([0.3, 0.5])
+        self.errors(folder, {case_id(1): 0.03, case_id(2): 0.005})
+        self.assertIn("is highest, 0.5000 ± 0.0050, at AM frequency 200 Hz.", self.result(folder))
+
+    def test_the_error_of_a_case_that_is_not_valid_is_not_transferred(self):
+        folder = Folder(self.root)
+        for f, warnings in ((100.0, [INVALID]), (200.0, []), (300.0, [])):
+            folder.add({AM: f}, scalars={"eta_period_1": 0.001 * f}, warnings=warnings)
+        self.errors(folder, {case_id(1): 0.05})
+        self.assertIn("is highest, 0.3, at AM frequency 300 Hz of the 2 valid cases. Numerical error not estimated",
+                      self.result(folder))
+
+    def with_reference(self, etas, below, **reference):
+        """One case per pair (eta, warnings) and a common reference with this eta."""
+        folder = Folder(self.root)
+        for n, (eta, warnings) in enumerate(etas):
+            folder.add({AM: 100.0 * (n + 1)}, case_id(len(etas) + 1), scalars={"eta_period_1": eta}, warnings=warnings)
+        folder.add({}, is_reference=True, kind="STM", scalars={"eta_period_1": below}, **reference)
+        return folder
+
+    def test_a_reference_that_is_not_valid_is_not_compared(self):
+        text = self.result(self.with_reference([(0.3, []), (0.5, [])], 0.2, warnings=[INVALID]))
+        self.assertIn("is highest, 0.5, at AM frequency 200 Hz.", text)
+        self.assertIn("1 of 3 complete cases is not valid and is not used (a reference): waves return", text)
+        self.assertIn("No ratio is stated for 2 valid cases, because the readings of the reference are not valid.", text)
+        self.assertIn("The focal rms is 1.5 µm.", text)
+        self.assertNotIn("plain STM", text)
+
+    def test_the_number_of_valid_cases_is_stated_if_none_is_better_than_the_reference(self):
+        text = self.result(self.with_reference([(0.3, []), (0.5, [INVALID]), (0.2, [])], 0.4))
+        self.assertIn("None of the 2 valid cases focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz",
+                      text)
+        self.assertIn("1 of 4 complete cases is not valid", text)
+
+    EDGE = ("waves return at 4.8 ms. On the edges of the domain, u_z^2 is {} % of its mean: the readings of this case are "
+            "not valid")
+
+    def test_messages_of_several_cases_are_one_with_ranges(self):
+        folder = self.with_reference([(0.3, []), *((0.5, [{**INVALID, "message": self.EDGE.format(v)}])
+                                                   for v in ("8.1", "16", "9e+01"))], 0.4)
+        self.assertIn("3 of 5 complete cases are not valid and are not used: on the edges of the domain, u_z^2 is 8.1 to "
+                      "9e+01 % of its mean.", self.result(folder))
+        kind, = warnings_of.kinds(load.load(folder.path))
+        self.assertEqual(kind.message, "waves return at 4.8 ms. On the edges of the domain, u_z^2 is 8.1 to 9e+01 % of its "
+                                       "mean: the readings are not valid")
+        self.assertEqual(warnings_of.merged([self.EDGE.format(16)]), self.EDGE.format(16))
+
+    def test_the_headline_and_the_list_count_the_same_cases(self):
+        folder = self.with_reference([(0.3, []), (0.5, [INVALID]), (0.2, [INVALID])], 0.4, warnings=[INVALID])
+        page = Page(folder.report())
+        self.assertIn("3 of 4 complete cases are not valid and are not used (1 of them a reference)", page.data)
+        self.assertIn("Not valid: waves return at 4.8 ms (3 cases, 1 of them a reference).", page.data)
+
+    def test_without_a_valid_efficiency_the_spikes_are_the_result(self):
+        folder = Folder(self.root)
+        for f, counts in ((100.0, (0, 1)), (200.0, (0, 23293))):
+            folder.add({AM: f}, scalars={"RA_spikes_1": counts[0], "PC_spikes_1": counts[1]}, warnings=[INVALID])
+        loaded = load.load(folder.save())
+        self.assertTrue(summary(loaded).startswith("No efficiency is stated"))  # the skin moves the receptors
+        for case in loaded.cases:
+            case.physics["afferents"] = {"input": "carrier"}
+        text = summary(loaded).replace("\N{NO-BREAK SPACE}", " ")
+        self.assertTrue(text.startswith("The PC afferents fire 1 spike at AM frequency 100 Hz and 23293 spikes at AM frequency "
+                                        "200 Hz; the RA afferents are silent. No efficiency is stated"), text)
 
     def test_a_sweep_without_estimate_says_so(self):
-        self.assertIn("The numerical error has not been estimated: shearwake converge does so.",
+        self.assertIn("Numerical error not estimated: run shearwake converge.",
                       self.result(self.folder([0.3, 0.5])))
 
     def test_warnings_are_printed_next_to_the_figures_that_they_concern(self):
@@ -107,7 +181,9 @@ class HeadlineTest(unittest.TestCase):
         folder.add({AM: 100.0}, warnings=[RETURNS, WINDOW])
         folder.add({AM: 200.0}, warnings=[{**RETURNS, "message": "waves return at 5.1 ms"}])
         page = Page(folder.report())
-        self.assertIn("Warning: waves return at 4.8 ms (AM frequency 100\N{NO-BREAK SPACE}Hz, and 1 more case).", page.data)
+        self.assertEqual(page.data.count("Warning: waves return at 4.8 to 5.1 ms (2 cases)."), 1)
+        self.assertIn("Warnings about the cases shown: domain.extent_mm (2 cases); measure.at_ms (1 case).", page.data)
+        self.assertIn("#warning-1", page.links)
         sweep = load.load(folder.path)
         self.assertEqual([w["message"] for w in sweep.cases[0].warnings],
                          [RETURNS["message"], WINDOW["message"]])

@@ -167,7 +167,7 @@ class FolderTest(unittest.TestCase):
         self.assertFalse(curve_chart.have_errors(loaded, "eta_period_1"))
         for case in loaded.cases:
             case.scalars["eta_period_1_error"] = 0.01
-        line = chart.chart_data(curve_chart.curve_chart(loaded, "eta_period_1", "eta"))["lines"][0]
+        line = chart.chart_data(curve_chart.curve_chart(loaded, "eta", "eta_period_1", "eta"))["lines"][0]
         self.assertEqual(line["error"], [0.01, 0.01, 0.01])
         self.assertIn("Error bars", curve_chart.error_caption(loaded, "eta_period_1"))
 

@@ -114,7 +114,7 @@ class ReportTest(unittest.TestCase):
                          ["complete"] * 4 + ["failed", "damaged", "missing", "damaged", "complete"])
         self.assertEqual(page.column("eta_period_1")[-1]["text"], "–")
         self.assertIn("eta_period_1: no period <fits>", page.data)
-        self.assertIn("1 of 4 cases have no mean over periods", page.data)
+        self.assertIn("1 of 4 cases has no mean over periods", page.data)
         self.assertIn("4 cases without a result", page.data)
         self.assertIn(html.escape("the field is <not> finite"), text)
         self.assertIn("it contains another case", page.data)
@@ -184,7 +184,7 @@ class ReportTest(unittest.TestCase):
                       "2.5 times the 0.2 of plain STM.", self.summary([0.3, 0.5]))
 
     def test_the_summary_reports_that_no_case_is_better_than_the_reference(self):
-        self.assertIn("No case focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz: its "
+        self.assertIn("None of the 2 cases focuses better than plain STM. The best is AM-STM at AM frequency 100 Hz: its "
                       "efficiency η (eta_period_1) is 0.15, 25 % less than the 0.2 of plain STM.",
                       self.summary([0.15, 0.1]))
 
@@ -235,6 +235,11 @@ class WordsTest(unittest.TestCase):
                  1e6: "1×10⁶", 0.0: "0", math.nan: "", 99999.0: "100000"}
         for value, expected in shown.items():
             self.assertEqual(words.number(value), expected)
+        self.assertEqual([words.number(-0.0), words.millimetres(6.123e-16), words.millimetres(-1e-9)], ["0"] * 3)
+
+    def test_counts_have_the_right_number(self):
+        self.assertEqual(words.some_of(1, 1, "case"), "1 of 1 case is drawn")
+        self.assertEqual(words.some_of(2, 8, "case"), "2 of 8 cases are drawn")
 
 
 class WakeTest(unittest.TestCase):

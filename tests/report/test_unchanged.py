@@ -58,6 +58,14 @@ class UnchangedTest(unittest.TestCase):
             file["eta_period_1"][()] = 0.5
         self.assertEqual(self.draw()[0], 0)
 
+    def test_a_changed_warning_is_drawn_again(self):
+        self.draw()
+        loaded, drawn = load.load(self.folder.path), Drawn(self.report, self.root)
+        before = drawn.key("measures", loaded)
+        self.assertEqual(before, drawn.old["measures"]["key"])
+        loaded.cases[0].warnings.append({"severity": "error", "key": "domain.extent_mm", "message": "waves return"})
+        self.assertNotEqual(drawn.key("measures", loaded), before)
+
     def test_a_removed_picture_is_drawn_again(self):
         self.draw()
         (self.report / "eta.pdf").unlink()

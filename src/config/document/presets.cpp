@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/document/presets.hpp"
 
+#include "base/text.hpp"
+
+#include <algorithm>
 #include <array>
 
 namespace shearwake::config {
@@ -99,6 +102,12 @@ const NodePtr& layers_of(const NodePtr& medium) {
     return std::get<TableNode>(medium->value).find("layer")->value;
 }
 
+/// The known name that is most similar to an unknown one: errors elsewhere in the table are then
+/// found in the same pass, and no key is reported as missing that the preset would supply.
+std::string known_name(const std::string& name, const std::vector<std::string>& known) {
+    return nearest(name.substr(0, 60), known).value_or(known.back());
+}
+
 bool is_single(const Preset& preset) {
     return preset.toml.find("[[layer]]") == preset.toml.rfind("[[layer]]");
 }
@@ -141,7 +150,10 @@ NodePtr medium_preset(std::string_view name, const Place& place) {
 NodePtr with_layer_preset(const NodePtr& layer) {
     const std::string* name = preset_named_in(layer);
     if (!name) return layer;
-    const NodePtr medium = medium_preset(*name, find(layer, {{"preset"}})->at);
+    const std::vector<std::string> known = layer_preset_names();
+    const std::string& used =
+        std::ranges::find(known, *name) != known.end() ? *name : known_name(*name, known);
+    const NodePtr medium = medium_preset(used, find(layer, {{"preset"}})->at);
     if (!medium || std::get<ListNode>(layers_of(medium)->value).size() != 1) return layer;
     TableNode filled = std::get<TableNode>(layer->value);
     // The job and the preset specify the same quantity by different keys: the key of the job
@@ -181,9 +193,11 @@ NodePtr with_medium_preset(const NodePtr& root) {
     const NodePtr medium = find(root, {{"medium"}});
     const std::string* name = preset_named_in(medium);
     if (!name || std::get<TableNode>(medium->value).find("layer")) return root;
-    const NodePtr preset = medium_preset(*name, find(medium, {{"preset"}})->at);
-    if (!preset) return root;
-    TableNode filled = std::get<TableNode>(without(medium, "preset")->value);
+    const Place& at = find(medium, {{"preset"}})->at;
+    NodePtr preset = medium_preset(*name, at);
+    const bool is_known = preset != nullptr;
+    if (!is_known) preset = medium_preset(known_name(*name, preset_names()), at);
+    TableNode filled = std::get<TableNode>((is_known ? without(medium, "preset") : medium)->value);
     for (const Entry& entry : std::get<TableNode>(preset->value).entries)
         add_if_absent(filled, entry);
     std::string problem;

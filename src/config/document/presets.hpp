@@ -28,7 +28,8 @@ std::vector<std::string> body_preset_names();
 NodePtr with_body_preset(const NodePtr& body);
 
 /// `root` with medium.preset replaced by its base and layers. A base or layers that the job gives
-/// are not replaced. An unknown name is left in place and reported by the reader.
+/// are not replaced. An unknown name is left in place and reported by the reader; the most similar
+/// preset supplies the layers.
 NodePtr with_medium_preset(const NodePtr& root);
 
 } // namespace shearwake::config

@@ -156,12 +156,14 @@ std::optional<std::string> Reader::find_choice(std::string_view key,
                                                std::span<const std::string> allowed) {
     const auto word = find_word(key);
     if (!word || std::find(allowed.begin(), allowed.end(), *word) != allowed.end()) return word;
-    auto meant = synonym(*word, allowed);
-    if (!meant && word->size() < 60) meant = nearest(*word, allowed);
+    const auto other_name = synonym(*word, allowed);
+    auto misspelled = std::optional<std::string>();
+    if (!other_name && word->size() < 60) misspelled = nearest(*word, allowed);
+    const auto meant = other_name ? other_name : misspelled;
     error(key, fmt::format("must be {}{}, but is \"{}\"{}", allowed.size() > 1 ? "one of " : "",
                            quoted_list(allowed), excerpt(*word),
                            meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
-    return std::nullopt;
+    return misspelled; // a synonym may have other keys
 }
 
 std::string Reader::choice_or(std::string_view key, const std::string& fallback,

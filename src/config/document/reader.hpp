@@ -24,6 +24,8 @@ public:
     Reader(NodePtr table, std::string path, DiagnosticList& diagnostics);
 
     bool has(std::string_view key);
+    /// Whether the table has an unknown key that can hardly stand for anything but `key`.
+    bool has_misspelled(std::string_view key) const;
     /// The keys of the table, in the order of the file.
     std::vector<std::string> keys() const;
     bool empty() const { return !table_; }
@@ -38,6 +40,8 @@ public:
     std::string choice(std::string_view key, std::span<const std::string> allowed);
     std::string choice_or(std::string_view key, const std::string& fallback,
                           std::span<const std::string> allowed);
+    /// After an error, the allowed word with a similar spelling, so that errors in keys that depend
+    /// on it are found in the same pass; nothing if there is none.
     std::optional<std::string> find_choice(std::string_view key,
                                            std::span<const std::string> allowed);
     std::optional<bool> find_flag(std::string_view key);

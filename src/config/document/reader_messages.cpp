@@ -9,6 +9,32 @@
 #include <fmt/format.h>
 
 namespace shearwake::config {
+namespace {
+
+/// Whether each part of `key` between underscores begins the same part of `other`, as in
+/// draw_freq_Hz and draw_frequency_Hz.
+bool abbreviates(std::string_view key, std::string_view other) {
+    while (true) {
+        const std::string_view part = key.substr(0, key.find('_'));
+        const std::string_view whole = other.substr(0, other.find('_'));
+        if (!whole.starts_with(part) || (part.size() < 2 && part != whole)) return false;
+        const bool is_last = part.size() == key.size();
+        if (is_last || whole.size() == other.size()) return is_last && whole.size() == other.size();
+        key.remove_prefix(part.size() + 1);
+        other.remove_prefix(whole.size() + 1);
+    }
+}
+
+} // namespace
+
+bool Reader::has_misspelled(std::string_view key) const {
+    constexpr std::size_t shortest = 6, most_letters = 2;
+    return std::ranges::any_of(keys(), [&](const std::string& given) {
+        if (std::ranges::find(known_, given) != known_.end()) return false;
+        return abbreviates(given, key) || (given.size() >= shortest && given.size() < 60 &&
+                                           edit_distance(given, key) <= most_letters);
+    });
+}
 
 std::string Reader::full(std::string_view key) const {
     return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
@@ -50,7 +76,9 @@ std::string Reader::unknown_message(std::string_view key, std::optional<std::str
         return fmt::format("{}; the unit of {} is {}: use {}", start, without_unit(known),
                            unit->suffix.substr(1), known);
     }
-    meant = nearest(key, known_);
+    const auto written_out = std::ranges::find_if(
+        known_, [&](const std::string& known) { return abbreviates(key, known); });
+    meant = written_out != known_.end() ? *written_out : nearest(key, known_);
     if (meant) return fmt::format("{}; did you mean {}?", start, *meant);
     if (!path_.empty()) return start;
     return start + "; give keys with their tables, as in load.peak_Pa";

@@ -5,6 +5,8 @@
 
 #include <cctype>
 #include <fmt/format.h>
+#include <sstream>
+#include <string_view>
 
 namespace shearwake::config {
 namespace {
@@ -26,30 +28,43 @@ std::string without_numbers(const std::string& message) {
     return out;
 }
 
+/// The area in mm2 of the domain that a remark recommends ("a domain of 80 x 60 mm"); 0 if it does
+/// not recommend one.
+double recommended_mm2(const Remark& remark) {
+    constexpr std::string_view words = "a domain of ";
+    const std::size_t at = remark.message.find(words);
+    if (at == std::string::npos) return 0.0;
+    double x_mm = 0.0, y_mm = 0.0;
+    std::string by;
+    std::istringstream sizes(remark.message.substr(at + words.size()));
+    return sizes >> x_mm >> by >> y_mm ? x_mm * y_mm : 0.0;
+}
+
 } // namespace
 
 void Remarks::add(const Case& c, const NodePtr& root) {
+    ++added_;
     for (Remark& remark : check(c)) {
         auto [found, is_new] = groups_.try_emplace(
             {remark.severity, remark.key, without_numbers(remark.message)}, Group{});
         Group& group = found->second;
-        if (is_new) {
+        if (is_new) order_.push_back(&group);
+        if (group.last_case != added_) ++group.cases;
+        group.last_case = added_;
+        if (is_new || recommended_mm2(remark) > recommended_mm2(group.reported)) {
             group.at = place_of(root, split_path(remark.key).value_or(Path{}));
-            group.first = std::move(remark);
-            order_.push_back(&group);
-        } else if (remark.message != group.first.message) {
-            ++group.others;
+            group.reported = std::move(remark);
         }
     }
 }
 
 void Remarks::report(DiagnosticList& diagnostics) const {
     for (const Group* group : order_) {
-        std::string message = fmt::format("{}: {}", group->first.key, group->first.message);
-        if (group->others > 0)
+        std::string message = fmt::format("{}: {}", group->reported.key, group->reported.message);
+        if (group->cases > 1)
             message +=
-                fmt::format(" (and {} more case{})", group->others, group->others > 1 ? "s" : "");
-        if (group->first.severity == Severity::error)
+                fmt::format(" (and {} more case{})", group->cases - 1, group->cases > 2 ? "s" : "");
+        if (group->reported.severity == Severity::error)
             diagnostics.error(group->at, std::move(message));
         else
             diagnostics.warning(group->at, std::move(message));

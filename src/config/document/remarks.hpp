@@ -12,7 +12,8 @@
 namespace shearwake::config {
 
 /// Collects the remarks of `check` on the cases of a sweep. Remarks that differ only in their
-/// numbers are combined and counted.
+/// numbers are combined: the case that needs the largest domain, otherwise the first one, is
+/// reported with the number of further cases.
 class Remarks {
 public:
     /// Checks a case that was read from `root`, which provides the location of the key of a remark.
@@ -21,12 +22,14 @@ public:
 
 private:
     struct Group {
-        Remark first;
+        Remark reported;
         Place at;
-        std::size_t others = 0; // number of cases with other numbers
+        std::size_t cases = 0;
+        std::size_t last_case = 0; // number of the last counted case, from 1
     };
     std::map<std::tuple<Severity, std::string, std::string>, Group> groups_;
     std::vector<const Group*> order_;
+    std::size_t added_ = 0; // number of cases
 };
 
 } // namespace shearwake::config

@@ -136,8 +136,9 @@ Medium read_medium(Reader& reader, const MapLoader& load_map) {
     if (reader.empty()) return {};
     Medium medium;
     read_fields(reader, medium);
-    const bool preset_is_known =
-        !reader.has("preset") || reader.find_choice("preset", preset_names()).has_value();
+    const std::size_t before_preset = reader.diagnostics().errors();
+    reader.find_choice("preset", preset_names());
+    const bool preset_is_known = reader.diagnostics().errors() == before_preset;
     if (preset_is_known && reader.has("preset") && reader.has("layer"))
         reader.error("preset", "defines all layers, but medium.layer is also given; use the preset "
                                "in a layer, or remove the layers");

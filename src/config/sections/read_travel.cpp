@@ -65,7 +65,9 @@ double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& 
         }
         return 1.0;
     }
-    if (!has_speed)
+    const bool is_misspelled = reader.has_misspelled("speed_m_s") ||
+                               reader.has_misspelled("draw_frequency_Hz"); // reported by finish()
+    if (!has_speed && !is_misspelled)
         reader.error("speed_m_s",
                      is_closed(travel.path)
                          ? "is missing (or mach, the speed divided by c_s of the top layer, or "

@@ -74,7 +74,7 @@ void check_pins(const PinStimulus& s, const Polygon& skin_mm, Remarks& remarks) 
     else if (off > 0)
         remarks.warning("pins",
                         "{} of {} pins are outside of the skin of the hand and do not emit "
-                        "waves",
+                        "waves; move the patch if this is not intended",
                         off, s.at_mm.size());
 }
 
@@ -123,8 +123,8 @@ void check_sampling(double rate_Hz, Remarks& remarks) {
     if (rate_Hz < least_rate_Hz)
         remarks.warning("trace",
                         "a sampling rate of {:g} Hz represents vibrations up to {:g} Hz, but "
-                        "Pacinian afferents respond up to 370 Hz",
-                        rate_Hz, 0.5 * rate_Hz);
+                        "Pacinian afferents respond up to 370 Hz; use at least {:g} Hz",
+                        rate_Hz, 0.5 * rate_Hz, least_rate_Hz);
 }
 
 void check_signs(const PinStimulus& s, Remarks& remarks) {
@@ -141,7 +141,8 @@ void check_signs(const PinStimulus& s, Remarks& remarks) {
     if (mixed > 0)
         remarks.warning("trace",
                         "at {} of {} samples some pins press and others pull; the model of pins "
-                        "glued to the skin is valid only if all have the same sign",
+                        "glued to the skin is valid only if all have the same sign; keep only the "
+                        "pins near the focus, or use afferents.input = \"stress\"",
                         mixed, lines.samples);
 }
 
@@ -159,12 +160,13 @@ void check_ends(const Traces& traces, double rate_Hz, double silence_s, const Ki
     if (silence_s > 0.0 && start > rounding * largest)
         remarks.warning("trace",
                         "the trace begins at {:.3g} {} instead of 0; this step after the initial "
-                        "silence itself causes a response",
+                        "silence itself causes a response; let it begin at 0, or ramp it",
                         kind.shown * start, kind.unit);
     if (!(silence_s > 0.0) && !is_neuron_rate(rate_Hz) && jump > rounding * largest)
         remarks.warning("silence_ms",
                         "without silence, the jump of {:.3g} {} between the last and the first "
-                        "sample causes ringing at both ends, simultaneously at all distances",
+                        "sample causes ringing at both ends, simultaneously at all distances; use "
+                        "silence_ms",
                         kind.shown * jump, kind.unit);
 }
 

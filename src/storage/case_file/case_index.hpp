@@ -34,6 +34,12 @@ struct CaseDigest {
     std::vector<IndexedScalar> scalars; // in the order of the file
 
     bool whole() const { return status == "complete"; }
+    /// Whether no warning states that the readings are not valid.
+    bool is_valid() const {
+        for (const Remark& warning : warnings)
+            if (warning.severity == Severity::error) return false;
+        return true;
+    }
 };
 
 /// Identifies a version of a file. The time is that of the last change to the file or its

@@ -36,14 +36,15 @@ JsonLine event(std::string_view name) {
 void take(const Json& line, JournalContents& contents) {
     const std::string name = line.at("event");
     if (name == "damaged") return; // the case is recomputed, which other lines record
-    if (name == "run_started" || name == "run_ended") {
-        contents.running = name == "run_started";
+    if (name == "run_prepares" || name == "run_started" || name == "run_ended") {
+        contents.running = name != "run_ended";
+        contents.preparing = name == "run_prepares";
         if (name == "run_ended") {
             contents.last_run_ended = line.at("how");
             contents.last_run_times = {line.value("idle_share", 0.0),
                                        line.value("beside_solve_s", 0.0)};
         }
-        if (name == "run_started") {
+        if (name != "run_ended") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
             contents.unix_time_s = line.at("unix_s");
             contents.teams = line.value("teams", 1);
@@ -70,6 +71,14 @@ void take(const Json& line, JournalContents& contents) {
 } // namespace
 
 Journal::Journal(std::filesystem::path path) : path_(std::move(path)) {}
+
+void Journal::run_prepares(const RunStart& start) const {
+    JsonLine line = event("run_prepares");
+    line.add("ranks", start.ranks);
+    line.add("git_id", start.git_id);
+    if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    append_line(path_, seal(line.text()));
+}
 
 void Journal::run_started(const RunStart& start) const {
     JsonLine line = event("run_started");
@@ -180,6 +189,7 @@ JournalContents read_journals(const std::filesystem::path& folder) {
                 all.cases[id] = std::move(history);
         }
         all.running = all.running || one.running;
+        all.preparing = all.preparing || one.preparing;
         all.unreadable_lines += one.unreadable_lines;
         if (one.unix_time_s >= all.unix_time_s) {
             all.overrides = std::move(one.overrides);

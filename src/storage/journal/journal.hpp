@@ -44,6 +44,8 @@ public:
     explicit Journal(std::filesystem::path path);
 
     /// Each throws UsageError (environment) when the file cannot be written. Not collective.
+    /// The run chooses time steps and teams; run_started() or run_ended() follows.
+    void run_prepares(const RunStart& start) const;
     void run_started(const RunStart& start) const;
     void run_ended(const std::string& how, const RunTimes& times) const;
     void started(const std::string& id, int ranks) const;
@@ -71,6 +73,7 @@ struct CaseHistory {
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
     bool running = false;       // a run has started, and no end of a run was recorded since
+    bool preparing = false;     // the last run has not started its cases yet
     std::string last_run_ended; // how the last run ended
     RunTimes last_run_times;
     std::vector<std::string> overrides; // overrides of the last run, key=value

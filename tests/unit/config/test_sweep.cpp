@@ -241,7 +241,21 @@ TEST_CASE("a remark on several cases is reported once with a count", "[config][s
         diagnostics_of(plain_and("[sweep]\nload.peak_Pa = [1, 2]\n[measure]\nfocal_radius_mm = "
                                  "0.5\n")) ==
         Texts{"job.toml:30:1: warning: measure.focal_radius_mm: the radius of the focal disc, 0.5 "
-              "mm, is below the spacing of 0.75 mm: the disc contains only one or two samples"});
+              "mm, is below the spacing of 0.75 mm: the disc contains only one or two samples "
+              "(and 1 more case)"});
+}
+
+TEST_CASE("the case that needs the largest domain is reported first", "[config][sweep]") {
+    // Waves of 5 m/s travel 30 mm in 6 ms and return through the edges of a domain of 32 mm.
+    std::string job = plain_and("[sweep]\n\"time.duration_ms\" = [8, 16, 12]\n");
+    job = replaced(job, "extent_mm = [96.0, 64.0]", "extent_mm = [64.0, 48.0]");
+    Texts returning;
+    for (const std::string& text : diagnostics_of(job))
+        if (text.find("return through the opposite one") != std::string::npos)
+            returning.push_back(text);
+    REQUIRE(returning.size() == 1);
+    CHECK(returning[0].find("before the run ends at 16 ms") != std::string::npos);
+    CHECK(returning[0].ends_with("(and 2 more cases)"));
 }
 
 TEST_CASE("a sweep with too many keys is rejected without expansion", "[config][sweep]") {

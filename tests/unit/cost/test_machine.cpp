@@ -76,7 +76,7 @@ TEST_CASE("a file that is damaged or foreign is measured again", "[machine]") {
     CHECK(cost::read_machine(file) == some_machine());
 }
 
-TEST_CASE("a folder that cannot be written is no error", "[machine]") {
+TEST_CASE("accepts a cache folder that cannot be written", "[machine]") {
     const test::TemporaryFolder folder;
     storage::write_file(folder / "file", "");
     CHECK_FALSE(cost::keep_machine(some_machine(), folder / "file" / "machine.json"));

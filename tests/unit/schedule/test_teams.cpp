@@ -93,3 +93,16 @@ TEST_CASE("cases too large for one rank's memory get more ranks", "[teams]") {
     REQUIRE(on_two_B < pipeline::memory_needed_B(c, 1));
     CHECK(laid_out(cases, 4, 0, on_two_B).ranks_per_case == 2);
 }
+
+TEST_CASE("too large teams and idle ranks are named", "[teams]") {
+    CHECK(schedule::excessive_team(0, 2).empty());
+    CHECK(schedule::excessive_team(2, 2).empty());
+    CHECK(schedule::excessive_team(8, 2) ==
+          "--ranks-per-case 8 exceeds the 2 ranks of the run: a team has 2");
+    CHECK(schedule::idle_ranks_text({.ranks_per_case = 1, .teams = 2}, 2, 1) ==
+          ", 1 rank stays idle");
+    CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 7, 1) ==
+          ", 5 ranks stay idle");
+    // Excess ranks join the last team.
+    CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 7, 3).empty());
+}

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace shearwake::pstd {
 
@@ -35,10 +36,12 @@ void Displacement::sum(std::span<const double> weights, std::span<double> plane_
     }
 }
 
-bool Displacement::finite(const Comm& team) const {
-    const bool here = std::all_of(values_m_.begin(), values_m_.end(),
-                                  [](double value) { return std::isfinite(value); });
-    return team.max(here ? 0 : 1) == 0;
+double Displacement::largest_m(const Comm& team) const {
+    double largest = 0.0;
+    for (const double value : values_m_)
+        largest = std::isfinite(value) ? std::max(largest, std::abs(value))
+                                       : std::numeric_limits<double>::infinity();
+    return team.max(largest);
 }
 
 DistributedRows Displacement::rows() const {

@@ -25,8 +25,9 @@ public:
     /// metres. Not collective.
     void sum(std::span<const double> weights, std::span<double> plane_m,
              std::ptrdiff_t from_plane = 0) const;
-    /// Whether all values on all ranks are finite. Collective.
-    bool finite(const Comm& team) const;
+    /// The largest magnitude on all ranks, in metres; infinity if a value is not finite.
+    /// Collective.
+    double largest_m(const Comm& team) const;
 
     void save(StateWriter& state, const std::string& name) const;    // collective
     void restore(const StateReader& state, const std::string& name); // collective

@@ -24,7 +24,7 @@ public:
     const engines::Slab& slab() const { return slab_; } // of the domain
     Displacement& displacement() { return u_z_; }
     /// Passes frame `number` to the observer. Throws FieldDiverges on all ranks if a value is not
-    /// finite. Collective.
+    /// finite or larger than the domain. Collective.
     void give(std::ptrdiff_t number, engines::Observer& observer, const Comm& team);
 
 private:

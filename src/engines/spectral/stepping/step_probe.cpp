@@ -5,6 +5,7 @@
 #include "engines/spectral/lateral/moving_load.hpp"
 #include "simd/kernels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,6 +14,9 @@ namespace {
 
 /// kx up to where the spectrum of the footprint is 1e-2; ky = 0 and half of that.
 constexpr std::ptrdiff_t columns = 2 * lane_count, rows = 2;
+/// Longest part of a run that is advanced, in output intervals. Longer runs are extrapolated, so
+/// that the effort does not grow with the number of frames.
+constexpr double most_intervals = 2500.0;
 
 Case with_few_wave_vectors(Case c) {
     c.domain = {columns, 2 * rows,
@@ -67,6 +71,23 @@ private:
     fft::AlignedVector<Block> factors_, now_, before_, force_;
 };
 
+/// Sums over steps and wave vectors.
+struct Deviation {
+    double difference = 0.0, all = 0.0;
+
+    /// Relative L2 error; 0 without a field, NaN if it is not finite.
+    double relative() const { return all == 0.0 ? 0.0 : 4.0 / 3.0 * std::sqrt(difference / all); }
+};
+
+/// The error after `ratio` times the duration of `whole`, of which `half` is the first half. It
+/// remains constant where losses end the memory of the field, and grows at most in proportion to
+/// the time, as the phase error of a wave without losses.
+double extrapolated(const Deviation& half, const Deviation& whole, double ratio) {
+    if (ratio <= 1.0 || !(half.relative() > 0.0)) return whole.relative();
+    const double power = std::clamp(std::log2(whole.relative() / half.relative()), 0.0, 1.0);
+    return whole.relative() * std::pow(ratio, power);
+}
+
 } // namespace
 
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
@@ -77,8 +98,9 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
     const PencilKernels& kernels = simd::kernels<PencilKernels>();
-    const long steps = std::lround(c.time.duration_s() / step_s);
-    double difference = 0.0, all = 0.0;
+    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
+    const long steps = std::lround(probed_s / step_s);
+    Deviation sums, half_sums;
     for (long n = 0; n < steps; ++n) {
         whole.advance();
         half.advance();
@@ -92,12 +114,13 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
                     part[0] = 0.0;
             Block apart[parts];
             kernels.difference(parts, 1.0, whole.surface(row), half.surface(row), apart);
-            difference += sum_of(kernels.product(parts, apart, apart, counted.part));
-            all +=
+            sums.difference += sum_of(kernels.product(parts, apart, apart, counted.part));
+            sums.all +=
                 sum_of(kernels.product(parts, half.surface(row), half.surface(row), counted.part));
         }
+        if (n + 1 == steps / 2) half_sums = sums;
     }
-    return 4.0 / 3.0 * std::sqrt(difference / all);
+    return extrapolated(half_sums, sums, c.time.duration_s() / probed_s);
 }
 
 } // namespace shearwake::spectral

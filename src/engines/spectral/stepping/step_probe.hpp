@@ -8,7 +8,8 @@ namespace shearwake::spectral {
 /// Relative L2 error of the surface field that a time step causes in the layers, without bodies and
 /// maps. A few wave vectors of the case's load are advanced with this step and with half of it for
 /// the duration of the run. Their difference is 15/16 of an error of fourth order, and 3/4 of one
-/// of second order (viscous forces). Takes milliseconds. Not collective.
+/// of second order (viscous forces). A run of more than 2500 frames is extrapolated from its first
+/// 2500. Takes milliseconds. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
 
 } // namespace shearwake::spectral

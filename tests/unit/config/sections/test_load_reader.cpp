@@ -157,3 +157,24 @@ TEST_CASE("a focus that would move backwards is rejected", "[config][load]") {
           Texts{"job.toml:19:23: error: load.modulation.speed_deviation_m_s must be below the mean "
                 "speed of 7 m/s, but is 7: the focus would move backwards along its path"});
 }
+
+TEST_CASE("errors behind a misspelled kind and shape are reported at once", "[config][load]") {
+    std::string job = plain_with("\"AM-STM\"", "\"am-stm\"");
+    job = replaced(job, "shape = \"line\", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]",
+                   "shape = \"circel\", radius_mm = \"10,0\"");
+    job = replaced(job, "am_frequency_Hz = 500.0", "am_frequency_Hz = 0");
+    const Texts found = diagnostics_of(job);
+    CHECK(found.size() == 4);
+    CHECK(any_contains(found, "did you mean \"AM-STM\"?"));
+    CHECK(any_contains(found, "did you mean \"circle\"?"));
+    CHECK(any_contains(found, "write decimal numbers with a point: 10.0"));
+    CHECK(any_contains(found, "load.modulation.am_frequency_Hz must be"));
+}
+
+TEST_CASE("an abbreviated key is suggested in full and not reported as missing", "[config][load]") {
+    CHECK(diagnostics_of(plain_with("speed_m_s = 7.0\n", "draw_freq_Hz = 70\n")) ==
+          Texts{"job.toml:19:1: error: load.modulation.draw_freq_Hz is unknown; did you mean "
+                "draw_frequency_Hz?"});
+    CHECK(any_contains(diagnostics_of(plain_with("am_frequency_Hz = 500.0", "am_freq_Hz = 500.0")),
+                       "did you mean am_frequency_Hz?"));
+}

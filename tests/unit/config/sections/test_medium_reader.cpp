@@ -83,7 +83,7 @@ TEST_CASE("an error in a layer is reported with its location", "[config][medium]
         {"viscosity_Pa_s = 1.0", "loss = { law = \"fractional\", tau_us = 1, exponent = 1.0 }",
          "job.toml:12:53: error: medium.layer[1].loss.exponent must be between 0 and 1, both "
          "excluded, but is 1"},
-        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1 }",
+        {"viscosity_Pa_s = 1.0", "loss = { law = \"fractinal\", tau_us = 1, exponent = 0.5 }",
          "job.toml:12:16: error: medium.layer[1].loss.law must be one of \"none\", "
          "\"kelvin-voigt\", \"fractional\" or \"standard-linear\", but is \"fractinal\"; did you "
          "mean \"fractional\"?"},
@@ -161,6 +161,12 @@ TEST_CASE("an unknown preset is rejected with a list of the existing ones", "[co
         diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\npreset = \"forarm\"\n")) ==
         Texts{"job.toml:6:10: error: medium.preset must be one of \"thesis-tissue\", \"ecoflex\", "
               "\"forearm\" or \"three-layer-skin\", but is \"forarm\"; did you mean \"forearm\"?"});
+    // Keys that a preset supplies are not reported as missing, and other errors are found.
+    const Texts found = diagnostics_of(
+        replaced(with_medium("[medium]\npreset = \"soup\"\n"), "spacing_mm = ", "spacing_mm = -"));
+    REQUIRE(found.size() == 2);
+    CHECK(found[0].find("medium.preset must be one of") != std::string::npos);
+    CHECK(found[1].find("domain.spacing_mm must be above 0") != std::string::npos);
 }
 
 TEST_CASE("a medium without layers is rejected", "[config][medium]") {

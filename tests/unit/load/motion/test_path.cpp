@@ -63,7 +63,7 @@ TEST_CASE("a closed polyline returns to its first point", "[path]") {
     CHECK(triangle.starts_at_corner());
 }
 
-TEST_CASE("the points of a curve are no corners", "[path]") {
+TEST_CASE("the points of a curve are not corners", "[path]") {
     const int sides = GENERATE(18, 17); // turns of 20 and 21.2 degrees are corners, 19 are not
     CHECK(regular_polygon({}, 0.01, sides, 0.0).corners_m().size() ==
           static_cast<std::size_t>(sides - 1));

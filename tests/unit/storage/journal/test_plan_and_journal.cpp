@@ -66,7 +66,13 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     const test::TemporaryFolder folder;
     const storage::Journal journal(folder / "journal.jsonl");
     CHECK(storage::read_journal(folder / "journal.jsonl").cases.empty());
+    journal.run_prepares({.ranks = 2, .overrides = {"a=1"}});
+    CHECK(storage::read_journal(folder / "journal.jsonl").preparing);
+    CHECK(storage::read_journal(folder / "journal.jsonl").running);
+    CHECK(storage::read_journals(folder / "").preparing);
+    CHECK(storage::read_journals(folder / "").overrides == std::vector<std::string>{"a=1"});
     journal.run_started({.ranks = 2, .cases_left = 3});
+    CHECK_FALSE(storage::read_journal(folder / "journal.jsonl").preparing);
     journal.started("a", 2);
     journal.finished("a", {0.5, 0.25, "layered"});
     journal.started("b", 2);

@@ -79,6 +79,19 @@ TEST_CASE("caps c_p with a note and rejects an unstable time step with its value
                       Catch::Contains("solver.pstd.time_step_us = 20 is unstable on this grid"));
 }
 
+TEST_CASE("a displacement larger than the domain fails the case and names the step", "[pstd]") {
+    Case c = small_case();
+    c.scene().load.modulation.trajectory = {
+        {Travel{{{0.0, 0.0}, {9e-3, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene().load.peak_Pa = 1e13; // the scheme is linear: as large as after an instability
+    test::FrameStore store;
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    CHECK_THROWS_WITH(pstd::PstdEngine().run(c, alone, store, nullptr),
+                      Catch::Contains("exceeds the size of the domain, 40 mm, at frame") &&
+                          Catch::Contains("the time step of") &&
+                          Catch::Contains("a smaller solver.pstd.time_step_us may help"));
+}
+
 TEST_CASE("supports an empty, fluid or continued medium above and cells with two layers",
           "[pstd]") {
     Case c = small_case();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/plan.hpp"
+#include "schedule/output_folder.hpp"
+#include "schedule/run_arguments.hpp"
+#include "schedule/select_cases.hpp"
+#include "schedule/worker.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+enum class Ending { regular, stopped };
+
+/// The cases among `numbers` (positions in the plan) that resume from checkpoints in the folder,
+/// with the time that the checkpoints contain: "case ID (12 s computed)"; empty if there are none.
+/// Not collective.
+std::string resumable_cases(const OutputFolder& folder, const Plan& plan,
+                            const std::vector<std::size_t>& numbers);
+
+/// The last lines of a run: counts, what was left and why, and the next command. Reads the folder.
+/// Not collective.
+std::string closing_message(const OutputFolder& folder, const Plan& plan,
+                            const Selection& selection, const WorkResult& result, Ending ending,
+                            const RunArguments& arguments);
+
+} // namespace shearwake::schedule

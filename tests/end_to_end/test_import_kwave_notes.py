@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""import-kwave reads options in all usual forms, prints what it assumes, and warns of what is probably not intended."""
+import os
+import re
+import subprocess
+import sys
+import types
+import unittest
+
+import h5py
+import numpy
+import scipy.io
+
+from kwave import save
+from program import ROOT, environment
+from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
+
+sys.path.insert(0, str(ROOT / "scripts" / "import_kwave"))
+
+import checks  # noqa: E402
+
+
+class Notes(FilesTest):
+    def refused(self, name, *words):
+        self.says(self.imported(name, expect=3), *words)
+
+    def saved(self, changes, **others):
+        """A study with changed fields, {structure: {field: value}}, and other variables."""
+        structures = study()
+        structures["sensor"]["record"] = cell(["p", "uz"])
+        for group, fields in changes.items():
+            structures[group].update(fields)
+        structures.update(others)
+        scipy.io.savemat(self.folder / "study.mat", {name: value for name, value in structures.items() if value is not None})
+        return "study.mat"
+
+    def test_equal_limits_of_the_step_are_stated_once(self):
+        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}}), expect=3)
+        self.says(said, "us are stable; reduce kgrid.dt")
+        self.assertNotIn("steps above", said)
+        density = numpy.full(POINTS, 1000.0)
+        density[5:] = 250.0  # the step that is stable for any arrangement is half as long
+        said = self.imported(self.saved({"kgrid": {"dt": 1e-4}, "medium": {"density": density}}), expect=3)
+        limits = [float(number) for number in re.search(r"up to (\S+) us are stable and steps above (\S+) us", said).groups()]
+        self.assertAlmostEqual(limits[1] / limits[0], 2.0, places=4)
+
+    def test_options_may_be_a_cell_array_of_names_and_values(self):
+        pairs = cell(["PMLInside", False, "PMLSize", numpy.array([2.0, 3, 1]), "PlotSim", False, "DataCast", "single"])
+        for name in ("options", "input_args"):
+            said = self.imported(self.saved({}, **{"options": None, name: pairs}))
+            self.says(said, "PMLSize 2, 3, 1, outside the grid, PMLAlpha 2", "options.PlotSim: ignored, does not change the physics",
+                      "options.DataCast: ignored")
+            with h5py.File(self.folder / "study.h5") as file:
+                numpy.testing.assert_array_equal(file["layer/points"][()], [2, 3, 1])
+                numpy.testing.assert_array_equal(file["grid/points"][()], [14, 15, 10])
+        self.says(said, "note: the variable input_args is read as options")
+        save(self.folder / "study.mat", {**{name: value for name, value in study().items() if name != "options"}})
+        with h5py.File(self.folder / "study.mat", "r+") as file:  # the cell array of MATLAB 7.3
+            words = [numpy.array([[ord(letter)] for letter in "PMLSize"], dtype="u2"), numpy.array([[3.0]])]
+            cells = file.create_dataset("options", (2, 1), dtype=h5py.ref_dtype)
+            for number, word in enumerate(words):
+                file[f"#refs#/options.{number}"] = word
+                cells[number, 0] = file[f"#refs#/options.{number}"].ref
+        self.says(self.imported("study.mat"), "PMLSize 3, inside the grid")
+
+    def test_options_of_other_kinds_are_rejected(self):
+        for value, words in ((cell(["PMLSize", 3.0, "PMLInside"]), "a cell array of 3 elements; it must contain pairs"),
+                             (cell([3.0, "PMLSize"]), "element 1 of options is numbers"),
+                             ("PMLSize", 'options is the text "PMLSize"; it must be a struct'),
+                             (numpy.array([1.0, 2.0]), "options is numbers"),
+                             ({"PMLsize": 3.0}, "(did you mean PMLSize?)"),
+                             (cell(["PMLsize", 3.0]), "options.PMLsize is not a field that pstdElastic3D uses")):
+            with self.subTest(words=words):
+                self.refused(self.saved({}, options=value), words)
+
+    def test_misspelt_variables_are_reported(self):
+        for right, wrong in (("options", "Options"), ("options", "opts"), ("sensor", "sensors"), ("source", "Source")):
+            with self.subTest(wrong=wrong):
+                self.refused(self.saved({}, **{right: None, wrong: study()[right]}), f"has a variable {wrong} but none named {right}",
+                             f"Rename it with {right} = {wrong}")
+        self.says(self.imported(self.saved({}, sensors=1.0, sensor_data=2.0)), "note: not read: sensor_data, sensors")
+
+    def test_the_layer_the_size_and_the_supported_frequency_are_printed(self):
+        said = self.imported(self.saved({"medium": {"sound_speed_shear": 4.0}}, options={"PMLSize": 2.0}))
+        self.says(said, "size: 10 x 9 x 16 mm, spacing 1, 1, 2 mm",
+                  "absorbing layer (PML): PMLSize 2, inside the grid, PMLAlpha 2, MultiAxialPMLRatio 0.1",
+                  "maximum supported frequency: 1000 Hz")  # 4 m/s over twice the largest spacing
+        self.says(self.imported(self.saved({}, options={"PMLSize": 2.0, "PMLAlpha": 0.0})), "absorbing layer (PML): none")
+        self.refused(self.saved({}, options=None), "options.PMLSize is 10 along x: two such layers do not fit")
+
+    def test_implausible_units_are_warned_of(self):
+        for group, fields, words in (
+                ("kgrid", {"dx": 1.0, "dy": 1.0, "dz": 2.0}, ("warning: kgrid.dx is 1 m; k-Wave expects metres", "kgrid.dz is 2 m")),
+                ("medium", {"density": 1.0}, ("warning: medium.density is 1 kg/m3; k-Wave expects kg/m3",)),
+                ("medium", {"density": 1e6}, ("warning: medium.density is 1e+06 kg/m3",))):
+            with self.subTest(words=words):
+                self.says(self.imported(self.saved({group: fields})), *words)
+        self.assertNotIn("expects", self.imported(self.saved({})))
+        large = types.SimpleNamespace(spacing_m=numpy.array([0.05, 0.01, 0.01]), points=numpy.array([32, 32, 32]), warnings=[],
+                                      medium={"density_kg_m3": numpy.array(1000.0)}, first=numpy.zeros(3, dtype=int))
+        checks.check_plausible(large)
+        self.assertEqual(large.warnings, ["kgrid.Nx * kgrid.dx is 1.6 m, more than a body; k-Wave expects metres"])
+
+    def test_nodes_inside_the_layer_are_warned_of(self):
+        self.says(self.imported(self.saved({}, options={"PMLSize": 3.0})),
+                  "warning: source.uz: 3 of 3 nodes lie inside the absorbing layer",
+                  "warning: sensor.mask: 3 of 3 nodes lie inside the absorbing layer",
+                  "warning: the measured plane z 3 lies inside the absorbing layer")
+        for options in ({"PMLSize": 3.0, "PMLAlpha": 0.0}, {"PMLSize": 3.0, "PMLInside": False}):
+            self.assertNotIn("inside the absorbing", self.imported(self.saved({}, options=options)))
+
+    def test_a_source_above_the_supported_frequency_is_warned_of(self):
+        time_s = 1e-5 * numpy.arange(400)
+        changes = {"kgrid": {"Nt": 400}, "medium": {"sound_speed_shear": 5.0}}  # supports 1250 Hz
+        for frequency_Hz, expected in ((200.0, False), (3000.0, True)):
+            series = numpy.sin(2 * numpy.pi * frequency_Hz * time_s)[None, :]
+            said = self.imported(self.saved({**changes, "source": {"uz": series}}))
+            self.assertEqual("above 1250 Hz, the maximum supported frequency" in said, expected, said)
+
+    def test_samples_that_do_not_match_the_steps_are_reported(self):
+        for samples, words in ((30, "later samples are not used"), (12, "the source does not act after step 12")):
+            self.says(self.imported(self.saved({"source": {"uz": numpy.ones((1, samples))}})),
+                      f"source.uz has {samples} samples, but kgrid.Nt is 20", words)
+
+    def test_results_of_the_import_are_not_imported(self):
+        self.imported(self.saved({}))
+        self.refused("study.h5", "study.h5 is already an imported study")
+        self.refused("study.toml", "study.toml is a job, not a k-Wave simulation")
+
+    def import_to(self, name):
+        return subprocess.run([ROOT / "scripts" / "import-kwave", "study.mat", "--out", name], cwd=self.folder,
+                              env=environment(), capture_output=True, encoding="utf-8", check=True).stdout
+
+    def test_the_extension_of_the_output_is_not_repeated(self):
+        self.saved({})
+        for name in ("a.toml", "a.h5"):
+            self.says(self.import_to(name), "next: shearwake run a.toml")
+        self.assertEqual(sorted(path.name for path in self.folder.glob("a.*")), ["a.h5", "a.toml"])
+
+    def test_sensors_of_two_resolutions_are_compared(self):
+        signal = numpy.sin(2 * numpy.pi * 500.0 * 1e-5 * numpy.arange(20))[None, :]
+        for name, factor, corners in (("coarse", 1, [3, 4, 2, 5, 4, 2]), ("fine", 2, [5, 8, 3, 9, 8, 3])):
+            mask = numpy.zeros([factor * n for n in POINTS])
+            mask[5 * factor, 4 * factor + factor // 2, 4 * factor] = 1.0  # the middle node
+            self.saved({"kgrid": {**{f"N{axis}": factor * n for axis, n in zip("xyz", POINTS)},
+                                  **{f"d{axis}": mm * 1e-3 / factor for axis, mm in zip("xyz", (1, 1, 2))}},
+                        "medium": {"sound_speed_shear": 5.0}, "source": {"u_mask": mask, "uz": signal},
+                        "sensor": {"mask": numpy.array([corners], float).T}})
+            self.import_to(name)
+            self.shearwake("run", f"{name}.toml", "--quiet")
+        said = self.shearwake("compare", "out/coarse", "out/fine").said
+        # Of the 5 nodes of the fine sensor, every second one is a node of the coarse sensor.
+        self.says(said, "sensor, uz at 3 nodes: relative L2", "measured depths differ: 9 mm and 8.5 mm",
+                  "velocities, which k-Wave stores between nodes and steps, are up to 0.5 mm apart")
+        os.utime(self.folder / "fine.h5", (4e9, 4e9))
+        self.says(self.shearwake("compare", "out/coarse", "out/fine").said, "sensors not compared: the grids differ",
+                  "was not found or was changed after the run")
+
+    def test_the_input_is_not_replaced(self):
+        with h5py.File(self.folder / "study.h5", "w") as file:
+            for group, fields in study().items():
+                for name, value in fields.items():
+                    file[f"{group}/{name}"] = [numpy.bytes_(word) for word in value] if isinstance(value, list) else as_in_python(value)
+        before = (self.folder / "study.h5").read_bytes()
+        self.refused("study.h5", "study.h5 would replace the input file")
+        self.assertEqual((self.folder / "study.h5").read_bytes(), before)
+
+
+if __name__ == "__main__":
+    unittest.main()
