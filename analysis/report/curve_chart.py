@@ -46,10 +46,12 @@ def reference_lines(sweep, figure, group, column, name, colour):
 
 
 def with_crosses(line, parts):
-    """A line of the valid values, and if there are others another one of grey crosses."""
+    """A line of the valid values and one of grey crosses; one of them alone if the other has no values."""
     line.y, invalid = parts
     crosses = Line(f"{line.label}, not valid", line.x, invalid, style.GREY, points=True, crossed=True)
-    return [line, *([crosses] if np.isfinite(invalid).any() else [])]
+    if not np.isfinite(invalid).any():
+        return [line]
+    return [line, crosses] if np.isfinite(line.y).any() else [crosses]
 
 
 def curve_chart(sweep, figure, column, y_label, title="", y_log=False):

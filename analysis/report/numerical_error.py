@@ -51,13 +51,14 @@ def estimated_at(sweep, case, column):
 
 
 def with_error(sweep, case, column, digits=3):
-    """'0.4120 ± 0.0031', or the value alone if its error has not been estimated."""
+    """'0.4120 ± 0.0031', or the value alone if the error of this case has not been estimated."""
     value = case.value(column)
-    half = relative_error(sweep, case, column)[0] * abs(value)
-    if math.isnan(half):
+    relative, source = relative_error(sweep, case, column)
+    if source is not case:
         return number(value, digits)
+    half = relative * abs(value)
     places = min(6, max(0, 1 - math.floor(math.log10(half)))) if half > 0 else 6
-    return f"{value:.{places}f} ± {half:.{places}f}" + estimated_at(sweep, case, column)
+    return f"{value:.{places}f} ± {half:.{places}f}"
 
 
 def numerical_variants(sweep, case, column):

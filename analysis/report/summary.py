@@ -88,20 +88,18 @@ def only_numerical(sweep, cases):
 
 
 def estimate(sweep, case, column="eta_period_1"):
-    """States the numerical error of a column, or that it is unknown."""
+    """States the numerical error of a column and, if that of a ratio is unknown, of eta."""
     relative = relative_error(sweep, case, column)[0]
-    if math.isnan(relative):
+    if not math.isnan(relative):
+        return (f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %"
+                f"{estimated_at(sweep, case, column)}.")
+    if column == "eta_period_1" or math.isnan(relative_error(sweep, case, "eta_period_1")[0]):
         return " Numerical error not estimated: run shearwake converge."
-    return f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %{at_another(sweep, case, column)}."
+    return estimate(sweep, case)[:-1] + f"; that of {quantity(column)} is not estimated."
 
 
 def quantity(column):
     return "the ratio" if "over_reference" in column else "η"
-
-
-def at_another(sweep, case, column):
-    """The case at which the error of a ratio was estimated; the error of eta itself is stated next to its value."""
-    return estimated_at(sweep, case, column) if "over_reference" in column else ""
 
 
 def without_best(sweep, cases):
@@ -126,7 +124,7 @@ def indistinct(sweep, best, cases, column):
     if not near:
         return text + estimate(sweep, best, column)
     return (f"{text} {further(near)} from this case by no more than the numerical error of both, "
-            f"{number(100 * relative, 2)} % of {quantity(column)} each{at_another(sweep, best, column)}.")
+            f"{number(100 * relative, 2)} % of {quantity(column)} each{estimated_at(sweep, best, column)}.")
 
 
 def further(cases):

@@ -154,7 +154,7 @@ class Errors(FilesTest):
     def refused(self, name, *words, expect=3):
         self.says(self.imported(name, expect=expect), *words)
 
-    def test_files_that_are_no_studies_are_explained(self):
+    def test_files_that_are_not_studies_are_explained(self):
         (self.folder / "text.mat").write_text("no study", encoding="utf-8")
         self.refused("text.mat", "is neither an HDF5 file nor a .mat file but a text file", '"no study"')
         self.refused("nowhere.mat", "nowhere.mat: no such file", "the working directory is", expect=6)

@@ -52,7 +52,7 @@ class Movie(ProgramTest):
         self.says(self.shearwake("movie", case, expect=6).said, "fewer than two surfaces", "record.frames = true",
                   "the movie was not written (exit 6)")
 
-    def test_a_file_that_is_no_case_is_rejected(self):
+    def test_a_file_that_is_not_a_case_file_is_rejected(self):
         (self.folder / "no.h5").write_text("nothing", encoding="utf-8")
         self.says(self.shearwake("movie", "no.h5", expect=6).said, "no.h5 is not a valid case file")
         self.says(self.shearwake("movie", "none.h5", expect=6).said, "none.h5: no such case file; run the job first")

@@ -48,7 +48,7 @@ class HeadlineTest(unittest.TestCase):
         (folder.path / "converge" / "converge.json").write_text(json.dumps({"schema": 1, "cases": [
             {"id": i, "columns": {"eta_period_1": {"error": e}}} for i, e in errors.items()]}))
 
-    def test_a_reading_that_is_not_valid_is_no_result(self):
+    def test_a_reading_that_is_not_valid_is_not_a_result(self):
         folder = Folder(self.root)
         folder.add({AM: 100.0}, scalars={"eta_period_1": 0.8}, warnings=[INVALID])
         folder.add({AM: 200.0}, scalars={"eta_period_1": 0.3}, warnings=[RETURNS])
@@ -87,7 +87,7 @@ class HeadlineTest(unittest.TestCase):
                       "converge.", text)
         self.assertNotIn("best", text)
 
-    def test_the_difference_between_engines_is_no_numerical_error(self):
+    def test_the_difference_between_engines_is_not_a_numerical_error(self):
         folder = Folder(self.root, series=[ENGINE], swept=[AM, ENGINE])
         for f, etas in ((100.0, (0.40, 0.42)), (200.0, (0.41, 0.43)), (300.0, (0.20, 0.21))):
             for engine, eta in zip(("layered", "pstd"), etas):
@@ -103,8 +103,8 @@ class HeadlineTest(unittest.TestCase):
         folder = self.folder([0.300, 0.500, 0.501])
         self.errors(folder, {case_id(1): 0.003})  # 1 %
         text = self.result(folder)
-        self.assertIn("is highest, 0.5010 ± 0.0050 (error estimated at AM frequency 100 Hz), at AM frequency 300 Hz. "
-                      "1 further case differs from this case by no more than the numerical error of both, 1 %", text)
+        self.assertIn("is highest, 0.501, at AM frequency 300 Hz. 1 further case differs from this case by no more than the "
+                      "numerical error of both, 1 % of η each (error estimated at AM frequency 100 Hz).", text)
 
     def test_the_error_of_the_case_itself_names_no_other_case(self):
         folder = self.folder([0.3, 0.5])
@@ -126,6 +126,14 @@ class HeadlineTest(unittest.TestCase):
             folder.add({AM: 100.0 * (n + 1)}, case_id(len(etas) + 1), scalars={"eta_period_1": eta}, warnings=warnings)
         folder.add({}, is_reference=True, kind="STM", scalars={"eta_period_1": below}, **reference)
         return folder
+
+    def test_the_error_of_a_reference_alone_is_not_that_of_the_ratio(self):
+        folder = self.with_reference([(0.3, []), (0.5, [])], 0.2)
+        self.errors(folder, {case_id(3): 0.002})  # 1 %
+        text = self.result(folder)
+        self.assertIn("its efficiency η (eta_period_1) is 0.5, 2.5 times the 0.2 of plain STM. The numerical error of η is "
+                      "1 % (error estimated at plain STM); that of the ratio is not estimated.", text)
+        self.assertNotIn("±", text)
 
     def test_a_reference_that_is_not_valid_is_not_compared(self):
         text = self.result(self.with_reference([(0.3, []), (0.5, [])], 0.2, warnings=[INVALID]))

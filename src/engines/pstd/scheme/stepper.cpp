@@ -200,7 +200,7 @@ void Stepper<Real>::stress_plane(std::ptrdiff_t x) {
     const bool lossy = absorption_ == Absorption::kelvin_voigt;
     const std::ptrdiff_t ny = slabs_.ny(), pitch = slabs_.pitch;
     derive_velocities(x);
-    // A derivative and, lossy, the one of the acceleration beside it.
+    // A derivative and, lossy, that of the acceleration.
     struct Pair {
         const Real *e, *de;
     };
