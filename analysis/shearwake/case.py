@@ -57,13 +57,13 @@ class Case:
     @property
     def _row(self) -> dict[str, Any]:
         """The row of the table of `reduce`; empty if there is none."""
-        table = self.sweep._reduced if self.sweep else None
+        table = self.sweep._reduced if self.sweep is not None else None
         return table.rows.get(self.id, {}) if table else {}
 
     @property
     def is_complete(self) -> bool:
         """Whether the case has a file. A file with its final name is complete."""
-        return self.sweep._has_file(self.id) if self.sweep else self.path.exists()
+        return self.sweep._has_file(self.id) if self.sweep is not None else self.path.exists()
 
     @property
     def status(self) -> str:
@@ -83,7 +83,7 @@ class Case:
     @property
     def reference(self) -> Case | None:
         """The reference of this case, or None."""
-        return self.sweep[self.reference_id] if self.sweep and self.reference_id else None
+        return self.sweep[self.reference_id] if self.sweep is not None and self.reference_id else None
 
     @functools.cached_property
     def _scalars(self) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:

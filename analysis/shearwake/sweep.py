@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 
 class Sweep:
-    """An output folder. `cases` are its cases in the order of the plan, without references."""
+    """An output folder. `cases` are its cases in the order of the plan, `references` their references, and `every_case`
+    both."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
@@ -31,17 +32,9 @@ class Sweep:
         self.x: str = plan["table"]["x"]
         self.series_keys: list[str] = plan["table"]["series"]
         self.every_case = [Case(self.folder / "cases" / (entry["id"] + ".h5"), entry, self) for entry in plan["cases"]]
+        self.cases = [case for case in self.every_case if not case.is_reference]
+        self.references = [case for case in self.every_case if case.is_reference]
         self._by_id = {case.id: case for case in self.every_case}
-
-    @property
-    def cases(self) -> list[Case]:
-        """The cases in the order of the plan, without references."""
-        return [case for case in self.every_case if not case.is_reference]
-
-    @property
-    def references(self) -> list[Case]:
-        """The references of the cases."""
-        return [case for case in self.every_case if case.is_reference]
 
     def __getitem__(self, case_id: str) -> Case:
         return self._by_id[case_id]
