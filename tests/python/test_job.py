@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Jobs of the package are checked, planned and run, and errors become exceptions with the text of the program."""
 import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -42,7 +43,7 @@ class Jobs(InFolder):
             self.assertIn("did you mean peak_Pa?", str(caught.exception))
 
     def test_warnings_are_returned(self):
-        warnings = job(("spacing_mm = 1.5", "spacing_mm = 4.0")).check()
+        warnings = job(("spacing_mm = 1.5", "spacing_mm = 2.0")).check()
         self.assertTrue(warnings)
         self.assertEqual({w.severity for w in warnings}, {"warning"})
         self.assertEqual({w.file for w in warnings}, {"<Job small>"})
@@ -80,14 +81,11 @@ class Jobs(InFolder):
         job(("name = \"small\"", "name = \"reading\"")).run()
         text = ("import shearwake; s = shearwake.open('out/reading'); print(float(s.dataset('peak_um').peak_um.max()))\n"
                 "try: shearwake.Job('schema = 1\\n').check()\nexcept shearwake.ProgramNotFound as e: print(e)")
-        package = Path("elsewhere/shearwake")
-        package.parent.mkdir()
-        package.symlink_to(Path(shearwake.__file__).parent)
+        shutil.copytree(Path(shearwake.__file__).parent, "elsewhere/shearwake")
         done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True, env={
             **{k: v for k, v in os.environ.items() if k != "SHEARWAKE"}, "PATH": "/nowhere", "PYTHONPATH": "elsewhere"})
         self.assertRegex(done.stdout.splitlines()[0], r"^\d+\.\d+$")
-        if not (program.ROOT / "build" / "shearwake").exists():
-            self.assertIn("not on the PATH", done.stdout)
+        self.assertIn("not on the PATH", done.stdout)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import pandas as pd
 from study import AM, FWHM, InFolder, job, program, shearwake
 
 OPENED = []
-sys.addaudithook(lambda event, arguments: OPENED.append(str(arguments[0])) if event == "open" else None)
+sys.addaudithook(lambda event, arguments: OPENED.append(str(arguments[0])) if event in ("open", "os.scandir") else None)
 
 
 class Counting:
