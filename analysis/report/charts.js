@@ -7,7 +7,7 @@ const hiddenCases = new Set();
 function numberText(value) {
   if (value === null || value === undefined || !isFinite(value)) return "–";
   const size = Math.abs(value);
-  const text = size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3) : String(Number(value.toPrecision(4)));
+  const text = size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3).replace(/\.?0+e/, "e") : String(Number(value.toPrecision(4)));
   return text.replace("-", "\u2212");
 }
 
@@ -81,7 +81,8 @@ function evenSteps(low, high) {
 function axes(panel) {
   const look = {stroke: "#222", grid: {stroke: "#e6e6e6", width: 1}, ticks: {stroke: "#888", width: 1}, font: "12px sans-serif",
     labelFont: "12px sans-serif"};
-  const x = {...look, label: panel.x_label}, y = {...look, label: panel.y_label, size: 62};
+  const x = {...look, label: panel.x_label}, y = {...look, label: panel.y_label,
+    size: (plot, values) => Math.max(62, 18 + 6.8 * Math.max(0, ...(values || []).map(text => (text || "").length)))};
   if (panel.x_names) {
     x.splits = () => panel.x_names.map((_, i) => i);
     x.values = (plot, splits) => splits.map(i => panel.x_names[i] ?? "");

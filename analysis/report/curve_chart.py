@@ -5,6 +5,7 @@ import numpy as np
 import layout
 import style
 from chart import Chart, Line
+from numerical_error import valid
 from validity import split
 from words import value_text
 
@@ -25,7 +26,8 @@ def draw_errors(axes, x, y, cases, column, colour):
 
 
 def have_errors(sweep, column):
-    return bool(np.isfinite(errors(layout.ordinary(sweep), column)).any())
+    """Whether a valid case has an error; values that are not valid have no error bars."""
+    return bool(np.isfinite(errors(valid(sweep, column), column)).any())
 
 
 def error_caption(sweep, *columns):

@@ -77,6 +77,7 @@ class Study:
         self.read_medium(parts["medium"])
         check_plausible(self)
         self.enlarge_if_layer_is_outside()
+        check_time_step(self)
         self.sources = []
         self.read_sources(parts["source"])
         check_spectrum(self)
@@ -171,7 +172,6 @@ class Study:
             if self.layer_speed_m_s <= 0.0:
                 raise BadInput(f"medium.sound_speed_ref is {self.layer_speed_m_s:g}; it must be greater than 0")
         check_medium(self)
-        check_time_step(self)
 
     def c_p_at(self, nodes):
         c_p = self.medium["c_p_m_s"]

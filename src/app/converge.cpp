@@ -11,6 +11,7 @@
 #include "schedule/run.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
+#include "storage/journal/run_lock.hpp"
 
 #include <fmt/format.h>
 #include <map>
@@ -60,12 +61,8 @@ std::vector<std::string> headlines() {
 }
 
 std::string command_line(const ConvergeArguments& arguments) {
-    std::string line =
-        schedule::run_command_line(arguments.job, arguments.overrides, arguments.out);
-    line.replace(line.find(" run "), 5, " converge ");
-    if (!arguments.only.empty()) line += fmt::format(" --only {}", fmt::join(arguments.only, ","));
-    if (arguments.only.empty()) line += fmt::format(" --cases {}", arguments.cases);
-    return line;
+    return schedule::command_line("converge", arguments) +
+           (arguments.only.empty() ? fmt::format(" --cases {}", arguments.cases) : "");
 }
 
 /// The columns of the table that the study does not cover.
@@ -112,6 +109,8 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
     job.plan = refined.plan;
     job.diagnostics.clear(); // `run` reports them
     on_root(world, [&] {
+        storage::make_directory(study.root);
+        const storage::RunLock lock(study.run_lock(), storage::RunLock::Sharing::alone);
         // Another selection replaces the plan; the cases that both have remain.
         if (std::filesystem::exists(study.plan()) &&
             storage::compare_plan(storage::read_file(study.plan()), job.plan) !=

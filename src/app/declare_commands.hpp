@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
+#include "schedule/run_arguments.hpp"
 
 #include <CLI/CLI.hpp>
 #include <functional>
@@ -11,6 +12,12 @@ namespace shearwake::app {
 
 /// Runs the command that the command line names; set by the callback of its subcommand.
 using Action = std::function<ExitCode(const Comm&)>;
+
+/// Adds JOB and -S to a command that reads a job.
+void add_job(CLI::App* command, schedule::JobArguments& arguments);
+
+/// Adds the option --ranks-per-case, whose default is 0: chosen by the program.
+void add_ranks_per_case(CLI::App* command, int& ranks);
 
 /// Adds the option --json to a command that prints a document instead of text.
 void add_json(CLI::App* command, bool& json);

@@ -11,13 +11,6 @@
 namespace shearwake::app {
 namespace {
 
-void add_job(CLI::App* command, schedule::JobArguments& arguments) {
-    command->add_option("JOB", arguments.job, "job file (TOML)")->required();
-    command->add_option("-S", arguments.overrides, "override a key of the job: -S load.peak_Pa=200")
-        ->type_name("KEY=VALUE")
-        ->take_all();
-}
-
 void add_elsewhere(CLI::App* command, CheckArguments& arguments) {
     command->add_flag_callback(
         "--elsewhere", [&arguments] { arguments.target = schedule::Target::elsewhere; },
@@ -33,13 +26,6 @@ void add_check(CLI::App& app, Action& action) {
     command->callback([=, &action] {
         action = [=](const Comm& world) { return check_command(*arguments, world); };
     });
-}
-
-void add_ranks_per_case(CLI::App* command, int& ranks) {
-    command->add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
-        ->type_name("N|auto")
-        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}).description(""))
-        ->check(CLI::Range(0, 1000000).description(""));
 }
 
 void add_plan(CLI::App& app, Action& action) {
@@ -132,6 +118,20 @@ void add_schema(CLI::App& app, Action& action) {
 void add_json(CLI::App* command, bool& json) {
     command->add_flag("--json", json,
                       "print a JSON document instead of text (docs/reference/json-output.md)");
+}
+
+void add_job(CLI::App* command, schedule::JobArguments& arguments) {
+    command->add_option("JOB", arguments.job, "job file (TOML)")->required();
+    command->add_option("-S", arguments.overrides, "override a key of the job: -S load.peak_Pa=200")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+}
+
+void add_ranks_per_case(CLI::App* command, int& ranks) {
+    command->add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
+        ->type_name("N|auto")
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}).description(""))
+        ->check(CLI::Range(0, 1000000).description(""));
 }
 
 void add_job_commands(CLI::App& app, Action& action) {

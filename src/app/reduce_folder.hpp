@@ -7,8 +7,8 @@
 namespace shearwake::app {
 
 /// Writes the tables of an output folder. Without plan.json the plan is reconstructed from the case
-/// files. Throws UsageError (environment) if this is not an output folder. Not collective.
-/// Writes the tables of the folder, see reduce::reduce(). Not collective.
+/// files; see reduce::reduce(). Throws UsageError (environment) if this is not an output folder.
+/// Not collective.
 reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder,
                                     reduce::ErrorColumns errors);
 

@@ -35,8 +35,8 @@ struct Tally {
 
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
-    /// Computing time of all teams together that remains, in s. The running cases count as half
-    /// done if they take longer than the average case.
+    /// Computing time of all teams together that remains, in s. Of the running cases, the elapsed
+    /// time is subtracted, but at most half of an average case.
     double work_left_s() const {
         const double all_s = static_cast<double>(to_do()) * seconds_per_case();
         const double running_s = static_cast<double>(running) * seconds_per_case();
@@ -115,7 +115,9 @@ struct State {
 std::string next_step(const schedule::OutputFolder& folder, const State& state) {
     const Tally& tally = state.tally;
     const std::string run =
-        schedule::run_command_line(folder.job(), state.journal.overrides, folder.root);
+        state.journal.resumed_by.empty()
+            ? schedule::run_command_line(folder.job(), state.journal.overrides, folder.root)
+            : state.journal.resumed_by; // a study of `converge`
     if (tally.to_do() > 0) {
         const schedule::ShardStates shards = schedule::shard_states(folder, tally.open);
         // A run of the complete sweep is active if no shard is; of a run on another host, the shard

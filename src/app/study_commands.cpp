@@ -10,11 +10,7 @@ void add_converge(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(
         "converge", "estimate the numerical error: compute some cases with half the spacing, half "
                     "the time step and twice the domain");
-    command->add_option("JOB", arguments->job, "job file (TOML)")->required();
-    command
-        ->add_option("-S", arguments->overrides, "override a key of the job: -S load.peak_Pa=200")
-        ->type_name("KEY=VALUE")
-        ->take_all();
+    add_job(command, *arguments);
     command->add_option("--out", arguments->out,
                         "output folder of the sweep (default: out/<job name>); the study is in "
                         "its subfolder converge");
@@ -27,11 +23,7 @@ void add_converge(CLI::App& app, Action& action) {
                      "their references")
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
-    command
-        ->add_option("--ranks-per-case", arguments->ranks_per_case,
-                     "ranks per team (default 0: chosen)")
-        ->type_name("N")
-        ->check(CLI::Range(0, 1000000));
+    add_ranks_per_case(command, arguments->ranks_per_case);
     command
         ->add_option("--walltime", arguments->walltime,
                      "start no case that cannot finish within this time")
@@ -39,7 +31,9 @@ void add_converge(CLI::App& app, Action& action) {
     command->add_flag("--allow-mixed", arguments->allow_mixed,
                       "use results of another version of the program");
     command->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
-    command->add_flag("--quiet", arguments->quiet, "print no progress");
+    command->add_flag("--force", arguments->force,
+                      "run although the estimates exceed the memory or the disk");
+    command->add_flag("--quiet", arguments->quiet, "print only errors");
     command->callback([=, &action] {
         action = [=](const Comm& world) { return converge_command(*arguments, world); };
     });

@@ -57,7 +57,7 @@ struct Field {
     bool own_tables = false; // of a choice: each alternative has a table with its name
     /// In job files, where it differs from the type of the field or there is none: "number",
     /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "point", "points", "point
-    /// or triple", "path", "table".
+    /// or word:a|b", "point or triple", "path", "table".
     const char* type = "";
     const char* fallback = ""; // in the reference, when the default is not the struct's own value
     const char* meaning = "";  // in the reference

@@ -99,7 +99,7 @@ void time_steps(std::ptrdiff_t steps, spectral::Stepper& stepper, spectral::Step
                 const fft::SlabTransform& slabs, const Comm& world, Measured& m) {
     fft::AlignedVector<double> bare(static_cast<std::size_t>(m.planes * slabs.share().reals));
     spectral::StepClock aside;
-    spectral::StrainPlanes lines(stepper.field(), slabs, world, aside, {});
+    spectral::StrainPlanes lines(stepper.field().cells(), slabs, world, aside, {});
     spectral::LateralField::Values values(stepper.field().size(), 0.0);
     if (m.planes > 0) lines.assemble();
     for (std::ptrdiff_t n = 0; n < steps; ++n) {

@@ -176,6 +176,7 @@ struct AfferentOptions {
     std::vector<Vec2> pins_m = {{}}; // on the patch
     double pin_radius_m = 1e-3;
     double silence_s = 20e-3; // before and after the motion
+    int periods = 10;         // repetitions of the motion in the periodic regime
     Switch noise = Switch::off;
     Switch conduction_delay = Switch::off;
     bool operator==(const AfferentOptions&) const = default;
@@ -239,6 +240,12 @@ void walk_fields(Walk& walk, Options& o) {
                        .range = Range::between(0.0, 1e4),
                        .meaning = "duration of rest before the motion, and of a smooth return to "
                                   "rest after it; spikes outside the motion are discarded"});
+    walk(o.periods,
+         {.key = "periods",
+          .range = Range::between(1.0, 1e4),
+          .in_text = o.periods != AfferentOptions{}.periods,
+          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load to "
+                     "which the receptors respond"});
     walk(o.noise, {.key = "noise", .meaning = "noise of the neuron model"});
     walk(o.conduction_delay,
          {.key = "conduction_delay", .meaning = "conduction delays along the nerve"});

@@ -6,6 +6,7 @@
 #include "case/solver_options.hpp"
 #include "case/volume.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -14,13 +15,20 @@
 
 namespace shearwake {
 
-/// Periodic rectangle centred on the origin with points x_i = (i - nx/2) spacing and y_j = (j -
+/// The surface outside of the domain: copies of it, or an infinite plane that carries no load.
+enum class DomainEdges { periodic, open };
+constexpr auto names_of(std::type_identity<DomainEdges>) {
+    return std::array{"periodic", "open"};
+}
+
+/// Rectangle centred on the origin with points x_i = (i - nx/2) spacing and y_j = (j -
 /// ny/2) spacing. nx and ny are even products of 2, 3, 5 and 7 of at least extent / spacing.
 struct Domain {
     std::ptrdiff_t nx = 0;
     std::ptrdiff_t ny = 0;
     double spacing_m = 0.0;
     double sponge_m = 0.0; // width of the margin on each side that is excluded from the measures
+    DomainEdges edges = DomainEdges::periodic;
     bool operator==(const Domain&) const = default;
 
     double extent_x_m() const { return static_cast<double>(nx) * spacing_m; }
@@ -41,8 +49,8 @@ void walk_fields(Walk& walk, D& domain) {
          .given = Given::required,
          .type = "point",
          .meaning =
-             "width along x and y; enlarged to the next grid size with fast FFTs. The edges are "
-             "periodic: choose it so large that no wave returns (`check` reports how large)"});
+             "width along x and y; enlarged to the next grid size with fast FFTs. Periodic edges: "
+             "choose it so large that no wave returns (`check` reports how large)"});
     walk(domain.nx, {.text = "nx"});
     walk(domain.ny, {.text = "ny"});
     walk(domain.spacing_m, {.key = "spacing_mm",
@@ -61,12 +69,27 @@ void walk_fields(Walk& walk, D& domain) {
               "reports the energy that returns; see "
               "[edges](../explanation/engine-spectral.md#edges)). Engine `\"pstd\"`: width of its "
               "absorbing layer"});
+    walk(domain.edges,
+         {.key = "edges",
+          .in_text = domain.edges != DomainEdges::periodic,
+          .meaning =
+              "`\"periodic\"`: waves that leave through one edge return through the opposite "
+              "one; `\"open\"` (engine `\"layered\"`): the field on an infinite plane, so "
+              "that the domain need only contain what is measured"});
 }
 
-/// Frames are at t = interval, 2 interval, ..., frames interval; at t = 0 nothing has moved.
+/// The load begins at t = 0, when nothing has moved; or it has always repeated.
+enum class Regime { transient, periodic };
+constexpr auto names_of(std::type_identity<Regime>) {
+    return std::array{"transient", "periodic"};
+}
+
+/// Frames are at t = interval, 2 interval, ..., frames interval. In the periodic regime they cover
+/// one period, and the last one is also the one at t = 0.
 struct TimeAxis {
     std::ptrdiff_t frames = 0;
     double interval_s = 0.0;
+    Regime regime = Regime::transient;
     bool operator==(const TimeAxis&) const = default;
 
     double duration_s() const { return static_cast<double>(frames) * interval_s; }
@@ -76,18 +99,32 @@ struct TimeAxis {
 template <class Walk, Is<TimeAxis> T>
 void walk_fields(Walk& walk, T& time) {
     walk.section("time");
+    walk(time.regime,
+         {.key = "regime",
+          .in_text = time.regime != Regime::transient,
+          .meaning = "`\"transient\"`: the load begins at t = 0; `\"periodic\"` (engine "
+                     "`\"layered\"`): the steady state of a load that has always repeated. The "
+                     "frames then cover one period"});
     walk.key({.key = "duration_ms",
               .range = Range::above(0.0),
-              .given = Given::required,
               .type = "number",
+              .fallback = "required; not used with `regime = \"periodic\"`",
               .meaning = "simulated time, a whole number of output intervals"});
+    walk.key({.key = "longest_period_ms",
+              .range = Range::above(0.0),
+              .type = "number",
+              .fallback = "1000",
+              .meaning = "with `regime = \"periodic\"`: longest common period of the load's "
+                         "frequencies that is accepted"});
     walk(time.frames, {.text = "frames"});
     walk(time.interval_s,
          {.key = "output_interval_us",
           .text = "interval_s",
           .range = Range::above(0.0),
           .given = Given::required,
-          .meaning = "time between the frames from which the measures are computed"});
+          .meaning =
+              "time between the frames from which the measures are computed. In the periodic "
+              "regime it is reduced, so that a period has an even number of frames"});
 }
 
 struct FrequencyBand {
@@ -102,7 +139,8 @@ struct MeasureOptions {
     double focal_radius_m = 0.0;
     std::vector<double> depths_m = {0.0};
     std::vector<FrequencyBand>
-        bands; // each gives a column with its share of the energy at the centre
+        bands;                  // each gives a column with its share of the energy at the centre
+    std::vector<Vec2> region_m; // corners of the measured polygon; none: all inside the sponge
     bool operator==(const MeasureOptions&) const = default;
 };
 
@@ -143,6 +181,21 @@ void walk_fields(Walk& walk, Options& o) {
                    .meaning = "frequency bands `[[low, high], ...]`. For each band the table has a "
                               "column with the fraction of the spectral energy at the centre that "
                               "lies in the band; frequencies up to 1/duration are left out"});
+    walk.key({.key = "region_mm",
+              .range = Range::above(0.0),
+              .type = "point or word:path|palm",
+              .fallback = "everything inside the sponge",
+              .meaning =
+                  "part of the surface in which eta, the participation ratios, the peak and "
+                  "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "
+                  "(the bounding box of the path and of the foci, 30 mm wider on each side), "
+                  "or `\"palm\"` (the outline of the palm of the hand on which "
+                  "`afferents.patch_mm` places the domain)"});
+    walk.key({.key = "region_center_mm",
+              .type = "point",
+              .fallback = "[0, 0]",
+              .meaning = "centre of a rectangle given by `region_mm`"});
+    walk(o.region_m, {.text = "region_{}_m", .in_text = !o.region_m.empty()});
 }
 
 /// Data that are stored in addition to the measures.

@@ -133,7 +133,8 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
             "less than the sponge plus two focus widths, {:.4g} mm: the wake is truncated",
             milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
     const auto* array = std::get_if<ArrayFootprint>(&c.scene().load.footprint);
-    if (array && room_m >= margin_m && room_m < array->reach_m)
+    if (array && c.domain.edges == DomainEdges::periodic && room_m >= margin_m &&
+        room_m < array->reach_m)
         notes.add(Severity::warning, "load.footprint",
                   "the focus comes within {:.4g} mm of the edge, but side lobes of the array are "
                   "computed up to {:.4g} mm from the focus: they also act on the opposite side of "
@@ -175,15 +176,18 @@ void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
     notes.add(Severity::warning, "domain.extent_mm",
               "waves of {:.4g} m/s leave through one edge and return through the opposite one into "
               "the measured region at {:.3g} ms, before the run ends at {:.4g} ms; a domain of "
-              "{:.0f} x {:.0f} mm would prevent this",
+              "{:.0f} x {:.0f} mm would prevent this{}",
               speed_m_s, milli(back_s), milli(end_s),
               std::ceil(milli(std::max(needed_x_m, c.domain.extent_x_m())) - 1e-6),
-              std::ceil(milli(std::max(needed_y_m, c.domain.extent_y_m())) - 1e-6));
+              std::ceil(milli(std::max(needed_y_m, c.domain.extent_y_m())) - 1e-6),
+              std::holds_alternative<LayeredOptions>(c.solver)
+                  ? ", and so would domain.edges = \"open\""
+                  : "");
 }
 
 void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
     const double width_m = c.domain.sponge_m;
-    if (!(width_m > 0.0) || edges == engines::Edges::layer) return;
+    if (!(width_m > 0.0) || edges == engines::Edges::layer || edges == engines::Edges::open) return;
     if (edges == engines::Edges::periodic) {
         notes.add(Severity::warning, "domain.sponge_mm",
                   "the edges of the engine \"{}\" are periodic and absorb nothing: the margin of "
@@ -201,6 +205,7 @@ void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
 }
 
 void check_measured_times(const Case& c, Notes& notes) {
+    if (c.time.regime == Regime::periodic) return; // the window is the period
     const double off_s = off_time_s(c.scene().load.modulation.trajectory);
     if (off_s + c.time.interval_s < c.measure.at_s)
         notes.add(Severity::warning, "measure.at_ms",
@@ -242,8 +247,9 @@ void check_pins(const Case& c, Notes& notes) {
     const double width_m = fwhm_m(c.scene().load.footprint);
     if (nearest_m > width_m)
         notes.add(Severity::warning, "afferents.pins_mm",
-                  "no pin is near the focus: the focus comes within {:.4g} mm of a pin at most, "
-                  "and is {:.4g} mm wide (FWHM), so that the afferents sense only the waves around "
+                  "no pin is near the focus: the smallest distance between them is {:.4g} mm, "
+                  "and the focus is {:.4g} mm wide (FWHM), so that the afferents sense only the "
+                  "waves around "
                   "it; move the pins, or omit afferents.pins_mm to place them on the path",
                   milli(nearest_m), milli(width_m));
 }

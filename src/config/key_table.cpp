@@ -184,7 +184,9 @@ private:
         return words_or_range(field);
     }
     static std::string words_or_range(const Field& field) {
-        if (const auto words = words_of(field); !words.empty()) return list_of(words);
+        if (const auto words = words_of(field); !words.empty())
+            return (std::string_view(field.type).starts_with("point") ? "`[x, y]`, " : "") +
+                   list_of(words);
         const std::string range = field.range.words();
         return range == Range{}.words() ? "" : range;
     }

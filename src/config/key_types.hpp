@@ -8,12 +8,14 @@
 
 namespace shearwake::config {
 
-/// The allowed words of a field whose type is "word:a|b"; none for other types.
+/// The allowed words of a field whose type is "word:a|b" or "point or word:a|b"; none for other
+/// types.
 inline std::vector<std::string> words_of(const Field& field) {
     const std::string type = field.type;
-    if (!type.starts_with("word:")) return {};
+    const std::size_t list = type.find("word:");
+    if (list == std::string::npos) return {};
     std::vector<std::string> words;
-    for (std::size_t at = 5, end = 0; end != std::string::npos; at = end + 1) {
+    for (std::size_t at = list + 5, end = 0; end != std::string::npos; at = end + 1) {
         end = type.find('|', at);
         words.push_back(type.substr(at, end == std::string::npos ? end : end - at));
     }

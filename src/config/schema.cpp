@@ -59,6 +59,7 @@ Json named_type(const Field& field) {
     const std::string type = field.type;
     Json point = list_of(number(field.range), 2, 2);
     if (type.starts_with("word:")) return one_of(words_of(field));
+    if (type.starts_with("point or word:")) return {{"anyOf", {point, one_of(words_of(field))}}};
     if (type == "word" || type == "file") return {{"type", "string"}};
     if (type == "number") return number(field.range);
     if (type == "integer") return number(field.range, true);

@@ -109,6 +109,7 @@ enum class Edges {
     periodic, // they continue at the opposite edge
     sponge,   // the margin Domain::sponge_m damps them (case/edge_absorption.hpp)
     layer,    // an absorbing layer of the engine
+    open,     // they leave for good: the plane is infinite
 };
 
 /// Options of the engine with half the time step, or with a smaller tolerance that has this effect.

@@ -19,6 +19,24 @@ std::vector<Remark> warnings_of(const std::vector<Choice>& choices) {
     return warnings;
 }
 
+std::vector<Remark> refused_edges(const Case& c) {
+    std::vector<Remark> refused;
+    if (c.time.regime == Regime::periodic)
+        refused.push_back(
+            {Severity::error, "time.regime",
+             fmt::format("is \"periodic\", which the engine \"{}\" does not support, since it "
+                         "steps from a state of rest; compute many repetitions with time.regime = "
+                         "\"transient\", or use solver.engine = \"layered\"",
+                         engine_name(c.solver))});
+    if (c.domain.edges == DomainEdges::periodic) return refused;
+    refused.push_back(
+        {Severity::error, "domain.edges",
+         fmt::format("is \"open\", which the engine \"{}\" does not support; use a margin "
+                     "domain.sponge_mm that absorbs waves, or solver.engine = \"layered\"",
+                     engine_name(c.solver))});
+    return refused;
+}
+
 std::vector<Remark> refused_losses(const Case& c) {
     std::vector<Remark> refused;
     for (const Layer& layer : c.scene().medium.layers)

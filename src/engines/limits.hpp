@@ -19,6 +19,10 @@ std::vector<std::string> notes_of(const std::vector<Choice>& choices);
 /// Warnings about the choices that reduce the accuracy.
 std::vector<Remark> warnings_of(const std::vector<Choice>& choices);
 
+/// Errors if the case requests open edges or the periodic regime, for engines that step in time on
+/// a periodic or absorbing domain.
+std::vector<Remark> refused_edges(const Case& c);
+
 /// Errors for the layers that are neither lossless nor Kelvin-Voigt, for engines that step in time.
 std::vector<Remark> refused_losses(const Case& c);
 

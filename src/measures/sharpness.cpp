@@ -58,10 +58,12 @@ double sharpness(View2<const double> mean_u2, const Domain& domain, const Region
     const std::vector<double> shares = shares_near(lines, reach_m, domain);
     double near = 0.0, all = 0.0;
     for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
-        for (std::ptrdiff_t j = region.y0; j < region.y1; ++j) {
-            near += shares[static_cast<std::size_t>(i * domain.ny + j)] * mean_u2(i, j);
-            all += mean_u2(i, j);
-        }
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+            for (std::ptrdiff_t j = first; j < end; ++j) {
+                near += shares[static_cast<std::size_t>(i * domain.ny + j)] * mean_u2(i, j);
+                all += mean_u2(i, j);
+            }
+        });
     return all > 0.0 ? near / all : std::numeric_limits<double>::quiet_NaN();
 }
 

@@ -60,6 +60,41 @@ std::vector<double> spectrum_frequencies_Hz(double duration_s) {
     return frequencies;
 }
 
+std::vector<double> trace_frequencies_Hz(const TimeAxis& time) {
+    if (time.regime == Regime::transient) return spectrum_frequencies_Hz(time.duration_s());
+    const double lines = std::min(highest_drawn_Hz * time.duration_s() * (1.0 + 1e-12),
+                                  0.5 * static_cast<double>(time.frames));
+    std::vector<double> frequencies;
+    for (int n = 0; n <= lines; ++n)
+        frequencies.push_back(n / time.duration_s());
+    return frequencies;
+}
+
+double strongest_line_Hz(std::span<const double> frequencies_Hz,
+                         std::span<const double> amplitudes) {
+    assert(frequencies_Hz.size() == amplitudes.size());
+    double largest = 0.0, at_Hz = nan;
+    for (std::size_t i = 1; i < frequencies_Hz.size(); ++i)
+        if (amplitudes[i] > largest) {
+            largest = amplitudes[i];
+            at_Hz = frequencies_Hz[i];
+        }
+    return at_Hz;
+}
+
+double line_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz) {
+    const auto samples = static_cast<double>(trace.size());
+    const double period_s = dt_s * samples;
+    double mean_square = 0.0;
+    for (double n = std::ceil(low_Hz * period_s - 1e-9);
+         n <= std::min(high_Hz * period_s + 1e-9, 0.5 * samples); ++n) {
+        const double amplitude = std::abs(transform(trace, dt_s, n / period_s)) / samples;
+        const bool is_single = n == 0.0 || 2.0 * n == samples; // others occur at -f also
+        mean_square += (is_single ? 1.0 : 2.0) * amplitude * amplitude;
+    }
+    return std::sqrt(mean_square);
+}
+
 double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const double> amplitudes,
                          double lowest_Hz) {
     assert(frequencies_Hz.size() == amplitudes.size());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "case/case.hpp"
+
 #include <span>
 #include <vector>
 
@@ -18,6 +20,18 @@ std::vector<double> amplitude_spectrum(std::span<const double> trace, double dt_
 /// 0 to 2000 Hz in steps of 1, 2 or 5 times a power of ten, at most a quarter of 1/T and at most 10
 /// Hz, which is fine enough for a curve.
 std::vector<double> spectrum_frequencies_Hz(double duration_s);
+
+/// The frequencies at which the spectrum of a trace is stored: those above or, in the periodic
+/// regime, the lines of the period up to 2000 Hz.
+std::vector<double> trace_frequencies_Hz(const TimeAxis& time);
+
+// A trace of exactly one period has a line spectrum, at multiples of 1/T.
+
+/// The frequency of the strongest line above 0 Hz; NaN if there is none.
+double strongest_line_Hz(std::span<const double> frequencies_Hz,
+                         std::span<const double> amplitudes);
+/// Root mean square of the lines between two frequencies, ends included.
+double line_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz);
 
 /// The frequency of the largest amplitude at or above lowest_Hz, refined by the parabola through it
 /// and its neighbours. NaN if the amplitude is zero, or largest at the edge of the range, so that

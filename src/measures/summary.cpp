@@ -163,10 +163,9 @@ struct Band {
 constexpr std::array<Band, 3> bands = {
     {{"rms_40_400_um", 40.0, 400.0}, {"rms_5_300_um", 5.0, 300.0}, {"rms_5_800_um", 5.0, 800.0}}};
 
-/// du/dt multiplied by the time between frames, starting at rest.
-std::vector<double> differences(std::span<const double> u) {
+/// du/dt multiplied by the time between frames, starting at `last`.
+std::vector<double> differences(std::span<const double> u, double last) {
     std::vector<double> steps;
-    double last = 0.0;
     for (const double value : u) {
         steps.push_back(value - last);
         last = value;
@@ -178,7 +177,7 @@ std::vector<double> differences(std::span<const double> u) {
 class SpectrumColumns {
 public:
     SpectrumColumns(Columns& columns, const Case& c, const std::vector<TraceSeries>& traces)
-        : columns_(columns), dt_s_(c.time.interval_s) {
+        : columns_(columns), time_(c.time), dt_s_(c.time.interval_s) {
         const auto at_origin = std::find_if(traces.begin(), traces.end(),
                                             [](const TraceSeries& t) { return t.at_m == Vec2{}; });
         const TraceSeries* trace = nullptr;
@@ -192,7 +191,7 @@ public:
         }
         where_ = {{"place", fmt::format("({:g}, {:g})", trace->at_m.x * 1e3, trace->at_m.y * 1e3)}};
         displacement_ = trace->u_m;
-        velocity_ = differences(trace->u_m);
+        velocity_ = differences(trace->u_m, is_periodic() ? trace->u_m.back() : 0.0);
     }
 
     std::span<const double> displacement() const { return displacement_; }
@@ -202,11 +201,12 @@ public:
         double peak_Hz = nan;
         std::string trouble = note_;
         if (note_.empty()) {
-            const double duration_s = dt_s_ * static_cast<double>(values.size());
-            const std::vector<double> frequencies = spectrum_frequencies_Hz(duration_s);
-            peak_Hz = peak_frequency_Hz(frequencies, amplitude_spectrum(values, dt_s_, frequencies),
-                                        1.0 / duration_s);
-            if (std::isnan(peak_Hz))
+            const double duration_s = time_.duration_s();
+            const std::vector<double> frequencies = trace_frequencies_Hz(time_);
+            const auto amplitudes = amplitude_spectrum(values, dt_s_, frequencies);
+            peak_Hz = is_periodic() ? strongest_line_Hz(frequencies, amplitudes)
+                                    : peak_frequency_Hz(frequencies, amplitudes, 1.0 / duration_s);
+            if (std::isnan(peak_Hz) && !is_periodic())
                 trouble = fmt::format("the spectrum is largest at the edge of the range: no peak "
                                       "between {:.3g} and 2000 Hz",
                                       1.0 / duration_s);
@@ -215,19 +215,18 @@ public:
     }
     void add_rms(const Band& band) {
         const std::string trouble = why_not(band.high_Hz);
-        columns_.add(
-            band.column,
-            trouble.empty() ? band_rms(displacement_, dt_s_, band.low_Hz, band.high_Hz) * 1e6 : nan,
-            trouble, where_);
+        columns_.add(band.column,
+                     trouble.empty() ? rms(displacement_, band.low_Hz, band.high_Hz) * 1e6 : nan,
+                     trouble, where_);
     }
     void add_share(const char* name, std::span<const double> values, const FrequencyBand& band) {
         const std::string trouble = why_not(band.high_Hz);
         double share = nan;
         if (trouble.empty()) {
-            const double duration_s = dt_s_ * static_cast<double>(values.size());
-            const double low_Hz = std::max(band.low_Hz, 1.0 / duration_s);
-            share = std::pow(band_rms(values, dt_s_, low_Hz, std::max(low_Hz, band.high_Hz)) /
-                                 band_rms(values, dt_s_, 1.0 / duration_s, 0.5 / dt_s_),
+            const double lowest_Hz = 1.0 / time_.duration_s();
+            const double low_Hz = std::max(band.low_Hz, lowest_Hz);
+            share = std::pow(rms(values, low_Hz, std::max(low_Hz, band.high_Hz)) /
+                                 rms(values, lowest_Hz, 0.5 / dt_s_),
                              2);
         }
         std::vector<Detail> details = where_;
@@ -237,12 +236,18 @@ public:
     }
 
 private:
+    bool is_periodic() const { return time_.regime == Regime::periodic; }
+    double rms(std::span<const double> values, double low_Hz, double high_Hz) const {
+        return is_periodic() ? line_rms(values, dt_s_, low_Hz, high_Hz)
+                             : band_rms(values, dt_s_, low_Hz, high_Hz);
+    }
     std::string why_not(double high_Hz) const {
         if (!note_.empty() || high_Hz <= 0.5 / dt_s_) return note_;
         return fmt::format("frames every {:g} us cannot represent {:g} Hz", dt_s_ * 1e6, high_Hz);
     }
 
     Columns& columns_;
+    TimeAxis time_;
     double dt_s_;
     std::string note_; // why there is no trace
     std::vector<Detail> where_;
@@ -304,9 +309,29 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
     if (note.empty()) // steps of a quarter of a sample shorten curves by less than a hundredth of
                       // one
         value = sharpness({mean_u2.data(), c.domain.nx, c.domain.ny}, c.domain,
-                          measured_region(c.domain),
+                          measured_region(c.domain, c.measure),
                           drawn_shape(c.scene().load.modulation, 0.25 * c.domain.spacing_m), fwhm);
     columns.add("sharpness_1", value, note);
+}
+
+/// The bounding box and the area of a stated region, clipped to the domain.
+void add_region(Columns& columns, const Case& c) {
+    if (c.measure.region_m.empty()) return;
+    const Region region = measured_region(c.domain, c.measure);
+    const Domain& d = c.domain;
+    const auto add = [&](const char* name, double value) {
+        if (region.samples() > 0)
+            columns.add(name, value, "");
+        else
+            columns.add(name, nan, "the region contains no sample");
+    };
+    const auto edge_mm = [](double at_m) { return at_m * 1e3; };
+    const double cell_mm = d.spacing_m * 1e3;
+    add("region_mm2", static_cast<double>(region.samples()) * cell_mm * cell_mm);
+    add("region_from_x_mm", edge_mm(d.x_m(region.x0)));
+    add("region_to_x_mm", edge_mm(d.x_m(region.x1)));
+    add("region_from_y_mm", edge_mm(d.y_m(region.y0)));
+    add("region_to_y_mm", edge_mm(d.y_m(region.y1)));
 }
 
 } // namespace
@@ -329,6 +354,7 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
     add_mach(columns, c, mach);
     add_sharpness(columns, c, window, mean_u2);
     columns.add("periods", window.fits() ? window.periods : nan, window.reason);
+    add_region(columns, c);
 
     for (std::size_t d = 1; d < depths.size(); ++d) {
         const Readings below = read(c, window, depths[d]);

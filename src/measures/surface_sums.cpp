@@ -44,6 +44,18 @@ std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_between(double from, double to, 
     return {static_cast<std::ptrdiff_t>(first), static_cast<std::ptrdiff_t>(end)};
 }
 
+/// Ascending y at which the line of constant x crosses the edges of a polygon.
+std::vector<double> row_crossings_m(std::span<const Vec2> corners, double x_m) {
+    std::vector<double> crossings;
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
+        if ((a.x <= x_m) == (b.x <= x_m)) continue;
+        crossings.push_back(a.y + (x_m - a.x) / (b.x - a.x) * (b.y - a.y));
+    }
+    std::ranges::sort(crossings);
+    return crossings;
+}
+
 } // namespace
 
 Region measured_region(const Domain& domain) {
@@ -58,6 +70,48 @@ Region measured_region(const Domain& domain) {
     const auto [x0, x1] = inside(domain.nx);
     const auto [y0, y1] = inside(domain.ny);
     return {.x0 = x0, .x1 = x1, .y0 = y0, .y1 = y1};
+}
+
+std::ptrdiff_t Region::samples() const {
+    std::ptrdiff_t count = 0;
+    for (std::ptrdiff_t i = x0; i < x1; ++i)
+        runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) { count += end - first; });
+    return count;
+}
+
+Region measured_region(const Domain& domain, const MeasureOptions& measure) {
+    Region region = measured_region(domain);
+    if (measure.region_m.empty()) return region;
+    const std::span<const Vec2> corners = measure.region_m;
+    // A millionth of a cell, so that rounding does not decide about samples on an edge.
+    const double h = domain.spacing_m, slack = 1e-6 * h;
+    Region cut = {.x0 = region.x1, .x1 = region.x0, .y0 = region.y1, .y1 = region.y0};
+    std::vector<std::vector<SampleRun>> rows;
+    for (std::ptrdiff_t i = region.x0; i < region.x1; ++i) {
+        std::vector<double> crossings = row_crossings_m(corners, domain.x_m(i) + slack);
+        std::vector<SampleRun> row;
+        for (std::size_t n = 0; n + 1 < crossings.size(); n += 2) {
+            const auto sample = [&](double y_m) {
+                const double at = std::ceil((y_m - slack) / h) + static_cast<double>(domain.ny / 2);
+                return std::clamp(static_cast<std::ptrdiff_t>(at), region.y0, region.y1);
+            };
+            const SampleRun run{sample(crossings[n]), sample(crossings[n + 1])};
+            if (run.end > run.first) row.push_back(run);
+        }
+        if (!row.empty()) {
+            cut.x0 = std::min(cut.x0, i);
+            cut.x1 = i + 1;
+            cut.y0 = std::min(cut.y0, row.front().first);
+            cut.y1 = std::max(cut.y1, row.back().end);
+        }
+        rows.push_back(std::move(row));
+    }
+    if (cut.x1 <= cut.x0)
+        return {.x0 = region.x0, .x1 = region.x0, .y0 = region.y0, .y1 = region.y0};
+    cut.cut.assign(rows.begin() + (cut.x0 - region.x0), rows.begin() + (cut.x1 - region.x0));
+    const std::vector<SampleRun> full = {{cut.y0, cut.y1}};
+    if (std::ranges::all_of(cut.cut, [&](const auto& row) { return row == full; })) cut.cut.clear();
+    return cut;
 }
 
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
@@ -75,17 +129,15 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     RowSums8 of_row;
     SurfaceSums sums;
     CompensatedSum u, abs_u, u2, u4;
-    for (std::ptrdiff_t i = begin; i < end; ++i) {
-        const auto row = slab.row(i - x_start)
-                             .subspan(static_cast<std::size_t>(region.y0),
-                                      static_cast<std::size_t>(region.y1 - region.y0));
-        kernels.row_sums(row.data(), std::ssize(row), of_row);
-        u.add(total(of_row.u));
-        abs_u.add(total(of_row.abs_u));
-        u2.add(total(of_row.u2));
-        u4.add(total(of_row.u4));
-        sums.peak = std::max(sums.peak, *std::ranges::max_element(of_row.peak.lane));
-    }
+    for (std::ptrdiff_t i = begin; i < end; ++i)
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            kernels.row_sums(slab.row(i - x_start).data() + first, last - first, of_row);
+            u.add(total(of_row.u));
+            abs_u.add(total(of_row.abs_u));
+            u2.add(total(of_row.u2));
+            u4.add(total(of_row.u4));
+            sums.peak = std::max(sums.peak, *std::ranges::max_element(of_row.peak.lane));
+        });
     sums.u = u.value();
     sums.abs_u = abs_u.value();
     sums.u2 = u2.value();
@@ -105,17 +157,19 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     CompensatedSum focal_u2, focal_weight;
     for (std::ptrdiff_t i = std::max(begin, x_first); i < std::min(end, x_end); ++i) {
         double row_u2 = 0.0, row_weight = 0.0;
-        for (std::ptrdiff_t j = std::max(region.y0, y_first); j < std::min(region.y1, y_end); ++j) {
-            double w = 0.0;
-            for (const Vec2& focus : foci_m)
-                w += disc_fraction(domain.x_m(i), domain.y_m(j), h, focus, focal_radius_m);
-            w = std::min(w, 1.0);
-            if (w == 0.0) continue;
-            const double value = slab(i - x_start, j);
-            row_u2 += w * value * value;
-            row_weight += w;
-            sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
-        }
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            for (std::ptrdiff_t j = std::max(first, y_first); j < std::min(last, y_end); ++j) {
+                double w = 0.0;
+                for (const Vec2& focus : foci_m)
+                    w += disc_fraction(domain.x_m(i), domain.y_m(j), h, focus, focal_radius_m);
+                w = std::min(w, 1.0);
+                if (w == 0.0) continue;
+                const double value = slab(i - x_start, j);
+                row_u2 += w * value * value;
+                row_weight += w;
+                sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
+            }
+        });
         focal_u2.add(row_u2);
         focal_weight.add(row_weight);
     }

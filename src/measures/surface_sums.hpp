@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 namespace shearwake::measures {
 
@@ -46,15 +47,35 @@ inline constexpr std::array sum_parts = {
 };
 static_assert(sizeof(SurfaceSums) == sum_parts.size() * sizeof(double), "a sum has no entry");
 
-/// Samples [x0, x1) x [y0, y1) of the global grid.
+/// Consecutive samples [first, end) of a row.
+struct SampleRun {
+    std::ptrdiff_t first = 0, end = 0;
+    bool operator==(const SampleRun&) const = default;
+};
+
+/// Samples [x0, x1) x [y0, y1) of the global grid, or those of them whose centres lie inside a
+/// polygon.
 struct Region {
     std::ptrdiff_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+    std::vector<std::vector<SampleRun>> cut = {}; // of rows x0 to x1 - 1; none: all of [y0, y1)
     bool operator==(const Region&) const = default;
+
+    /// Calls f(first, end) for each run of samples of the global row i, which is in [x0, x1).
+    template <class F>
+    void runs(std::ptrdiff_t i, F f) const {
+        if (cut.empty()) return f(y0, y1);
+        for (const SampleRun& run : cut[static_cast<std::size_t>(i - x0)])
+            f(run.first, run.end);
+    }
+    std::ptrdiff_t samples() const;
 };
 
 /// The measured region: the whole plane inside the sponge. It includes all samples whose distance
 /// from both edges of the domain, [-extent/2, extent/2), is at least the width of the sponge.
 Region measured_region(const Domain& domain);
+/// The part of that region whose samples have their centres inside the polygon of the options, if
+/// they have one.
+Region measured_region(const Domain& domain, const MeasureOptions& measure);
 
 /// Partial sums of the slab whose row i is the global row x_start + i and whose columns are all of
 /// y. The disc does not wrap around the periodic domain and ends at the edge of the region. Not

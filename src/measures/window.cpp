@@ -9,6 +9,9 @@
 namespace shearwake::measures {
 
 std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s) {
+    // The trapezoidal rule over one period, in which the first frame follows the last one.
+    if (time.regime == Regime::periodic)
+        return std::vector<double>(static_cast<std::size_t>(time.frames), 1.0);
     std::vector<double> weights(static_cast<std::size_t>(time.frames), 0.0);
     // In units of the interval: frame n is at n + 1, and nothing has moved at 0.
     const double from = from_s / time.interval_s, to = to_s / time.interval_s;
@@ -37,6 +40,11 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
     // periods of 1.4 ms.
     constexpr double slack = 1e-9;
     const double at = measure.at_s, settled = measure.settled_after_s;
+    if (time.regime == Regime::periodic)
+        return {.from_s = 0.0,
+                .to_s = time.duration_s(),
+                .periods = static_cast<int>(
+                    std::lround(modulation_frequency_Hz.value_or(0.0) * time.duration_s()))};
     PeriodWindow window{.from_s = settled, .to_s = at};
     if (at > time.duration_s() * (1.0 + slack)) {
         window.reason = fmt::format("the instant, {:g} ms, is after the end of the run at {:g} ms",

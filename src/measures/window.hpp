@@ -12,7 +12,8 @@ namespace shearwake::measures {
 
 /// Weights w_n, one per frame, in units of frames, such that sum_n w_n f(t_n) interval is the
 /// integral over [from, to] of the straight-line interpolant of f with f = 0 at t = 0. The ends may
-/// be between frames; times outside [0, duration] do not contribute.
+/// be between frames; times outside [0, duration] do not contribute. In the periodic regime all
+/// weights are 1: the integral over one period, whatever the ends.
 std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s);
 
 /// The time window of the `_period_` columns, or the reason why there is none.
@@ -31,7 +32,7 @@ constexpr double fewest_frames_a_period = 4.0;
 /// modulation, the whole settled part. A reason if not even one period fits, if `at` is after the
 /// end of the run, or if the frames are too far apart to resolve a period. Also a reason if the
 /// load was switched off (off_s) more than a frame before the instant, since there is no focus
-/// then.
+/// then. In the periodic regime the window is the period of the load.
 PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
                            std::optional<double> modulation_frequency_Hz,
                            double off_s = std::numeric_limits<double>::infinity());

@@ -227,11 +227,19 @@ FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& record
                       .name = planned.id};
     if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
         motion.modulation_Hz = carrier->am_frequency_Hz;
-        motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
+        const std::ptrdiff_t repetitions =
+            c.time.regime == Regime::periodic ? c.afferents->periods : 1;
+        motion.pins.u_m = {
+            std::vector<double>(static_cast<std::size_t>(c.time.frames * repetitions))};
     }
-    const auto from_rest = [](const measures::TraceSeries& series) {
-        std::vector<double> line(1, 0.0);
-        line.insert(line.end(), series.u_m.begin(), series.u_m.end() - 1);
+    const bool repeats = c.time.regime == Regime::periodic;
+    const auto from_rest = [&](const measures::TraceSeries& series) {
+        // The first sample is at t = 0: at rest, or in the state at the end of the period.
+        std::vector<double> line;
+        for (int period = 0; period < (repeats ? c.afferents->periods : 1); ++period) {
+            line.push_back(repeats ? series.u_m.back() : 0.0);
+            line.insert(line.end(), series.u_m.begin(), series.u_m.end() - 1);
+        }
         return line;
     };
     for (const measures::TraceSeries& pin : recorder.pins())

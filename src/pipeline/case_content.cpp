@@ -70,7 +70,7 @@ std::vector<Variable> root_series(const Case& c, const std::vector<measures::Dep
 }
 
 VariableGroup trace_group(const Case& c, const std::vector<measures::TraceSeries>& traces) {
-    const auto frequencies = measures::spectrum_frequencies_Hz(c.time.duration_s());
+    const auto frequencies = measures::trace_frequencies_Hz(c.time);
     std::vector<double> number, x, y, u, amplitude;
     for (const measures::TraceSeries& trace : traces) {
         number.push_back(static_cast<double>(number.size()));

@@ -32,8 +32,7 @@ double case_file_B(const Case& c, double engine_B) {
     double numbers = (4.0 + 12.0 * depths) * frames + depths * kept * plane;
     double groups = 0.0;
     if (traces > 0.0) {
-        const double spectrum =
-            static_cast<double>(measures::spectrum_frequencies_Hz(c.time.duration_s()).size());
+        const double spectrum = static_cast<double>(measures::trace_frequencies_Hz(c.time).size());
         numbers += (traces + 1.0) * (frames + spectrum);
         groups += 1.0;
     }

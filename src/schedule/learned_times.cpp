@@ -88,6 +88,12 @@ void LearnedTimes::progressed(std::size_t index, double share) {
     const auto [at, is_first] = partial_.try_emplace(index);
     Partial& p = at->second;
     const Report now{share, now_us()};
+    if (!is_first && share < p.recent.back().share) { // the case is repeated
+        if (p.counts) replace(index, 0, 0, 0);
+        p.first = now;
+        p.recent = {now};
+        return;
+    }
     if (is_first) p.first = now;
     if (is_first || share >= p.recent.back().share + report_share) p.recent.push_back(now);
     const double half = 0.5 * (p.first.share + share);

@@ -12,6 +12,16 @@ bool is_plain(char c) {
            std::string_view("._-/=+,:@%").find(c) != std::string_view::npos;
 }
 
+std::string job_command_line(std::string_view command, const std::filesystem::path& job,
+                             const std::vector<std::string>& overrides,
+                             const std::filesystem::path& out) {
+    std::string line = fmt::format("shearwake {} {}", command, shell_word(job.string()));
+    for (const std::string& text : overrides)
+        line += " -S " + shell_word(text);
+    if (!out.empty()) line += " --out " + shell_word(out.string());
+    return line;
+}
+
 std::string team_option(int ranks_per_case) {
     return ranks_per_case > 0 ? fmt::format(" --ranks-per-case {}", ranks_per_case) : "";
 }
@@ -32,11 +42,7 @@ std::string shell_word(const std::string& word) {
 std::string run_command_line(const std::filesystem::path& job,
                              const std::vector<std::string>& overrides,
                              const std::filesystem::path& out) {
-    std::string line = "shearwake run " + shell_word(job.string());
-    for (const std::string& text : overrides)
-        line += " -S " + shell_word(text);
-    if (!out.empty()) line += " --out " + shell_word(out.string());
-    return line;
+    return job_command_line("run", job, overrides, out);
 }
 
 std::string planned_command_line(const std::filesystem::path& job,
@@ -46,10 +52,10 @@ std::string planned_command_line(const std::filesystem::path& job,
            run_command_line(job, overrides, {}) + team_option(ranks_per_case);
 }
 
-std::string run_command_line(const RunArguments& arguments) {
-    if (!arguments.resumed_by.empty()) return arguments.resumed_by;
-    std::string line = run_command_line(arguments.job, arguments.overrides, arguments.out) +
-                       team_option(arguments.ranks_per_case);
+std::string command_line(std::string_view command, const RunArguments& arguments) {
+    std::string line =
+        job_command_line(command, arguments.job, arguments.overrides, arguments.out) +
+        team_option(arguments.ranks_per_case);
     if (!arguments.only.empty())
         line += fmt::format(" --only {}",
                             shell_word(fmt::format("{}", fmt::join(arguments.only, ","))));
@@ -57,6 +63,10 @@ std::string run_command_line(const RunArguments& arguments) {
     if (arguments.force) line += " --force";
     if (arguments.allow_mixed) line += " --allow-mixed";
     return line;
+}
+
+std::string run_command_line(const RunArguments& arguments) {
+    return arguments.resumed_by.empty() ? command_line("run", arguments) : arguments.resumed_by;
 }
 
 std::string reduce_command_line(const OutputFolder& folder) {

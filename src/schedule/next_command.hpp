@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace shearwake::schedule {
@@ -25,7 +26,10 @@ std::string planned_command_line(const std::filesystem::path& job,
                                  const std::vector<std::string>& overrides, int ranks,
                                  int ranks_per_case);
 
-/// The command that resumes a run with its options for selection, teams and versions.
+/// `shearwake COMMAND JOB` with the options of a run for selection, teams, limits and versions.
+std::string command_line(std::string_view command, const RunArguments& arguments);
+
+/// The command that resumes a run.
 std::string run_command_line(const RunArguments& arguments);
 
 /// `shearwake reduce DIR && shearwake report DIR`

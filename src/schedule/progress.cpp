@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/progress.hpp"
 
+#include "base/json_line.hpp"
 #include "base/text.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
@@ -10,7 +11,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace shearwake::schedule {
@@ -56,20 +56,12 @@ void Progress::write_log() {
     logged_ = std::chrono::steady_clock::now();
     has_unlogged_ = false;
     const double elapsed_s = std::chrono::duration<double>(logged_ - began_).count();
-    const nlohmann::ordered_json line = {{"schema", 1},
-                                         {"command", "run"},
-                                         {"folder", log_.folder},
-                                         {"part", log_.part},
-                                         {"time", storage::timestamp()},
-                                         {"elapsed_s", elapsed_s},
-                                         {"total", counts_.total},
-                                         {"done", counts_.done},
-                                         {"failed", counts_.failed},
-                                         {"running", counts_.running},
-                                         {"partial", counts_.partial},
-                                         {"left_s", counts_.left_s}};
-    using Json = nlohmann::ordered_json;
-    storage::append_line(log_.path, line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    JsonLine line;
+    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
+    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
+    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
+    line.add("running", counts_.running).add("partial", counts_.partial);
+    storage::append_line(log_.path, line.add("left_s", counts_.left_s).text());
 }
 
 void Progress::update(const SweepCounts& counts) {
@@ -96,8 +88,9 @@ std::string Progress::line(const SweepCounts& counts) const {
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
     const long ended = counts.done + counts.failed;
-    const double complete =
-        (static_cast<double>(ended) + counts.partial) / static_cast<double>(counts.total);
+    // A team may end a case before it resets its share.
+    const double complete = std::min(1.0, (static_cast<double>(ended) + counts.partial) /
+                                              static_cast<double>(counts.total));
     std::string text = live_ ? bar(complete) : "";
     text += fmt::format("{}/{} cases done, {} running", counts.done, counts.total, counts.running);
     if (counts.running > 0 && counts.partial > 0.0)

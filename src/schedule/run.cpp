@@ -259,7 +259,8 @@ storage::RunStart start_of(const RunArguments& arguments, int ranks) {
     return {.ranks = ranks,
             .overrides = arguments.overrides,
             .git_id = pipeline::program_git_id(),
-            .kernels = std::string(simd::name_of(simd::instruction_set()))};
+            .kernels = std::string(simd::name_of(simd::instruction_set())),
+            .resumed_by = arguments.resumed_by};
 }
 
 /// Prints what is doubtful about the job and the arguments, on rank 0.

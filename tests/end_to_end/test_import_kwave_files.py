@@ -248,6 +248,11 @@ class Errors(FilesTest):
         self.says(self.shearwake("check", "study.toml", "-S", f"time.output_interval_us={1.15e7 * limit_s!r}",
                                  "-S", f"time.duration_ms={1.15e6 * limit_s!r}", expect=3).said,
                   "(kgrid.dt in k-Wave), which is unstable in this medium")
+        # With a layer outside there are 13 points along y, whose largest wave number is 12/13 of that of an even number.
+        structures["options"].update(PMLInside=False)
+        structures["kgrid"]["dt"] = 0.995 * limit_s
+        scipy.io.savemat(self.folder / "outside.mat", structures)
+        self.refused("outside.mat", "is unstable: at this spacing and in this medium")
 
     def test_records_that_are_not_computed_are_reported(self):
         structures = study()

@@ -5,6 +5,7 @@ import json
 import os
 import pty
 import re
+import signal
 import subprocess
 import tomllib
 import unittest
@@ -190,13 +191,22 @@ class Sweep(ProgramTest):
             self.assertNotIn(sign, lines)
 
     def test_progress_within_a_case_is_reported(self):
+        # Far more steps than are computed before the run is stopped; a line is written every ten seconds.
         self.write_job(without_reference(
             (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "pstd"'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [96.0, 96.0]"), ("frames = true", "")))
-        self.shearwake("run", "job.toml", "--log-json", "log.jsonl", ranks=2)
-        lines = [json.loads(line) for line in (self.folder / "log.jsonl").read_text(encoding="utf-8").splitlines()]
-        self.assertEqual((lines[-1]["done"], lines[-1]["partial"]), (1, 0))
-        self.assertTrue(all(0 <= line["partial"] <= line["running"] for line in lines), lines)
+            ("duration_ms = 4.0", "duration_ms = 4000.0"), ("frames = true", "")))
+        log = self.folder / "log.jsonl"
+
+        def partial():
+            return [line["partial"] for line in map(json.loads, log.read_text(encoding="utf-8").splitlines())] \
+                if log.exists() else []
+
+        run = self.start("run", "job.toml", "--force", "--log-json", log.name)
+        self.wait_for(lambda: any(partial()), "progress within a case")
+        os.kill(run.pid, signal.SIGTERM)
+        run.communicate()
+        self.assertTrue(all(0.0 <= share <= 1.0 for share in partial()), partial())
+        self.assertEqual(partial()[-1], 0.0)  # no case is running
 
     def test_plan_distinguishes_swept_keys_that_end_in_the_same_word(self):
         body = ('[[medium.body]]\nshape = "ellipsoid"\nsemi_axes_mm = [5.0, 5.0, 3.0]\ncenter_mm = [0.0, 0.0, 10.0]\n'

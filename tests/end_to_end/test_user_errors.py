@@ -78,6 +78,11 @@ class JobMistakes(ProgramTest):
         self.says(self.shearwake("check", "job.toml", "-S", "load.peak_Pa=1,5", expect=3).said, "1.5 instead of 1,5")
         self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[1,2] [3,4]]")))
         self.assertNotIn("decimal", self.shearwake("check", "job.toml", expect=3).said)
+        for array in ("[64,48 12]", "[64,\n    48,12 10]"):
+            self.write_job(changed(("[64.0, 48.0]", array)))
+            said = self.shearwake("check", "job.toml", expect=3).said
+            self.says(said, "not valid TOML")
+            self.assertNotIn("decimal", said)
 
     def test_a_path_that_leaves_the_domain_is_reported(self):
         text = changed(("to_mm = [14.0, 0.0]", "to_mm = [140.0, 0.0]"), ("from_mm = [-14.0", "from_mm = [20.0"),

@@ -84,6 +84,7 @@ class Sizes(ProgramTest):
             said, code, _, _ = self.taken("run")
             self.assertEqual(code, 6, said)
             self.assertRegex(said, reason)
+            LEDGER.add(f"cases beyond the {name}: `run`", "refused with the number (exit 6)")
             self.says(said, "add --force")
             self.assertFalse(self.out.exists())
 

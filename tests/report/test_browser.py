@@ -250,6 +250,7 @@ class BrowserTest(unittest.TestCase):
             marker = page.run("""(() => { const box = document.querySelector("#chart-eta .u-series:last-child .u-marker")
                 .getBoundingClientRect(); return [box.width, box.height]; })()""")
             self.assertGreater(marker[0], 3 * marker[1])  # a part of a line, not a square
+            self.assertEqual(page.run("[8e-7, 1.234e-5, 2e-3].map(numberText)"), ["8e\N{MINUS SIGN}7", "1.234e\N{MINUS SIGN}5", "0.002"])
 
     def test_crosses_of_readings_that_are_not_valid_have_values(self):
         def invalid(root):

@@ -12,6 +12,7 @@ import unittest
 
 from synthetic import AM, FWHM, Folder, Page, case_id
 
+import curve_chart
 import fig_drive
 import fig_surface
 import layout
@@ -118,6 +119,7 @@ class HeadlineTest(unittest.TestCase):
         self.errors(folder, {case_id(1): 0.05})
         self.assertIn("is highest, 0.3, at AM frequency 300 Hz of the 2 valid cases. Numerical error not estimated",
                       self.result(folder))
+        self.assertFalse(curve_chart.have_errors(load.load(folder.path), "eta_period_1"))
 
     def with_reference(self, etas, below, **reference):
         """One case per pair (eta, warnings) and a common reference with this eta."""

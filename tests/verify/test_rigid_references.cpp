@@ -148,7 +148,10 @@ TEST_CASE("force on an oscillating rigid cylinder agrees with the closed form", 
 TEST_CASE("force on a rigid cylinder converges as the grid is refined", "[verify]") {
     const Vec3 at_4 = errors(4.0, 1.0), at_12 = errors(12.0, 1.0);
     CAPTURE(at_4.x, at_4.y, at_4.z, at_12.x, at_12.y, at_12.z);
-    CHECK(std::abs(at_12.z) < 0.5 * std::abs(at_4.z)); // first order would leave a third
+    // Observed 0.44: first order leaves a third of the torque's error, and the images of the
+    // cylinder a part that does not depend on the grid. They are all of the other errors, at most
+    // .0045.
+    CHECK(std::abs(at_12.z) < 0.5 * std::abs(at_4.z));
     CHECK(std::abs(at_12.x) < 0.01);
     CHECK(std::abs(at_12.y) < 0.01);
 }

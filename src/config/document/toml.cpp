@@ -141,15 +141,23 @@ int line_of_foreign_letter(std::string_view text) {
     return 0;
 }
 
-/// "1.5" if the parser stopped at or after the comma of "1,5"; otherwise nothing.
+/// "1.5" if the parser stopped at or after the comma of "1,5" behind the equals sign of a key;
+/// otherwise nothing. In an array, a comma separates elements.
 std::optional<std::string> decimal_comma_at(std::string_view text,
                                             const toml::source_position& at) {
     std::size_t start = 0;
-    for (toml::source_index line = 1; line < at.line && start != std::string_view::npos; ++line)
-        start = text.find('\n', start) + 1;
+    for (toml::source_index line = 1; line < at.line; ++line) {
+        const std::size_t end = text.find('\n', start);
+        if (end == std::string_view::npos) return std::nullopt;
+        start = end + 1;
+    }
     const std::string_view line = text.substr(start, text.find('\n', start) - start);
     const std::size_t comma = line.rfind(',', at.column > 0 ? at.column - 1 : 0);
     if (comma == std::string_view::npos || comma == 0) return std::nullopt;
+    const std::string_view key = line.substr(0, comma);
+    const std::size_t value = key.rfind('=');
+    if (value == std::string_view::npos || key.find('[', value) != std::string_view::npos)
+        return std::nullopt;
     constexpr std::string_view number = "+-0123456789.eE";
     const std::size_t before = line.find_last_not_of(number, comma - 1) + 1;
     const std::size_t after = std::min(line.find_first_not_of(number, comma + 1), line.size());

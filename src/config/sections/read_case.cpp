@@ -5,6 +5,7 @@
 #include "config/document/presets.hpp"
 #include "config/sections/read_afferents.hpp"
 #include "config/sections/read_fields.hpp"
+#include "load/period.hpp"
 
 #include <algorithm>
 #include <array>
@@ -122,39 +123,69 @@ Domain read_domain(Reader& reader) {
     return domain;
 }
 
-TimeAxis read_time(Reader& reader) {
-    if (reader.empty()) return {};
-    const Sound sound(reader.diagnostics());
-    TimeAxis time;
-    const double duration_s = reader.number("duration_ms", Range::above(0.0));
-    read_fields(reader, time);
-    reader.finish();
-    if (!sound) return time;
+namespace {
+
+/// The frames of one period of the load.
+void set_period(const Reader& reader, const Load& load, double longest_s, TimeAxis& time) {
+    const LoadPeriod period = least_period(load, longest_s);
+    if (!period.trouble.empty()) {
+        reader.error("regime", "is \"periodic\", but the load " + period.trouble);
+        return;
+    }
+    const double frames = std::ceil(period.period_s / time.interval_s - 1e-9);
+    if (frames > most_frames)
+        return reader.error("output_interval_us",
+                            fmt::format("results in {:.0f} frames; at most {:.0f} are supported",
+                                        frames, most_frames));
+    time.frames = good_even_length(static_cast<std::ptrdiff_t>(frames));
+    time.interval_s = period.period_s / static_cast<double>(time.frames);
+}
+
+void set_duration(const Reader& reader, double duration_s, TimeAxis& time) {
     const double frames = std::round(duration_s / time.interval_s);
-    if (frames > most_frames) {
+    if (frames > most_frames)
         reader.error("output_interval_us",
                      fmt::format("results in {:.0f} frames; at most {:.0f} are supported", frames,
                                  most_frames));
-    } else if (!(std::abs(frames * time.interval_s - duration_s) <= 1e-6 * duration_s)) {
+    else if (!(std::abs(frames * time.interval_s - duration_s) <= 1e-6 * duration_s))
         reader.error(
             "duration_ms",
             fmt::format(
                 "must be a whole number of output intervals, but {} ms is {:.6g} times {:.6g} us",
                 in_milli(duration_s), duration_s / time.interval_s, 1e6 * time.interval_s));
-    } else {
+    else
         time.frames = static_cast<std::ptrdiff_t>(frames);
-    }
+}
+
+} // namespace
+
+TimeAxis read_time(Reader& reader, const Load* load) {
+    if (reader.empty()) return {};
+    const Sound sound(reader.diagnostics());
+    TimeAxis time;
+    const auto duration_s = reader.find_number("duration_ms", Range::above(0.0));
+    const double longest_s = reader.number_or("longest_period_ms", 1.0, Range::above(0.0));
+    read_fields(reader, time);
+    const bool repeats = time.regime == Regime::periodic;
+    if (!repeats && !reader.has("duration_ms")) reader.missing("duration_ms");
+    reader.finish();
+    if (!sound) return time;
+    if (!repeats)
+        set_duration(reader, *duration_s, time);
+    else if (load)
+        set_period(reader, *load, longest_s, time);
     return time;
 }
 
-MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
-                            const Medium& medium) {
+MeasureOptions read_measure(Reader& reader, const Measured& of) {
+    const TimeAxis& time = of.time;
     MeasureOptions measure;
     const auto at_s = reader.find_number("at_ms", Range::above(0.0));
     const auto settled_after_s = reader.find_number("settled_after_ms", Range::at_least(0.0));
-    measure.focal_radius_m = read_focal_radius_m(reader, load);
+    measure.focal_radius_m = read_focal_radius_m(reader, of.load);
     read_fields(reader, measure);
-    check_depths(reader, measure.depths_m, medium);
+    check_depths(reader, measure.depths_m, of.medium);
+    measure.region_m = read_region(reader, of);
     for (const Vec2& edges_Hz : reader.find_points("bands_Hz").value_or(std::vector<Vec2>{})) {
         if (!(edges_Hz.x >= 0.0 && edges_Hz.y > edges_Hz.x))
             reader.error(
@@ -170,6 +201,7 @@ MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& lo
     const auto frame_s = frame_time_s(time, at_s.value_or(time.duration_s()));
     if (!frame_s) reader.error("at_ms", off_frame_message(time, *at_s));
     measure.at_s = frame_s.value_or(time.duration_s());
+    if (time.regime == Regime::periodic) return measure; // everything has settled
     measure.settled_after_s = settled_after_s.value_or(
         std::round(0.25 * measure.at_s / time.interval_s) * time.interval_s);
     if (!(measure.settled_after_s < measure.at_s)) {
@@ -267,16 +299,16 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     scene.medium = read_medium(medium, files.load_map);
     scene.load = read_load(load, scene.medium, other_kinds, files.load_text);
     c.domain = read_domain(domain);
-    c.time = read_time(time);
+    c.time = read_time(time, sound ? &scene.load : nullptr);
     Solver computed = read_solver(solver, c.time, files.load_study);
     c.solver = std::move(computed.options);
-    c.measure = read_measure(measure, c.time, scene.load, scene.medium);
+    c.afferents = read_afferents(afferents, c.domain, &scene.load, files.load_text);
+    c.measure = read_measure(measure, {c.time, c.domain, scene.load, scene.medium, c.afferents});
     if (computed.study)
         c.problem = GridStudy{std::move(computed.study), std::move(scene)};
     else
         c.problem = std::move(scene);
     c.record = read_record(record, c.domain, c.time, c.measure);
-    c.afferents = read_afferents(afferents, c.domain, &c.scene().load, files.load_text);
     check_receptor_depths(afferents, c);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }

@@ -21,15 +21,26 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
 Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                            const TextLoader& load_text);
 Domain read_domain(Reader& reader);
-TimeAxis read_time(Reader& reader);
+/// `load`: null after an error.
+TimeAxis read_time(Reader& reader, const Load* load);
 /// The engine's options, and the grid study that they request, if any.
 struct Solver {
     SolverOptions options;
     std::shared_ptr<const StudyData> study;
 };
 Solver read_solver(Reader& reader, const TimeAxis& time, const StudyLoader& load_study);
-MeasureOptions read_measure(Reader& reader, const TimeAxis& time, const Load& load,
-                            const Medium& medium);
+/// The parts of a case on which its measures depend.
+struct Measured {
+    const TimeAxis& time;
+    const Domain& domain;
+    const Load& load;
+    const Medium& medium;
+    const std::optional<AfferentOptions>& afferents;
+};
+MeasureOptions read_measure(Reader& reader, const Measured& of);
+/// The corners of the measured region. If the keys are absent: none, or in the periodic regime the
+/// surroundings of the path, since waves of low frequency fill an infinite plane.
+std::vector<Vec2> read_region(Reader& reader, const Measured& of);
 RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& time,
                           const MeasureOptions& measure);
 

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/open_domain.hpp"
 #include "engines/layered/work_kinds.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -30,7 +31,8 @@ public:
     FieldSpectra(const Case& c, const TransferKey& key, const fft::SlabShare& share,
                  std::ptrdiff_t most_frames, fft::AlignedVector<Complex>& memory)
         : case_(c), kernels_(simd::kernels<ResponseKernels>()), time_(key.time), share_(share),
-          coarse_(key.time.samples / samples_per_frame(c, key.time)), roll_off_(roll_off(key.time)),
+          coarse_(key.time.samples / samples_per_frame(c, key.time)),
+          first_frame_(key.time.first_s > 0.0 ? 0 : 1), roll_off_(roll_off(key.time)),
           load_(c, key.time, share.ky_start, share.ky_count),
           kept_nx_(load_.is_mirrored() ? c.domain.nx / 2 + 1 : c.domain.nx),
           backward_(coarse_, fft::Direction::backward, lines_together),
@@ -59,8 +61,8 @@ public:
                 for (std::ptrdiff_t l = 0; l < lines; ++l)
                     respond(kx + l, ky, h, lines_.data() + l * coarse_);
                 backward_.execute(lines_.data());
-                kernels_.turn(fft::reals(lines_.data() + first + 1), lines, coarse_, count, plane(),
-                              fft::reals(spectra_.data() + ky * kept_nx_ + kx));
+                kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
+                              count, plane(), fft::reals(spectra_.data() + ky * kept_nx_ + kx));
             }
         }
     }
@@ -121,7 +123,7 @@ private:
     const ResponseKernels& kernels_;
     TimeTransform time_;
     fft::SlabShare share_;
-    std::ptrdiff_t coarse_;
+    std::ptrdiff_t coarse_, first_frame_;   // the frame in a line that is frame 0 of the case
     std::vector<double> roll_off_, growth_; // per frequency; per frame
     LoadSpectrum load_;
     std::ptrdiff_t kept_nx_; // modes kept per row
@@ -133,7 +135,8 @@ private:
 
 } // namespace
 
-TimeLines time_lines(const Case& c, const fft::SlabShare& share) {
+TimeLines time_lines(const Case& given, const fft::SlabShare& share) {
+    const Case c = solved_case(given);
     fft::AlignedVector<Complex> none;
     return FieldSpectra(c, key_of(c, std::get<LayeredOptions>(c.solver)), share, 0, none)
         .time_lines();
@@ -178,8 +181,9 @@ void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& obse
     }
 }
 
-void LayeredEngine::compute(const Case& c, const Comm& team, engines::Observer& observer,
+void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observer& observer,
                             engines::Checkpoints* checkpoints) {
+    const Case c = solved_case(given);
     prepare(c, team, checkpoints);
     const fft::SlabShare& share = slabs_->share();
     // All ranks use the same batch, determined by the largest slab.
@@ -193,7 +197,8 @@ void LayeredEngine::compute(const Case& c, const Comm& team, engines::Observer& 
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 
-    observer.begin({share.x_start, share.x_count});
+    const InnerRows inner = inner_rows(given.domain, c.domain, share);
+    observer.begin({inner.x_start, inner.x_count});
     const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& give) {
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
@@ -206,8 +211,8 @@ void LayeredEngine::compute(const Case& c, const Comm& team, engines::Observer& 
                                             Complex* row) { spectra->put_row(first, n, ky, row); },
                                         plane.data());
                     give(first + n, depth,
-                         View2<const double>(plane.data(), share.x_count, c.domain.ny,
-                                             share.padded_ny));
+                         View2<const double>(plane.data() + inner.offset, inner.x_count,
+                                             given.domain.ny, share.padded_ny));
                 }
             }
         }

@@ -28,6 +28,8 @@ public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
     std::vector<engines::Calibration> calibrations() const override;
     std::vector<Remark> limits(const Case& c) const override;
+    std::vector<std::string> choices(const Case& c) const override;
+    engines::Edges edges(const Case& c) const override;
     /// The solution is exact at the frames. Its interpolation has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,

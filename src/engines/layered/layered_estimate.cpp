@@ -2,6 +2,7 @@
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/open_domain.hpp"
 #include "engines/layered/work_kinds.hpp"
 
 #include <algorithm>
@@ -31,7 +32,9 @@ double evaluations(const TransferKey& key) {
     double count = 0.0;
     for (std::ptrdiff_t i = 0; i < tried; ++i) {
         // Each frequency represents the middle of its share.
-        const std::ptrdiff_t m = (2 * i + 1) * frequencies / (2 * tried);
+        // At rest H of a half-space is singular at k = 0.
+        const std::ptrdiff_t m = std::max<std::ptrdiff_t>((2 * i + 1) * frequencies / (2 * tried),
+                                                          key.time.decay_rad_s > 0.0 ? 0 : 1);
         const StackResponse response(key.medium, key.time.omega(m), key.depths_m, key.quantity);
         RadialInterpolant::fit(
             [&](double k, std::span<Complex> out) {
@@ -40,7 +43,13 @@ double evaluations(const TransferKey& key) {
             },
             key.depths_m.size(), k_max, key.tolerance);
     }
-    return count * static_cast<double>(frequencies) / static_cast<double>(tried);
+    const double nodes =
+        key.edges == DomainEdges::open
+            ? static_cast<double>(
+                  point_rule(key.spacing_m, key.spacing_m * std::hypot(key.nx / 2, key.ny / 2))
+                      .k_rad_m.size())
+            : 0.0;
+    return (count / static_cast<double>(tried) + nodes) * static_cast<double>(frequencies);
 }
 
 /// A case with two layers, dermis and fat.
@@ -58,7 +67,8 @@ TransferKey key_of(const Case& c, const LayeredOptions& options) {
             .ny = c.domain.ny,
             .spacing_m = c.domain.spacing_m,
             .time = time_transform(c, options),
-            .tolerance = options.interpolation_tolerance};
+            .tolerance = options.interpolation_tolerance,
+            .edges = c.domain.edges};
 }
 
 TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
@@ -75,7 +85,8 @@ std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
     return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
 }
 
-engines::Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
+engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
+    const Case c = solved_case(given);
     const auto& options = std::get<LayeredOptions>(c.solver);
     const TransferKey key = key_of(c, options);
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
@@ -93,8 +104,9 @@ engines::Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
     const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
     const double own_B = TransferTable::expanded_bytes(key, ky_count);
     const double stress_B = TransferTable::expanded_bytes(stress_key_of(c, options), ky_count);
-    const auto is_kept = [](double table_B) {
-        return table_B <= TransferTable::largest_expansion_B;
+    const bool is_open = c.domain.edges == DomainEdges::open;
+    const auto is_kept = [&](double table_B) {
+        return is_open || table_B <= TransferTable::largest_expansion_B;
     };
     const double kept_B = (is_kept(own_B) ? own_B : 0.0) + (is_kept(stress_B) ? stress_B : 0.0);
     engines::Estimate e;
@@ -112,7 +124,7 @@ engines::Estimate LayeredEngine::estimate(const Case& c, int ranks) const {
               {of_far_frame, depths * points * frames * far}};
     if (!along_x) e.work.push_back({of_load, all_samples});
     TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
-    curves.nx = curves.ny = 0;
+    if (!is_open) curves.nx = curves.ny = 0;
     curves.time = {};
     const double frequencies = std::floor(samples / 2.0) + 1.0;
     if (!tried_ || !(tried_->curves == curves))

@@ -43,9 +43,15 @@ TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
     const double ratio = c.time.interval_s / longest_step_s;
     const auto per_frame =
         std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
+    TimeTransform time;
+    if (c.time.regime == Regime::periodic) {
+        time.samples = c.time.frames * per_frame;
+        time.step_s = c.time.interval_s / static_cast<double>(per_frame);
+        time.first_s = c.time.interval_s;
+        return time;
+    }
     const std::ptrdiff_t coarse = good_even_length(static_cast<std::ptrdiff_t>(
         std::ceil(options.window_factor * static_cast<double>(c.time.frames))));
-    TimeTransform time;
     time.samples = coarse * per_frame;
     time.step_s = c.time.interval_s / static_cast<double>(per_frame);
     time.decay_rad_s =
@@ -59,6 +65,7 @@ std::ptrdiff_t samples_per_frame(const Case& c, const TimeTransform& time) {
 
 std::vector<double> sample_weights(const Case& c, const TimeTransform& time) {
     std::vector<double> weights(static_cast<std::size_t>(time.samples), 1.0);
+    if (c.time.regime == Regime::periodic) return weights;
     const double gregory[] = {3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0};
     for (std::size_t i = 0; i < std::min<std::size_t>(3, weights.size()); ++i)
         weights[i] = gregory[i];
@@ -93,16 +100,15 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
     : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
-      pattern_(c.scene().load, c.time.duration_s()),
-      forward_(time.samples, fft::Direction::forward), y_rests_(keeps_y(c, time)),
-      weighted_(static_cast<std::size_t>(time.samples)),
+      pattern_(c.scene().load, time.end_s(c.time)), forward_(time.samples, fft::Direction::forward),
+      y_rests_(keeps_y(c, time)), weighted_(static_cast<std::size_t>(time.samples)),
       buffer_(static_cast<std::size_t>(time.samples)) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
         kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
     const auto n = static_cast<std::size_t>(samples_);
     const std::vector<double> weights = sample_weights(c, time);
     for (std::size_t i = 0; i < n; ++i) {
-        const double t = static_cast<double>(i) * time.step_s;
+        const double t = time.sample_s(static_cast<std::ptrdiff_t>(i));
         weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.scene().load, t);
     }
     // Positions relative to the corner of the grid, where the transform has its origin.
@@ -126,10 +132,10 @@ LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdif
 }
 
 bool LoadSpectrum::keeps_y(const Case& c, const TimeTransform& time) {
-    LoadPattern pattern(c.scene().load, c.time.duration_s());
+    LoadPattern pattern(c.scene().load, time.end_s(c.time));
     if (pattern.changes()) return false;
     const auto y_m = [&](std::ptrdiff_t sample) {
-        pattern.set(pattern.held_s(static_cast<double>(sample) * time.step_s));
+        pattern.set(pattern.held_s(time.sample_s(sample)));
         return pattern.origin_m().y;
     };
     const double first_m = y_m(0);
@@ -143,7 +149,7 @@ std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTran
     std::vector<Vec2> origins;
     std::vector<double> held_s; // time at which each state begins
     for (std::ptrdiff_t i = 0; i < samples_; ++i) {
-        const double at_s = pattern_.held_s(static_cast<double>(i) * time.step_s);
+        const double at_s = pattern_.held_s(time.sample_s(i));
         if (!pattern_.changes()) {
             pattern_.set(at_s);
             origins.push_back(pattern_.origin_m());
@@ -201,7 +207,7 @@ void LoadSpectrum::factors(std::ptrdiff_t ky, std::span<Complex> out) const {
 }
 
 double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_count) {
-    const LoadPattern pattern(c.scene().load, c.time.duration_s());
+    const LoadPattern pattern(c.scene().load, time.end_s(c.time));
     if (!pattern.changes()) return 0.0;
     const auto modes = [&](double extent_m, double most) {
         return std::min(most, pattern.band_rad_m() / two_pi * extent_m + 1.0);

@@ -25,11 +25,13 @@ Complex exp_minus_one(Complex z) {
 /// first one is the compressional wave with coefficient A of docs/developer/physics.md, section 3.
 /// The second one combines shear (C) and compressional waves, k [ (alpha/k) C - A ] / (alpha -
 /// beta), which stays finite and independent of the first one as alpha -> beta.
+template <class Wavenumber>
 class LayerModes {
 public:
-    LayerModes(double k, Complex mu, Complex kp2, Complex ks2, Complex ratio, double stress_scale)
+    LayerModes(Wavenumber k, Complex mu, Complex kp2, Complex ks2, Complex ratio,
+               double stress_scale)
         : k_(k), mu_(mu / stress_scale), ks2_(ks2) {
-        const double k2 = k * k;
+        const Wavenumber k2 = k * k;
         alpha_ = std::sqrt(k2 - kp2);
         beta_ = std::sqrt(k2 - ks2);
         const Complex sum = alpha_ + beta_;
@@ -42,7 +44,7 @@ public:
     Pair down(double zeta) const {
         const Complex e_alpha = std::exp(-alpha_ * zeta);
         const Complex e_beta = std::exp(-beta_ * zeta);
-        const double k2 = k_ * k_;
+        const Wavenumber k2 = k_ * k_;
         const Complex phi = spread(zeta, e_alpha, e_beta);
         Pair s;
         s(0, 0) = k_ * e_alpha;
@@ -73,7 +75,7 @@ private:
         return -e_beta * exp_minus_one(-x) / difference_;
     }
 
-    double k_;
+    Wavenumber k_;
     Complex mu_, ks2_, alpha_, beta_, difference_, s_, q_;
 };
 
@@ -128,11 +130,20 @@ StackResponse::StackResponse(const Medium& medium, Complex omega_rad_s,
 }
 
 void StackResponse::evaluate(double k, std::span<Complex> out) const {
+    evaluate_at(k, out);
+}
+
+void StackResponse::evaluate(Complex k, std::span<Complex> out) const {
+    evaluate_at(k, out);
+}
+
+template <class Wavenumber>
+void StackResponse::evaluate_at(Wavenumber k, std::span<Complex> out) const {
     // Stresses are scaled by mu times this wavenumber, so that all rows have the same magnitude.
-    const double wavenumber = std::max(k, std::sqrt(std::abs(layers_.front().ks2)));
+    const double wavenumber = std::max(std::abs(k), std::sqrt(std::abs(layers_.front().ks2)));
     const double scale = stress_scale_Pa_ * wavenumber;
     const auto modes_of = [&](const LayerAtOmega& layer) {
-        return LayerModes(k, layer.mu, layer.kp2, layer.ks2, layer.ratio, scale);
+        return LayerModes<Wavenumber>(k, layer.mu, layer.kp2, layer.ks2, layer.ratio, scale);
     };
 
     // Upward pass: the admissible states at the top of the layers below (two columns), and the
@@ -150,7 +161,7 @@ void StackResponse::evaluate(double k, std::span<Complex> out) const {
     continuations.resize(n);
     for (std::size_t i = bounded; i-- > 0;) {
         const LayerAtOmega& layer = layers_[i];
-        const LayerModes modes = modes_of(layer);
+        const LayerModes<Wavenumber> modes = modes_of(layer);
         continuations[i] = solve_bottom(modes.up(0.0), modes.down(layer.thickness_m), states);
         states = modes.down(0.0) + modes.up(layer.thickness_m) * continuations[i].up;
     }
@@ -174,7 +185,7 @@ void StackResponse::evaluate(double k, std::span<Complex> out) const {
             if (i == 0 && z == 0.0) {
                 w = states.row(row) * amplitude;
             } else {
-                const LayerModes modes = modes_of(layer);
+                const LayerModes<Wavenumber> modes = modes_of(layer);
                 w = modes.down(z).row(row) * amplitude;
                 if (!radiating)
                     w += Complex(modes.up(layer.thickness_m - z).row(row) *

@@ -29,8 +29,13 @@ public:
     /// Stores H [m/Pa], or the compression [1], at each depth in `out`. k >= 0 [rad/m]; k and omega
     /// must not both be 0.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
+    /// The analytic continuation to the first quadrant of k, where H has no poles.
+    void evaluate(std::complex<double> k_rad_m, std::span<std::complex<double>> out) const;
 
 private:
+    template <class Wavenumber>
+    void evaluate_at(Wavenumber k_rad_m, std::span<std::complex<double>> out) const;
+
     struct LayerAtOmega {
         double thickness_m = 0.0; // 0: half-space
         std::complex<double> mu;  // [Pa]

@@ -3,10 +3,13 @@
 
 #include "engines/layered/work_kinds.hpp"
 
+#include "fft/cosine_transform.hpp"
 #include "parallel/agree.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace shearwake::layered {
 
@@ -18,9 +21,14 @@ Complex TimeTransform::omega(std::ptrdiff_t m) const {
     return {2.0 * std::numbers::pi * static_cast<double>(m) / period_s, -decay_rad_s};
 }
 
+double TransferTable::from_rad_m() const {
+    return key_.edges == DomainEdges::open ? remainder_from_rad_m(key_.spacing_m) : 0.0;
+}
+
 TransferTable::Panels TransferTable::fit(const Comm& team,
                                          engines::Checkpoints* checkpoints) const {
     const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
+    const double from = from_rad_m();
     const engines::Timed timed(of_response);
     Panels mine;
     bool stops = false;
@@ -34,8 +42,8 @@ TransferTable::Panels TransferTable::fit(const Comm& team,
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
                                          key_.quantity);
             const auto fitted = RadialInterpolant::fit(
-                [&](double k, std::span<Complex> out) { response.evaluate(k, out); },
-                key_.depths_m.size(), k_max, key_.tolerance);
+                [&](double k, std::span<Complex> out) { response.evaluate(from + k, out); },
+                key_.depths_m.size(), k_max - from, key_.tolerance);
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
             mine.values.insert(mine.values.end(), packed.begin(), packed.end());
@@ -51,6 +59,14 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
     : key_(key), ky_start_(ky_start), ky_count_(ky_count) {
     const std::size_t depths = key.depths_m.size();
     const Panels mine = fit(team, checkpoints);
+    std::optional<PointResponse> point;
+    std::vector<Complex> tables;
+    if (key.edges == DomainEdges::open) {
+        together(team, [&] {
+            point.emplace(key.spacing_m, key.spacing_m * std::hypot(key.nx / 2, key.ny / 2));
+        });
+        tables = team.all_gather(point_tables(*point, team, checkpoints));
+    }
     const engines::Timed timed(of_response);
     const std::vector<double> all_sizes = team.all_gather(mine.sizes);
     const std::vector<Complex> all = team.all_gather(mine.values);
@@ -67,10 +83,10 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
             }
         }
         const auto row_size = static_cast<std::size_t>(half_nx() * frequencies());
-        expanded_ = expanded_bytes(key_, ky_count_) <= largest_expansion_B;
+        expanded_ = point || expanded_bytes(key_, ky_count_) <= largest_expansion_B;
         values_.resize(expanded_ ? row_size * static_cast<std::size_t>(ky_count_) * depths
                                  : row_size);
-        if (!expanded_) return;
+        if (!expanded_ || point) return;
         for (std::size_t depth = 0; depth < depths; ++depth)
             for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
                 expand(ky, depth,
@@ -78,15 +94,106 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
                                          static_cast<std::size_t>(ky)) *
                                             row_size);
     });
+    if (point) expand_open(*point, tables, team);
 }
 
-void TransferTable::expand(std::ptrdiff_t ky, std::size_t depth, Complex* out) const {
+std::vector<Complex> TransferTable::point_tables(const PointResponse& point, const Comm& team,
+                                                 engines::Checkpoints* checkpoints) const {
+    const engines::Timed timed(of_response);
+    const std::size_t depths = key_.depths_m.size(), nodes = point.nodes_rad_m().size();
+    std::vector<Complex> tables;
+    bool stops = false;
+    fail_together(team, [&] {
+        std::vector<Complex> h, of_node(depths);
+        for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
+            const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
+                                         key_.quantity);
+            const std::size_t first = h.size();
+            h.resize(first + depths * nodes);
+            for (std::size_t i = 0; i < nodes; ++i) {
+                response.evaluate(point.nodes_rad_m()[i], of_node);
+                for (std::size_t d = 0; d < depths; ++d)
+                    h[first + d * nodes + i] = of_node[d];
+            }
+        }
+        stops = checkpoints && checkpoints->stop_asked();
+        if (!stops) tables = point.tables(h, h.size() / nodes);
+    });
+    if (stops) throw engines::StopRequested{};
+    return tables;
+}
+
+void TransferTable::expand_open(const PointResponse& point, std::span<const Complex> tables,
+                                const Comm& team) {
     const engines::Timed timed(of_expansion);
+    const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
+    const std::size_t depths = key_.depths_m.size();
+    together(team, [&] {
+        if (ky_count_ == 0) return;
+        const PlaneSampling sampling(half_x, half_y);
+        const fft::CosineTransform along_y(half_y, half_x + 1), along_x(half_x, ky_count_);
+        fft::AlignedVector<Complex> plane(static_cast<std::size_t>((half_x + 1) * (half_y + 1)));
+        fft::AlignedVector<Complex> rows(static_cast<std::size_t>((half_x + 1) * ky_count_));
+        const double cell_m2 = key_.spacing_m * key_.spacing_m;
+        const Complex* table = tables.data();
+        for (int rank = 0; rank < team.size(); ++rank)
+            for (std::ptrdiff_t m = rank; m < frequencies(); m += team.size())
+                for (std::size_t depth = 0; depth < depths; ++depth, table += point.radii()) {
+                    sampling.sample({table, point.radii()}, plane.data());
+                    along_y.execute(plane.data());
+                    for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
+                        for (std::ptrdiff_t i = 0; i <= half_x; ++i)
+                            rows[static_cast<std::size_t>(ky * (half_x + 1) + i)] =
+                                cell_m2 *
+                                plane[static_cast<std::size_t>(i * (half_y + 1) + ky_start_ + ky)];
+                    along_x.execute(rows.data());
+                    Complex* out = values_.data() +
+                                   static_cast<std::ptrdiff_t>(depth) * ky_count_ * (half_x + 1) *
+                                       frequencies() +
+                                   m;
+                    for (const Complex& value : rows) {
+                        *out = value;
+                        out += frequencies();
+                    }
+                }
+        for (std::size_t depth = 0; depth < depths; ++depth)
+            for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
+                add_remainder(ky, depth,
+                              values_.data() +
+                                  (static_cast<std::ptrdiff_t>(depth) * ky_count_ + ky) *
+                                      (half_x + 1) * frequencies());
+    });
+}
+
+void TransferTable::add_remainder(std::ptrdiff_t ky, std::size_t depth, Complex* row) const {
+    const std::vector<double> all = wavenumbers_rad_m(ky);
+    const double from = from_rad_m();
+    const auto first = std::ranges::lower_bound(all, from) - all.begin();
+    std::vector<double> k, share;
+    for (const double value : std::span(all).subspan(static_cast<std::size_t>(first))) {
+        k.push_back(value - from);
+        share.push_back(1.0 - low_pass(value, key_.spacing_m).real());
+    }
+    std::vector<Complex> h(k.size());
+    for (std::ptrdiff_t m = 0; m < frequencies(); ++m) {
+        by_frequency_[static_cast<std::size_t>(m)].evaluate(depth, k, h.data(), 1);
+        for (std::size_t i = 0; i < k.size(); ++i)
+            row[(first + static_cast<std::ptrdiff_t>(i)) * frequencies() + m] += share[i] * h[i];
+    }
+}
+
+std::vector<double> TransferTable::wavenumbers_rad_m(std::ptrdiff_t ky) const {
     const double dkx = 2.0 * std::numbers::pi / (static_cast<double>(key_.nx) * key_.spacing_m);
     const double dky = 2.0 * std::numbers::pi / (static_cast<double>(key_.ny) * key_.spacing_m);
     std::vector<double> k(static_cast<std::size_t>(half_nx()));
     for (std::size_t i = 0; i < k.size(); ++i)
         k[i] = std::hypot(static_cast<double>(i) * dkx, static_cast<double>(ky_start_ + ky) * dky);
+    return k;
+}
+
+void TransferTable::expand(std::ptrdiff_t ky, std::size_t depth, Complex* out) const {
+    const engines::Timed timed(of_expansion);
+    const std::vector<double> k = wavenumbers_rad_m(ky);
     for (std::ptrdiff_t m = 0; m < frequencies(); ++m)
         by_frequency_[static_cast<std::size_t>(m)].evaluate(depth, k, out + m, frequencies());
 }

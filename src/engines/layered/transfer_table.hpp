@@ -3,6 +3,7 @@
 
 #include "case/case.hpp"
 #include "engines/checkpoint.hpp"
+#include "engines/layered/point_response.hpp"
 #include "engines/layered/radial_interpolant.hpp"
 #include "engines/layered/stack_response.hpp"
 #include "fft/aligned.hpp"
@@ -16,15 +17,20 @@ namespace shearwake::layered {
 
 /// Time transform of a run: `samples` steps of `step_s` form one period of the discrete transform.
 /// Evaluating at omega - i decay makes it aperiodic: the load is multiplied by e^{-decay t} and the
-/// result by e^{+decay t}.
+/// result by e^{+decay t}. In the periodic regime decay is 0, and the first sample is at the first
+/// frame.
 struct TimeTransform {
     std::ptrdiff_t samples = 0;
     double step_s = 0.0;
     double decay_rad_s = 0.0;
+    double first_s = 0.0;
     bool operator==(const TimeTransform&) const = default;
 
     /// omega_m - i decay [rad/s] for m = 0 ... samples/2.
     std::complex<double> omega(std::ptrdiff_t m) const;
+    /// The last time at which the load matters.
+    double end_s(const TimeAxis& time) const { return time.duration_s() + first_s; }
+    double sample_s(std::ptrdiff_t i) const { return first_s + static_cast<double>(i) * step_s; }
 };
 
 /// Everything that H depends on. Cases with equal keys share one table.
@@ -36,11 +42,17 @@ struct TransferKey {
     TimeTransform time;
     double tolerance = 0.0;
     StackQuantity quantity = StackQuantity::displacement;
+    DomainEdges edges = DomainEdges::periodic;
     bool operator==(const TransferKey&) const = default;
 };
 
 /// H(|k|, omega; z) [m/Pa], or the compression [1], of one medium: Chebyshev panels in |k| for
 /// every frequency and, if memory permits, their values on the points (ky, kx >= 0) of this rank.
+///
+/// With open edges the values are those for which the periodic convolution on the grid of the key
+/// equals the convolution on the infinite plane, for loads and points less than half of the grid
+/// apart: the transform of the low-pass filtered response to a point load, plus the remainder of H
+/// (point_response.hpp). They are always in memory.
 class TransferTable {
 public:
     /// Distributes the frequencies over the team and exchanges the panels. This rank needs rows
@@ -70,6 +82,15 @@ private:
         std::vector<double> sizes;
     };
     Panels fit(const Comm& team, engines::Checkpoints* checkpoints) const;
+    /// The tables of the response to a point load of the frequencies of this rank.
+    std::vector<std::complex<double>> point_tables(const PointResponse& point, const Comm& team,
+                                                   engines::Checkpoints* checkpoints) const;
+    void expand_open(const PointResponse& point, std::span<const std::complex<double>> tables,
+                     const Comm& team);
+    void add_remainder(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* row) const;
+    std::vector<double> wavenumbers_rad_m(std::ptrdiff_t ky) const;
+    /// The panels begin at this wavenumber.
+    double from_rad_m() const;
     void expand(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* out) const;
 
     TransferKey key_;

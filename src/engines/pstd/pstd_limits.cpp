@@ -26,6 +26,7 @@ std::vector<Remark> step_remarks(const Case& c) {
 } // namespace
 
 std::vector<Remark> PstdEngine::limits(const Case& c) const {
+    if (auto refused = engines::refused_edges(c); !refused.empty()) return refused;
     if (c.study()) {
         const std::string trouble = study_trouble(c);
         if (trouble.empty()) return study_step_remarks(*c.study());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_estimate.hpp"
 
+#include "engines/spectral/bodies/lump_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
@@ -110,10 +111,14 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
             c.domain, v.extent,
             {.planes = v.planes(), .factor_entries = factor_entries(mesh), .steps = steps});
     const SpongePlan sponge = sponge_plan(
-        c, !section_bodies(c).empty() || v.points > 0.0 ? Lateral::varies : Lateral::uniform,
+        c,
+        !section_bodies(c).empty() || !lump_bodies(c).empty() || v.points > 0.0 ? Lateral::varies
+                                                                                : Lateral::uniform,
         step_s);
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
-    if (rigid) memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks);
+    if (rigid)
+        memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks) +
+                        lump_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
@@ -127,6 +132,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .sponge_every = static_cast<double>(sponge.every),
               .felt = ReceptorStress::planes(layers, mesh),
               .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
+              .lumps = lump_sizes(c, mesh),
               .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});

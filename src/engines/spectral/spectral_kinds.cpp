@@ -42,18 +42,42 @@ namespace {
 
 using Add = std::function<void(const engines::WorkKind& kind, double amount)>;
 
-/// Transfers of `planes` planes of strain to and from a grid of nx x ny points.
-void add_transfers(const VariationEstimate& v, double nx, double ny, double planes,
-                   double rows_share, const Add& add) {
-    const double window = v.window(static_cast<std::ptrdiff_t>(nx));
+/// Planes on a grid, and the points of the window of a line that is transformed; 0 for FFTs.
+struct Planes {
+    double count, window;
+};
+
+/// Transfers of `planes` planes to and from a grid of nx x ny points.
+void add_transfers(const Planes& stored, double nx, double ny, double planes, double rows_share,
+                   const Add& add) {
+    const double window = stored.window;
     if (window > 0.0)
         return add(of_window, planes * nx * (ny / 2.0 + 1.0) * (window + window_overhead));
     // In y only rows with cells are transformed.
     const double moved = planes * nx * ny * (share_of_modes + (1.0 - share_of_modes) * rows_share);
-    const double far = engines::share_from_memory(v.planes() * nx * ny * 2.0 * sizeof(double),
+    const double far = engines::share_from_memory(stored.count * nx * ny * 2.0 * sizeof(double),
                                                   planes_in_cache_B, planes_in_memory_B);
     add(of_transfer, moved * (1.0 - far));
     add(of_far_transfer, moved * far);
+}
+
+Planes planes_of(const VariationEstimate& v, double nx) {
+    return {v.planes(), v.window(static_cast<std::ptrdiff_t>(nx))};
+}
+
+/// The planes and the matrix of rigid lumps in every step, and their setup: each plane takes one
+/// solve, and the inversion of the matrix a third of a product per entry and row.
+void add_lumps(const Case& c, const Measures& m, double modes, const Add& add) {
+    const double unknowns = 3.0 * m.lumps.markers, planes = 3.0 * m.lumps.depths;
+    if (!(planes > 0.0)) return;
+    const bool window =
+        LineWindow::pays(c.domain.nx, static_cast<std::ptrdiff_t>(m.lumps.points_x));
+    add_transfers({planes, window ? m.lumps.points_x : 0.0}, static_cast<double>(c.domain.nx),
+                  static_cast<double>(c.domain.ny),
+                  planes * (m.reactions * m.steps + 0.25 * planes),
+                  m.lumps.points_x / static_cast<double>(c.domain.nx), add);
+    add(of_iteration, modes * m.levels * m.nodes * planes);
+    add(of_box, unknowns * unknowns * (m.reactions * m.steps + unknowns / 3.0));
 }
 
 /// Iterations on a box, and its setup: each plane of strain is a column of the matrices, which are
@@ -62,11 +86,11 @@ void add_box(const Case& c, const Measures& m, double modes, double rows_share, 
     const VariationEstimate& v = m.variation;
     const double planes = v.planes(), iterations = v.iterations * m.steps;
     add(of_box, box_values(*v.box, planes) * iterations);
-    add_transfers(v, static_cast<double>(v.box->nx), static_cast<double>(v.box->ny),
-                  planes * iterations, rows_share, add);
+    add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
+                  static_cast<double>(v.box->ny), planes * iterations, rows_share, add);
     add(of_iteration, modes * m.levels * m.nodes * planes);
-    add_transfers(v, static_cast<double>(c.domain.nx), static_cast<double>(c.domain.ny),
-                  0.25 * planes * planes, rows_share, add);
+    add_transfers(planes_of(v, static_cast<double>(c.domain.nx)), static_cast<double>(c.domain.nx),
+                  static_cast<double>(c.domain.ny), 0.25 * planes * planes, rows_share, add);
 }
 
 } // namespace
@@ -93,8 +117,9 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     const double rows =
         v.points > 0.0 ? std::sqrt(std::min(1.0, v.cells / (v.points * points))) : 0.0;
     const double passes = more > 0.0 ? (v.box ? 1.5 : v.iterations + 1.5) : 1.0;
-    add_transfers(v, nx, ny, v.planes() * passes * m.steps, rows, add);
+    add_transfers(planes_of(v, nx), nx, ny, v.planes() * passes * m.steps, rows, add);
     if (v.box) add_box(c, m, modes, rows, add);
+    add_lumps(c, m, modes, add);
     add(of_cell, v.cells * v.components * (1.0 + more) * m.steps);
     if (m.sponge_every > 0.0) add(of_sponge, m.sponge_values * m.steps / m.sponge_every);
     const double frames = static_cast<double>(c.time.frames);

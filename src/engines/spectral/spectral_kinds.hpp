@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/spectral/bodies/lump_bodies.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
 
 namespace shearwake::spectral::kinds {
@@ -13,6 +14,7 @@ struct Measures {
     double sponge_values = 0.0, sponge_every = 0.0; // 0: no sponge
     double felt = 0.0;                              // planes of receptor stress per frame
     double reactions = 0.0;                         // solves per step for forces of rigid bodies
+    LumpSizes lumps;                                // rigid ones
     double from_memory = 0.0;                       // share of the solves that is limited by memory
 };
 

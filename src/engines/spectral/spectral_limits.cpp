@@ -16,6 +16,8 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
         if (is_fluid(c.scene().medium.bodies[i]) && !c.scene().medium.bodies[i].rigid)
             refused.push_back({Severity::error, fmt::format("medium.body[{}].c_s_m_s", i + 1),
                                "is 0, a fluid, which only the engine \"pstd\" supports"});
+    for (Remark& remark : engines::refused_edges(c))
+        refused.push_back(std::move(remark));
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
     for (Remark& warning : engines::warnings_of(

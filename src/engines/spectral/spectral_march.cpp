@@ -70,7 +70,7 @@ void SpectralMarch::give_displacement(std::size_t snapshot, std::size_t field,
         for (std::size_t level = 0; level < levels_m_.size(); ++level) {
             stepper_.plane_of_u(component, level, plane_.data());
             slabs_.to_physical(plane_.data());
-            inside_.set_displacement(levels_m_[level], component, stepper_.bodies().position(),
+            inside_.set_displacement(levels_m_[level], component, stepper_.bodies().motions(),
                                      plane_.data());
             observer.volume({.snapshot = snapshot,
                              .field = field,

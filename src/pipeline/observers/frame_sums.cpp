@@ -26,7 +26,7 @@ bool any(measures::Reduction) {
 } // namespace
 
 FrameSums::FrameSums(const Case& c, const Comm& team)
-    : case_(c), team_(team), region_(measures::measured_region(c.domain)) {
+    : case_(c), team_(team), region_(measures::measured_region(c.domain, c.measure)) {
     for (const double depth_m : c.measure.depths_m)
         depths_.push_back(
             {depth_m, std::vector<measures::SurfaceSums>(static_cast<std::size_t>(c.time.frames))});

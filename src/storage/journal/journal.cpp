@@ -46,6 +46,7 @@ void take(const Json& line, JournalContents& contents) {
         }
         if (name != "run_ended") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
+            contents.resumed_by = line.value("resumed_by", std::string());
             contents.unix_time_s = line.at("unix_s");
             contents.teams = line.value("teams", 1);
         }
@@ -77,6 +78,7 @@ void Journal::run_prepares(const RunStart& start) const {
     line.add("ranks", start.ranks);
     line.add("git_id", start.git_id);
     if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
     append_line(path_, seal(line.text()));
 }
 
@@ -89,6 +91,7 @@ void Journal::run_started(const RunStart& start) const {
     line.add("kernels", start.kernels);
     if (start.allow_mixed) line.add("allow_mixed", true);
     if (!start.overrides.empty()) line.add("overrides", start.overrides);
+    if (!start.resumed_by.empty()) line.add("resumed_by", start.resumed_by);
     append_line(path_, seal(line.text()));
 }
 
@@ -193,6 +196,7 @@ JournalContents read_journals(const std::filesystem::path& folder) {
         all.unreadable_lines += one.unreadable_lines;
         if (one.unix_time_s >= all.unix_time_s) {
             all.overrides = std::move(one.overrides);
+            all.resumed_by = std::move(one.resumed_by);
             all.last_run_ended = std::move(one.last_run_ended);
             all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;

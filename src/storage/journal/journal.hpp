@@ -19,6 +19,7 @@ struct RunStart {
     std::string git_id;                 // git id of the program
     std::string kernels;                // the instruction set in use
     bool allow_mixed = false;           // results of another program exist and are allowed
+    std::string resumed_by;             // command that resumes it; empty: `run` with its job
 };
 
 /// Computing time and its estimate.
@@ -77,6 +78,7 @@ struct JournalContents {
     std::string last_run_ended; // how the last run ended
     RunTimes last_run_times;
     std::vector<std::string> overrides; // overrides of the last run, key=value
+    std::string resumed_by;             // RunStart::resumed_by of the last run
     double unix_time_s = 0.0;           // when the last run started
     int teams = 1;             // of the last run; of all active runs together if there are several
     long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill

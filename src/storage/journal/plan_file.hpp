@@ -38,10 +38,10 @@ PlanMatch compare_plan(const std::string& text, const Plan& plan);
 /// Throws UsageError (environment) if it is missing, damaged or not a plan. Not collective.
 PlanIndex read_plan(const std::filesystem::path& path);
 
-/// The settings of one case as one JSON object.
-/// The settings as a JSON object {key: value}.
+/// The settings of one case as a JSON object {key: value}.
 nlohmann::ordered_json settings_json(const std::vector<Setting>& settings);
 
+/// The same as text on one line.
 std::string settings_text(const std::vector<Setting>& settings);
 
 } // namespace shearwake::storage

@@ -46,6 +46,9 @@ auto members(auto& s) {
     } else if constexpr (N == 12) {
         auto& [a, b, c, d, e, f, g, h, i, j, k, l] = s;
         return std::tie(a, b, c, d, e, f, g, h, i, j, k, l);
+    } else if constexpr (N == 13) {
+        auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
     }
 }
 
@@ -100,9 +103,9 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, LayeredOptions>();
     check_members<9, SpectralOptions>();
     check_members<12, PstdOptions>();
-    check_members<4, Domain>();
-    check_members<2, TimeAxis>();
-    check_members<5, MeasureOptions>();
+    check_members<5, Domain>();
+    check_members<3, TimeAxis>();
+    check_members<6, MeasureOptions>();
     check_members<5, RecordOptions>();
     check_members<7, Case>();
     check_members<4, Medium>();
@@ -131,7 +134,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<5, RampGain>();
     check_members<6, SquareGain>();
     check_members<4, WindowGain>();
-    check_members<12, AfferentOptions>();
+    check_members<13, AfferentOptions>();
     check_members<2, HandAfferents>();
     check_members<2, GridAfferents>();
     check_members<1, AfferentList>();

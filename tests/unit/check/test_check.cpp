@@ -228,7 +228,7 @@ TEST_CASE("pins that the focus never approaches give a warning", "[check]") {
     CHECK(check(c).empty());                            // the path of the focus crosses the origin
     c.afferents->pins_m = {{0.0, 0.01}, {0.0, 0.0031}}; // the FWHM is 3 mm
     CHECK(only_remark(c).key == "afferents.pins_mm");
-    CHECK(has(only_remark(c).message, "within 3.1 mm of a pin"));
+    CHECK(has(only_remark(c).message, "distance between them is 3.1 mm"));
     c.afferents->pins_m.push_back({0.0, 0.0029});
     CHECK(check(c).empty());
     c.afferents->pins_m = {{0.0, 0.02}};

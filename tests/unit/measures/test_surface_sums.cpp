@@ -65,6 +65,57 @@ TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]"
           measures::Region{5, 5, 4, 4});
 }
 
+TEST_CASE("a stated region contains the samples whose centres lie inside it", "[surface_sums]") {
+    const Domain d{.nx = 40, .ny = 30, .spacing_m = 1e-3, .sponge_m = 2e-3};
+    const auto region_of = [&](std::vector<Vec2> corners) {
+        MeasureOptions measure;
+        measure.region_m = std::move(corners);
+        return measures::measured_region(d, measure);
+    };
+    CHECK(region_of({}) == measures::measured_region(d));
+    // [-4, 4) mm along x and [-3, 3) mm along y: a rectangle has no rows of its own.
+    CHECK(region_of({{-4e-3, -3e-3}, {4e-3, -3e-3}, {4e-3, 3e-3}, {-4e-3, 3e-3}}) ==
+          measures::Region{16, 24, 12, 18});
+    // What reaches beyond the sponge is clipped, and what lies outside is empty.
+    CHECK(region_of({{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) ==
+          measures::measured_region(d));
+    CHECK(region_of({{0.5, 0.5}, {0.6, 0.5}, {0.6, 0.6}}).samples() == 0);
+
+    // A concave polygon: sample by sample, by the number of edges that a ray crosses.
+    const std::vector<Vec2> corners = {{-9.3e-3, -8.2e-3},
+                                       {11.1e-3, -7.7e-3},
+                                       {2.4e-3, 0.3e-3},
+                                       {10.6e-3, 9.9e-3},
+                                       {-8.8e-3, 7.1e-3}};
+    const measures::Region region = region_of(corners);
+    const auto u = realistic_frame(d);
+    const View2<const double> all(u.data(), d.nx, d.ny);
+    const Vec2 focus{3e-3, 1e-3};
+    const measures::SurfaceSums sums = measures::surface_sums(all, 0, d, region, focus, 4e-3);
+    double u2 = 0.0, focal_u2 = 0.0;
+    std::ptrdiff_t samples = 0;
+    for (std::ptrdiff_t i = 0; i < d.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < d.ny; ++j) {
+            bool is_inside = false;
+            for (std::size_t n = 0; n < corners.size(); ++n) {
+                const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
+                if ((a.x > d.x_m(i)) != (b.x > d.x_m(i)) &&
+                    d.y_m(j) < a.y + (d.x_m(i) - a.x) / (b.x - a.x) * (b.y - a.y))
+                    is_inside = !is_inside;
+            }
+            if (!is_inside) continue;
+            ++samples;
+            u2 += all(i, j) * all(i, j);
+            focal_u2 += measures::disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 4e-3) *
+                        all(i, j) * all(i, j);
+        }
+    CHECK(samples > 100);
+    CHECK(region.samples() == samples);
+    CHECK_THAT(sums.u2,
+               Catch::Matchers::WithinRel(u2, 1e-13)); // sums of some hundred positive terms
+    CHECK_THAT(sums.focal_u2, Catch::Matchers::WithinRel(focal_u2, 1e-13));
+}
+
 TEST_CASE("surface sums agree with sums taken one sample at a time", "[surface_sums]") {
     // 37 columns inside the sponge: not a multiple of the lanes.
     const Domain d{.nx = 30, .ny = 41, .spacing_m = 1e-3, .sponge_m = 2e-3};

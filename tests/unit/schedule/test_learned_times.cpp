@@ -102,6 +102,26 @@ TEST_CASE("the longest running case determines the end of the run", "[learned]")
     CHECK(times.wall_left_s(1) == Approx(times.left_s()));
 }
 
+TEST_CASE("a case that is repeated after a passing failure is extrapolated anew", "[learned]") {
+    long now_us = 0;
+    schedule::LearnedTimes times({{"pstd", "a", 100.0}, {"pstd", "a", 100.0}}, Comm::world(), {},
+                                 [&] { return now_us; });
+    now_us = 1'000'000;
+    times.begin(0);
+    times.progressed(0, 0.0);
+    now_us = 51'000'000;
+    times.progressed(0, 0.25); // twice as slow as estimated, because of a failing disk
+    CHECK(times.factor(1) == Approx(2.0));
+    times.progressed(0, 0.0);
+    CHECK(times.factor(1) == 1.0);
+    now_us = 61'000'000;
+    times.progressed(0, 0.1);
+    CHECK(times.factor(1) == Approx(1.0));
+    CHECK(times.left_s() == Approx(90.0 + 100.0));
+    times.end(0);
+    CHECK(times.left_s() == Approx(100.0));
+}
+
 TEST_CASE("a measured case corrects those like it, then those of its engine", "[learned]") {
     schedule::LearnedTimes times(some_cases(), Comm::world());
     times.begin(0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/markers.hpp"
@@ -8,7 +9,6 @@
 #include "fft/aligned.hpp"
 #include "parallel/comm.hpp"
 
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -79,7 +79,7 @@ public:
 
     /// Computes all systems with B^-1 of a pencil, solve(row, block, pencil), and inverts those of
     /// this rank. Throws CaseFailure if a system is singular. Collective.
-    using Solve = std::function<void(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil)>;
+    using Solve = RigidBodies::Solve;
     void assemble(const VerticalOperator& op, const Solve& solve);
 
     /// Numbers of the systems of this rank: indices of ky for an axis along y, of kx for one along

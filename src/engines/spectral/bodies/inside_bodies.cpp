@@ -2,7 +2,6 @@
 #include "engines/spectral/bodies/inside_bodies.hpp"
 
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/bodies/section_markers.hpp"
 
 #include <cmath>
 
@@ -31,16 +30,11 @@ void InsideBodies::each_point(double depth_m, const Use& use) const {
 }
 
 void InsideBodies::set_displacement(double depth_m, std::size_t component,
-                                    const std::vector<double>& q, double* plane) const {
+                                    const std::vector<RigidMotion>& motions, double* plane) const {
     each_point(depth_m, [&](std::ptrdiff_t at, std::size_t body, Vec3 offset) {
-        plane[at] = 0.0;
-        if (q.empty()) return; // slabs, which are at rest
-        const bool along_x = endless_along(bodies_[body], domain_) == Endless::along_x;
-        const double* of = q.data() + body * section_freedoms;
-        if (component == 2)
-            plane[at] = of[2] - (along_x ? offset.y : offset.x) * of[3];
-        else
-            plane[at] = (component == 0) == along_x ? of[0] : of[1] + offset.z * of[3];
+        // Without motions all bodies are slabs, which are at rest.
+        const Vec3 u = motions.empty() ? Vec3{} : motions[body].at(offset);
+        plane[at] = component == 0 ? u.x : component == 1 ? u.y : u.z;
     });
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <vector>
@@ -15,10 +16,10 @@ class InsideBodies {
 public:
     InsideBodies(const Case& c, const fft::SlabShare& share);
 
-    /// Sets a component (0: x, 1: y, 2: z) of the displacement [m] at a depth to that of the bodies
-    /// with the degrees of freedom q, [body][section_freedoms].
-    void set_displacement(double depth_m, std::size_t component, const std::vector<double>& q,
-                          double* plane) const;
+    /// Sets a component (0: x, 1: y, 2: z) of the displacement [m] at a depth to that of the
+    /// bodies.
+    void set_displacement(double depth_m, std::size_t component,
+                          const std::vector<RigidMotion>& motions, double* plane) const;
     /// Sets strains and stresses to zero.
     void clear(double depth_m, double* plane) const;
 

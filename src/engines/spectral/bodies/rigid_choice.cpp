@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/rigid_choice.hpp"
 
+#include "engines/spectral/bodies/lump_markers.hpp"
 #include "medium/bulk_modulus.hpp"
 #include "medium/material_field.hpp"
 
@@ -8,6 +9,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <optional>
 
 namespace shearwake::spectral {
 namespace {
@@ -16,6 +18,9 @@ namespace {
 constexpr double least_spacings = 2.0;
 /// Samples along each axis of the box that two bodies share.
 constexpr int overlap_samples = 24;
+/// Markers of a lump above which it is treated as rigid only on request: their matrix then needs
+/// 300 MB, and a step takes longer than one with an elastic body.
+constexpr std::size_t most_markers = 2000;
 
 bool spans(double centre_m, double size_m, double extent_m) {
     const double most_m = 0.5 * extent_m * (1.0 - 1e-9);
@@ -57,20 +62,22 @@ void each_layer_around(const Body& body, const Medium& medium, const Use& use) {
 }
 
 std::string trouble_of(const Case& c, const Body& body, Endless along) {
-    if (along == Endless::no)
-        return "a rigid body must cross the whole domain along x or y: a cylinder parallel to x or "
-               "y without length_mm, or a box as wide as the domain in one or both of these "
-               "directions";
     if (!(bounds(body).low_m.z > 0.0))
         return fmt::format("a rigid body must not touch the surface, but it begins at {:.4g} mm",
                            1e3 * bounds(body).low_m.z);
-    const bool along_x = along == Endless::along_x;
     const Bounds box = bounds(body);
-    const double width_m = along_x ? box.high_m.y - box.low_m.y : box.high_m.x - box.low_m.x;
+    const double size_x_m = box.high_m.x - box.low_m.x, size_y_m = box.high_m.y - box.low_m.y;
+    const double width_m = along == Endless::along_x   ? size_y_m
+                           : along == Endless::along_y ? size_x_m
+                                                       : lateral_thickness_m(body);
     if (width_m < least_spacings * c.domain.spacing_m)
         return fmt::format("a rigid body must be at least {:.3g} grid spacings wide, but it is "
                            "{:.4g} mm wide and domain.spacing_mm is {:.4g}",
                            least_spacings, 1e3 * width_m, 1e3 * c.domain.spacing_m);
+    if (along == Endless::no && std::isfinite(size_x_m) &&
+        (size_x_m >= c.domain.extent_x_m() || size_y_m >= c.domain.extent_y_m()))
+        return "a rigid body that is as long as the domain must be parallel to x or y and either "
+               "a cylinder without length_mm or a box that extends from edge to edge";
     if (body.edge_m > 0.0) return "a rigid body has a sharp surface; remove edge_mm";
     return "";
 }
@@ -114,6 +121,9 @@ Case with_rigid_bodies(Case c) {
         if (body.rigid || is_light ||
             !(stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9)))
             continue;
+        if (endless_along(body, c.domain) == Endless::no && bounds(body).low_m.z > 0.0 &&
+            lump_markers(body, c.domain, c.domain.spacing_m).size() > most_markers)
+            continue;
         Case chosen = c;
         chosen.scene().medium.bodies[i].rigid = true;
         if (rigid_limits(chosen).size() <= rigid_limits(c).size()) c = std::move(chosen);
@@ -130,8 +140,17 @@ std::vector<Body> rigid_bodies(const Case& c) {
 
 std::vector<Body> section_bodies(const Case& c) {
     std::vector<Body> bodies = rigid_bodies(c);
+    std::erase_if(bodies, [&](const Body& body) {
+        const Endless along = endless_along(body, c.domain);
+        return along == Endless::both || along == Endless::no;
+    });
+    return bodies;
+}
+
+std::vector<Body> lump_bodies(const Case& c) {
+    std::vector<Body> bodies = rigid_bodies(c);
     std::erase_if(bodies,
-                  [&](const Body& body) { return endless_along(body, c.domain) == Endless::both; });
+                  [&](const Body& body) { return endless_along(body, c.domain) != Endless::no; });
     return bodies;
 }
 
@@ -152,7 +171,7 @@ std::string held_by(const Body& body, const Medium& medium, const Domain& domain
 std::vector<Remark> rigid_limits(const Case& c) {
     std::vector<Remark> refused;
     const std::vector<Body>& bodies = c.scene().medium.bodies;
-    Endless common = Endless::no;
+    std::optional<Endless> common;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid) continue;
         const auto refuse = [&](std::string message) {
@@ -165,8 +184,12 @@ std::vector<Remark> rigid_limits(const Case& c) {
             refuse(trouble);
             continue;
         }
-        if (common == Endless::no) common = along;
-        if (along != common) refuse("all rigid bodies must be parallel to the same axis");
+        if (!common) common = along;
+        if (along != *common)
+            refuse(along == Endless::no || *common == Endless::no
+                       ? "a rigid body that crosses the domain along x or y excludes other rigid "
+                         "bodies that do not"
+                       : "all rigid bodies must be parallel to the same axis");
         for (std::size_t j = 0; j < bodies.size(); ++j)
             if ((j < i || !bodies[j].rigid) && j != i &&
                 shares_volume(bodies[i], bodies[j], c.domain))

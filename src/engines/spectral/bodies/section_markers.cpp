@@ -96,12 +96,6 @@ void sort_by_depth(std::vector<SectionMarker>& markers) {
     });
 }
 
-double density_kg_m3(const Medium& medium, double depth_m) {
-    for (std::size_t i = 0; i + 1 < medium.layers.size(); ++i)
-        if (depth_m < depths(medium, i).bottom_m) return medium.layers[i].density_kg_m3;
-    return medium.layers.back().density_kg_m3;
-}
-
 } // namespace
 
 std::vector<SectionMarker> section_markers(const Body& body, Endless along, double spacing_m,
@@ -127,6 +121,12 @@ double level_spacing_m(const DepthMesh& mesh, double top_m, double bottom_m) {
     return spacing_m;
 }
 
+double density_at(const Medium& medium, double depth_m) {
+    for (std::size_t i = 0; i + 1 < medium.layers.size(); ++i)
+        if (depth_m < depths(medium, i).bottom_m) return medium.layers[i].density_kg_m3;
+    return medium.layers.back().density_kg_m3;
+}
+
 SectionMass excess_mass(const Body& body, Endless along, const Medium& medium) {
     constexpr int samples = 160;
     const bool along_x = along == Endless::along_x;
@@ -142,7 +142,7 @@ SectionMass excess_mass(const Body& body, Endless along, const Medium& medium) {
             const Vec3 place =
                 along_x ? Vec3{body.centre_m.x, at_m, z_m} : Vec3{at_m, body.centre_m.y, z_m};
             const Vec3 cell = along_x ? Vec3{0.0, wide_m, high_m} : Vec3{wide_m, 0.0, high_m};
-            const double around = density_kg_m3(medium, z_m);
+            const double around = density_at(medium, z_m);
             const double more = (body.density_kg_m3.value_or(around) - around) * wide_m * high_m *
                                 volume_fraction(body, place, cell);
             const double across = at_m - (along_x ? body.centre_m.y : body.centre_m.x);

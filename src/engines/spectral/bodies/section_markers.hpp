@@ -39,6 +39,9 @@ std::vector<SectionMarker> section_markers(const Body& body, Endless along, doub
 /// The largest distance of consecutive levels in the elements between two depths.
 double level_spacing_m(const DepthMesh& mesh, double top_m, double bottom_m);
 
+/// Density of the layer at a depth. Not collective.
+double density_at(const Medium& medium, double depth_m);
+
 /// The degrees of freedom of an endless body: displacement along the axis, across it and along z,
 /// and the rotation about the axis through the centre, by which a point moves as
 ///     u_across = z angle, u_z = -y angle   (across y, down z from the centre).

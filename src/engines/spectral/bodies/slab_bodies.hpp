@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/spectral/bodies/endless_systems.hpp"
+#include "engines/spectral/bodies/rigid_bodies.hpp"
 
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace shearwake::spectral {
 /// keep the displacement there at zero. Each wave vector is constrained by itself.
 class SlabBodies {
 public:
-    using Solve = EndlessSystems::Solve;
+    using Solve = RigidBodies::Solve;
     SlabBodies(const Case& c, const DepthMesh& mesh, const WaveVectors& vectors);
 
     bool empty() const { return depths_.empty(); }

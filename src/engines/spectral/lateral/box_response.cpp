@@ -87,7 +87,7 @@ BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
     : field_(field), plane_slabs_(slabs), team_(team), clock_(clock), grid_(grid),
       slabs_(grid.nx, grid.ny, team, slabs.planning()),
       vectors_({grid.nx, grid.ny, 1.0, 0.0}, slabs_.share()),
-      planes_(field, slabs_, team, clock, grid.corner), count_(planes_.count()),
+      planes_(field.cells(), slabs_, team, clock, grid.corner), count_(planes_.count()),
       entries_(count_ * (count_ + 1) / 2), lines_(simd::kernels<LineKernels>()),
       kernels_(simd::kernels<SymmetricKernels>()) {
     together(team, [&] {
@@ -125,7 +125,7 @@ LateralField BoxResponse::near_corner(std::ptrdiff_t nx, std::ptrdiff_t ny) cons
 void BoxResponse::assemble(const Respond& respond) {
     const std::ptrdiff_t half = grid_.ny / 2;
     const LateralField quadrant = near_corner(grid_.nx / 2, half);
-    StrainPlanes planes(quadrant, plane_slabs_, team_, clock_, {});
+    StrainPlanes planes(quadrant.cells(), plane_slabs_, team_, clock_, {});
     const auto rows = static_cast<std::ptrdiff_t>(quadrant.variation().points[0].runs.size());
     std::vector<fft::RowRun> complete;
     for (std::ptrdiff_t i = 0; i < rows; ++i)
@@ -133,7 +133,7 @@ void BoxResponse::assemble(const Respond& respond) {
     const fft::RunTransform to_box(
         slabs_, team_, std::move(complete),
         fft::RunTransform::Layout{{slabs_.share().ky_start, slabs_.share().ky_count},
-                                  quadrant.x_start(),
+                                  quadrant.cells().x_start,
                                   grid_.nx,
                                   slabs_.line_pitch(),
                                   slabs_.lines_reals()});
@@ -151,7 +151,7 @@ void BoxResponse::assemble(const Respond& respond) {
         planes.get_from(static_cast<std::size_t>(column / field_.variation().components()), near);
         for (std::ptrdiff_t plane = column; plane < count_; ++plane)
             for (std::ptrdiff_t i = 0; i < rows; ++i)
-                mirror_row(plane, column, quadrant.x_start() + i,
+                mirror_row(plane, column, quadrant.cells().x_start + i,
                            near.data() + plane * near_cells + i * half,
                            all.data() + plane * all_cells + i * grid_.ny);
         to_box.to_lines(all.data() + column * all_cells, static_cast<std::size_t>(all_cells),

@@ -4,7 +4,6 @@
 #include "simd/kernels.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace shearwake::spectral {
 
@@ -12,26 +11,6 @@ LateralField::LateralField(LateralVariation variation, std::ptrdiff_t ny,
                            const fft::SlabShare& share)
     : kernels_(simd::kernels<StrainKernels>()), variation_(std::move(variation)),
       components_(static_cast<std::size_t>(variation_.components())), ny_(ny), share_(share) {}
-
-CellExtent LateralField::extent(const Comm& team) const {
-    constexpr double none = std::numeric_limits<double>::lowest();
-    double most[4] = {none, none, none, none}; // -x, x, -y, y
-    const auto widen = [](double& at, std::ptrdiff_t value) {
-        at = std::max(at, static_cast<double>(value));
-    };
-    for (const LateralVariation::Point& point : variation_.points)
-        for (const fft::RowRun& run : point.runs) {
-            const std::ptrdiff_t x = share_.x_start + run.row;
-            widen(most[0], -x);
-            widen(most[1], x + 1);
-            widen(most[2], -run.begin);
-            widen(most[3], run.end);
-        }
-    team.max(std::span<double>(most));
-    if (most[0] == none) return {};
-    const auto index = [](double value) { return static_cast<std::ptrdiff_t>(value); };
-    return {index(-most[0]), index(most[1]), index(-most[2]), index(most[3])};
-}
 
 void LateralField::stress(const Values& now, const Values& before, double rate, Values& out) const {
     for (const LateralVariation::Point& point : variation_.points) {

@@ -12,12 +12,6 @@
 
 namespace shearwake::spectral {
 
-/// Range of the grid points of a plane, [begin, end), that contains all cells that differ from the
-/// background.
-struct CellExtent {
-    std::ptrdiff_t x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
-};
-
 /// Strains and stresses at the cells where the medium varies, [point][component][cell], and the
 /// moduli of these cells. Not collective; sums cover this rank only.
 class LateralField {
@@ -35,15 +29,14 @@ public:
     void implicit(std::size_t point, const Values& strain, Values& out) const;
     /// Adds the product of two fields at one point to the sums of the rows of x.
     void add_product(std::size_t point, const Values& a, const Values& b, RowSums& sums) const;
-    /// Extent of the cells of all ranks. Collective.
-    CellExtent extent(const Comm& team) const;
-    /// Global index of the first row of x of this rank.
-    std::ptrdiff_t x_start() const { return share_.x_start; }
+    /// The cells that differ from the background. Valid for the lifetime of this object.
+    PlaneCells cells() const {
+        return {.points = variation_.points, .components = components_, .x_start = share_.x_start};
+    }
     std::size_t points() const { return variation_.points.size(); }
     /// Range of the indices of a point's values.
     std::pair<std::size_t, std::size_t> range(std::size_t point) const {
-        const LateralVariation::Point& at = variation_.points[point];
-        return {at.first * components_, (at.first + at.cells) * components_};
+        return cells().range(point);
     }
 
     /// Conversion to and from rows of complete planes, zero outside of the cells, for a checkpoint

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engines/spectral/depth/vertical_operator.hpp"
+#include "engines/spectral/lateral/plane_cells.hpp"
 #include "engines/spectral/lateral/strain_transfer.hpp"
-#include "fft/run_transform.hpp"
 #include "parallel/comm.hpp"
 
 #include <algorithm>
@@ -27,10 +27,7 @@ inline double tolerated_inertia(const SpectralOptions& options) {
 ///     background + E^T (implicit) E,   with the strain (and, for density, displacement) E,
 /// where the implicit moduli are never negative.
 struct LateralVariation {
-    struct Point {
-        std::vector<fft::RowRun> runs;
-        std::size_t first = 0, cells = 0;
-    };
+    using Point = PlaneCells::Point;
     std::vector<StrainPoint> strain_points;
     std::vector<Point> points;
     std::size_t cells = 0;

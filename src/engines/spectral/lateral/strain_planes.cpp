@@ -18,39 +18,39 @@ constexpr double exchanged_B = 8e6;
 
 } // namespace
 
-StrainPlanes::StrainPlanes(const LateralField& field, const fft::SlabTransform& slabs,
+StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& slabs,
                            const Comm& team, StepClock& clock, Corner corner)
-    : field_(field), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
-      count_(static_cast<std::ptrdiff_t>(field.points()) * field.variation().components()) {
-    const CellExtent extent = field.extent(team);
+    : cells_(cells), slabs_(slabs), clock_(clock), nx_(slabs.nx()),
+      count_(static_cast<std::ptrdiff_t>(cells.points.size() * cells.components)) {
+    const CellExtent extent = cells.extent(team);
     if (LineWindow::pays(nx_, extent.x_end - extent.x_begin))
         window_.emplace(nx_, extent.x_begin - corner.x, extent.x_end - extent.x_begin);
     const fft::SlabShare& share = slabs.share();
     const std::ptrdiff_t left = window_ ? extent.x_begin : corner.x;
     const fft::RunTransform::Layout layout{{share.ky_start, share.ky_count},
-                                           field.x_start() - left,
+                                           cells.x_start - left,
                                            window_ ? window_->count() : nx_,
                                            window_ ? window_->count() : slabs.line_pitch(),
                                            stored_stride()};
-    const auto components = static_cast<std::size_t>(field.variation().components());
+    const std::size_t components = cells.components, points = cells.points.size();
     const double of_point_B = static_cast<double>(components) * sizeof(std::complex<double>) *
                               static_cast<double>(extent.x_end - extent.x_begin) *
                               static_cast<double>(slabs.ny() / 2 + 1);
-    const auto together = static_cast<std::size_t>(std::max(
-        1.0, std::min(static_cast<double>(field.points()), exchanged_B / (of_point_B + 1.0))));
-    for (std::size_t first = 0; first < field.points(); first += together) {
-        const std::size_t end = std::min(first + together, field.points());
+    const auto together = static_cast<std::size_t>(
+        std::max(1.0, std::min(static_cast<double>(points), exchanged_B / (of_point_B + 1.0))));
+    for (std::size_t first = 0; first < points; first += together) {
+        const std::size_t end = std::min(first + together, points);
         std::vector<std::vector<fft::RowRun>> sheets;
         std::vector<fft::RunTransform::Plane> planes;
         for (std::size_t p = first; p < end; ++p) {
-            const LateralVariation::Point& point = field.variation().points[p];
+            const PlaneCells::Point& point = cells.points[p];
             sheets.push_back(point.runs);
             for (fft::RowRun& run : sheets.back()) {
                 run.begin -= corner.y;
                 run.end -= corner.y;
             }
             for (std::size_t c = 0; c < components; ++c)
-                planes.push_back({p - first, field.range(p).first + c * point.cells});
+                planes.push_back({p - first, cells.range(p).first + c * point.cells});
         }
         groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(sheets), layout),
                            std::move(planes)});
@@ -70,7 +70,7 @@ void StrainPlanes::assemble() {
     if (window_) spectra_.assign(static_cast<std::size_t>(count_ * stride()), 0.0);
 }
 
-void StrainPlanes::set(const LateralField::Values& values) {
+void StrainPlanes::set(const Values& values) {
     const engines::Timed timed(kind());
     for (const Group& group : groups_)
         group.transform.to_lines(values.data(), group.planes, stored_plane(group.first_point));
@@ -78,11 +78,11 @@ void StrainPlanes::set(const LateralField::Values& values) {
     clock_.lap(Phase::transforms, 2.0 * memory_B());
 }
 
-void StrainPlanes::get(LateralField::Values& values) {
+void StrainPlanes::get(Values& values) {
     get_from(0, values);
 }
 
-void StrainPlanes::get_from(std::size_t first, LateralField::Values& values) {
+void StrainPlanes::get_from(std::size_t first, Values& values) {
     const engines::Timed timed(kind());
     for (const Group& group : groups_)
         if (group.end_point > first)

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/lateral/lateral_field.hpp"
+#include "engines/spectral/lateral/plane_cells.hpp"
 #include "engines/spectral/lateral/line_window.hpp"
 #include "engines/spectral/lateral/step_clock.hpp"
 #include "engines/work.hpp"
+#include "fft/aligned.hpp"
 #include "fft/run_transform.hpp"
 
 #include <optional>
@@ -12,9 +13,10 @@
 namespace shearwake::spectral {
 
 /// The planes of strain or stress, [point][component], between the cells where the medium varies
-/// and the pencils, stored as lines over x, one per ky of this rank. A line is transformed to a
-/// spectrum only while its pencils are processed, when it is in the cache. If the cells occupy a
-/// small part of the lines (LineWindow), only this part is stored, and the spectra of one ky.
+/// and the pencils, or those of displacement and force around the markers of rigid bodies. They are
+/// stored as lines over x, one per ky of this rank. A line is transformed to a spectrum only while
+/// its pencils are processed, when it is in the cache. If the cells occupy a small part of the
+/// lines (LineWindow), only this part is stored, and the spectra of one ky.
 class StrainPlanes {
 public:
     /// Indices in the plane of the point that is the first one of `slabs`, which may be smaller
@@ -22,8 +24,8 @@ public:
     struct Corner {
         std::ptrdiff_t x = 0, y = 0;
     };
-    /// Collective; `field`, `slabs` and `clock` must outlive this object.
-    StrainPlanes(const LateralField& field, const fft::SlabTransform& slabs, const Comm& team,
+    /// Collective; the owners of `cells`, `slabs` and `clock` must outlive this object.
+    StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& slabs, const Comm& team,
                  StepClock& clock, Corner corner);
     /// Allocates the planes. Not collective.
     void assemble();
@@ -36,10 +38,11 @@ public:
     }
 
     /// Set the planes from the values at the cells, and read them back. Collective.
-    void set(const LateralField::Values& values);
-    void get(LateralField::Values& values);
+    using Values = std::vector<double>;
+    void set(const Values& values);
+    void get(Values& values);
     /// get() for the points from `first` on. Collective.
-    void get_from(std::size_t first, LateralField::Values& values);
+    void get_from(std::size_t first, Values& values);
     /// Transform the lines of one ky to spectra and back. With Modes::emptied the Nyquist modes, of
     /// x or of the complete row, are set to zero. Not collective.
     void begin_row(std::ptrdiff_t row);
@@ -65,7 +68,7 @@ private:
     double* stored(std::ptrdiff_t row) {
         return window_ ? planes_.data() + 2 * row * window_->count() : line(row);
     }
-    const LateralField& field_;
+    PlaneCells cells_;
     const fft::SlabTransform& slabs_;
     StepClock& clock_;
     /// Consecutive points that are exchanged between the ranks together.
@@ -75,8 +78,8 @@ private:
         std::vector<fft::RunTransform::Plane> planes;
     };
     double* stored_plane(std::size_t point) {
-        return planes_.data() + static_cast<std::ptrdiff_t>(point) *
-                                    field_.variation().components() * stored_stride();
+        return planes_.data() +
+               static_cast<std::ptrdiff_t>(point * cells_.components) * stored_stride();
     }
     std::vector<Group> groups_;
     std::optional<LineWindow> window_;

@@ -2,6 +2,7 @@
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include "base/error.hpp"
+#include "engines/spectral/bodies/lump_bodies.hpp"
 #include "engines/spectral/depth/work_kinds.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -24,23 +25,25 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
       load_(c, vectors_, step_s),
       sponge_(c, vectors_, slabs,
-              field_.variation().empty() && section_bodies(c).empty() ? Lateral::uniform
-                                                                      : Lateral::varies,
+              field_.variation().empty() && section_bodies(c).empty() && lump_bodies(c).empty()
+                  ? Lateral::uniform
+                  : Lateral::varies,
               step_s, team),
-      bodies_(c, mesh, vectors_, step_s, team), slab_bodies_(c, mesh, vectors_),
+      bodies_(make_rigid_bodies(c, mesh, slabs, vectors_, step_s, team, clock_)),
+      slab_bodies_(c, mesh, vectors_),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
       watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
       work_(c.domain.ny / 2 + 1), kernels_(simd::kernels<PencilKernels>()),
       strain_kernels_(simd::kernels<StrainKernels>()) {
-    planes_.emplace(field_, slabs_, team_, clock_, StrainPlanes::Corner{});
+    planes_.emplace(field_.cells(), slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
     together(team, [&] { slab_bodies_.assemble(operator_, background_solve()); });
-    bodies_.assemble(operator_, background_solve());
+    bodies_->assemble(operator_, background_solve());
     assemble_box();
 }
 
-EndlessSystems::Solve Stepper::background_solve() const {
+RigidBodies::Solve Stepper::background_solve() const {
     return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
         operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
     };
@@ -58,7 +61,7 @@ void Stepper::assemble() {
     planes_->assemble();
     for (auto* values : {&strain_, &strain_before_, &stress_, &change_})
         values->assign(field_.size(), 0.0);
-    if (!bodies_.empty()) reaction_ = change_;
+    if (!bodies_->empty()) reaction_ = change_;
     if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
@@ -95,14 +98,14 @@ void Stepper::advance() {
         statistics_.transforms = planes_->transforms();
     }
     std::swap(now_, before_);
-    bodies_.end_step();
+    bodies_->end_step();
     ++step_;
     ++statistics_.steps;
 }
 
 template <class Use>
 void Stepper::each_pencil(Use use) {
-    bodies_.clear();
+    bodies_->clear();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
         planes_->begin_row(row);
@@ -110,7 +113,7 @@ void Stepper::each_pencil(Use use) {
             use(row, block, row * vectors_.blocks() + block);
         planes_->end_row(row,
                          is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
-        bodies_.end_row(row);
+        bodies_->end_row(row);
     }
 }
 
@@ -150,7 +153,7 @@ void Stepper::first_pass() {
         clock_.lap(Phase::solves);
         put_strain(row, block, force);
         kernels_.advance(size, scale, u, force, before);
-        if (!bodies_.empty()) bodies_.evaluate(row, block, before);
+        if (!bodies_->empty()) bodies_->evaluate(row, block, before);
         clock_.lap(Phase::solves);
     });
     watch_.look(step_, 0.5 * kinetic_.mine());
@@ -195,7 +198,7 @@ void Stepper::respond(const LateralField::Values& stress, Use use) {
         add_planes_force(row, block, force);
         operator_.solve_implicit(factor(at), force);
         slab_bodies_.hold(row, block, background_solve(), force);
-        if (!bodies_.empty()) bodies_.evaluate(row, block, force);
+        if (!bodies_->empty()) bodies_->evaluate(row, block, force);
         clock_.lap(Phase::solves, pencil_bytes(0.0));
         use(row, block, at, force);
     });
@@ -205,8 +208,8 @@ void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values
     respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
                         const Block* displacement) { put_strain(row, block, displacement); });
     planes_->get(strain);
-    if (bodies_.empty()) return;
-    bodies_.respond();
+    if (bodies_->empty()) return;
+    bodies_->respond();
     each_reaction({});
     add_planes(strain);
 }
@@ -219,9 +222,9 @@ void Stepper::displace(const LateralField::Values& stress) {
         work += add_to_next(row, block, pencil, scale, displacement);
     };
     respond(stress, add);
-    if (!bodies_.empty()) {
-        bodies_.respond();
-        bodies_.add_to_next(scale);
+    if (!bodies_->empty()) {
+        bodies_->respond();
+        bodies_->add_to_next(scale);
         each_reaction(add);
     }
     watch_.add_work(scale * work);
@@ -262,7 +265,7 @@ double Stepper::memory_B() const {
           &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
     return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
-           bodies_.memory_B() + slab_bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
+           bodies_->memory_B() + slab_bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
            (box_ ? box_->memory_B() : 0.0);
 }
 
@@ -316,7 +319,7 @@ void Stepper::save(StateWriter& state) const {
     state.put("work_J_m2", watch_.work_J_m2());
     state.put("now", state_rows(), scalars(now_.data()));
     state.put("before", state_rows(), scalars(before_.data()));
-    bodies_.save(state);
+    bodies_->save(state);
     if (field_.variation().empty()) return;
     const DistributedRows rows = field_.rows(case_.domain.nx);
     state.put("strain", rows, field_.to_rows(strain_).data());
@@ -331,7 +334,7 @@ void Stepper::restore(const StateReader& state) {
     watch_.restore(state.get("work_J_m2"));
     state.get("now", state_rows(), scalars(now_.data()));
     state.get("before", state_rows(), scalars(before_.data()));
-    bodies_.restore(state);
+    bodies_->restore(state);
     if (field_.variation().empty()) return;
     const DistributedRows rows = field_.rows(case_.domain.nx);
     std::vector<double> buffer(static_cast<std::size_t>(rows.count * rows.row_length));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/checkpoint.hpp"
-#include "engines/spectral/bodies/endless_bodies.hpp"
+#include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/strains.hpp"
@@ -17,6 +17,7 @@
 #include "fft/slab_transform.hpp"
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,7 +48,7 @@ struct EnergyBalance {
 /// at least as stiff as the medium (one solve per step) or the true operator, A = B + E^T S E. With
 /// e = E d the latter becomes (1 + E B^-1 E^T S) e = E B^-1 rhs, which is solved by conjugate
 /// gradients. This takes the same number of iterations as preconditioning A with B, but its vectors
-/// cover only the cells where the medium varies. Rigid bodies are a constraint (EndlessBodies):
+/// cover only the cells where the medium varies. Rigid bodies are a constraint (RigidBodies):
 /// every solve with B is followed by one for the forces at their markers.
 class Stepper {
 public:
@@ -91,7 +92,7 @@ public:
     double memory_B() const;
     const StrainPlanes& planes() const { return *planes_; }
     const LateralField& field() const { return field_; }
-    const EndlessBodies& bodies() const { return bodies_; }
+    const RigidBodies& bodies() const { return *bodies_; }
 
 private:
     void assemble();
@@ -116,7 +117,7 @@ private:
     /// Adds the planes to the values of the cells. Collective.
     void add_planes(LateralField::Values& values);
     /// Whether nothing varies laterally: no elastic body, and rigid ones only as complete layers.
-    bool is_uniform() const { return field_.variation().empty() && bodies_.empty(); }
+    bool is_uniform() const { return field_.variation().empty() && bodies_->empty(); }
     /// Apply B^-1 E^T to a stress with the sign of a force: strain_of() computes the strain of the
     /// result, displace() adds the result to the next displacement.
     void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
@@ -134,7 +135,7 @@ private:
     void each_pencil(Use use);
     void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
     /// B^-1 of a pencil, for the bodies.
-    EndlessSystems::Solve background_solve() const;
+    RigidBodies::Solve background_solve() const;
     void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement);
     const Block* factor(std::ptrdiff_t pencil) const;
     const Block* pencil(const fft::AlignedVector<Block>& of, std::ptrdiff_t row,
@@ -167,12 +168,13 @@ private:
     double step_s_;
     double tolerance_;
     std::ptrdiff_t step_ = 0;
+    StepClock clock_;
     LateralField field_;
     VerticalOperator operator_;
     StrainTransfer transfer_;
     MovingLoad load_;
     LateralSponge sponge_;
-    EndlessBodies bodies_;
+    std::unique_ptr<RigidBodies> bodies_;
     SlabBodies slab_bodies_;
     StepStatistics statistics_;
     EnergyWatch watch_;
@@ -181,7 +183,6 @@ private:
     const PencilKernels& kernels_;
     const StrainKernels& strain_kernels_;
     fft::AlignedVector<Block> factors_, now_, before_, pencil_;
-    StepClock clock_;
     std::optional<StrainPlanes> planes_;
     LateralField::Values strain_, strain_before_, stress_, change_, reaction_;
     std::optional<StrainSolver> solver_; // empty unless steps iterate

@@ -12,11 +12,11 @@ void Stepper::each_reaction(const Reaction& use) {
     Block* force = pencil_.data();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
-        bodies_.begin_forces(row);
+        bodies_->begin_forces(row);
         for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block) {
             const std::ptrdiff_t at = row * vectors_.blocks() + block;
             std::fill(pencil_.begin(), pencil_.end(), Block{});
-            bodies_.add_force(row, block, force);
+            bodies_->add_force(row, block, force);
             operator_.solve_implicit(factor(at), force);
             if (use) use(row, block, at, force);
             clock_.lap(Phase::solves, pencil_bytes(2.0));
@@ -28,10 +28,10 @@ void Stepper::each_reaction(const Reaction& use) {
 }
 
 void Stepper::constrain_step() {
-    if (bodies_.empty()) return;
+    if (bodies_->empty()) return;
     const engines::Timed timed(of_iteration);
     const double scale = step_ == 0 ? 0.5 : 1.0;
-    bodies_.advance(scale);
+    bodies_->advance(scale);
     clock_.lap(Phase::rest);
     double work = 0.0;
     each_reaction([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,

@@ -27,18 +27,18 @@ void Stepper::begin_damping() {
     sponge_.take_velocity(operator_, vectors_.blocks(), now_, before_);
     if (is_uniform()) return;
     Block* change = pencil_.data();
-    bodies_.clear();
+    bodies_->clear();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
         sponge_.begin_row(row);
         for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block) {
             damp(row, block, row * vectors_.blocks() + block, change);
             put_strain(row, block, change);
-            if (!bodies_.empty()) bodies_.evaluate(row, block, change);
+            if (!bodies_->empty()) bodies_->evaluate(row, block, change);
         }
         planes_->end_row(row,
                          is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
-        bodies_.end_row(row);
+        bodies_->end_row(row);
     }
     planes_->get(change_);
     constrain_damping();
@@ -51,9 +51,9 @@ void Stepper::begin_damping() {
 /// The impulse on rigid bodies is that of the velocity removed from the material in their place;
 /// the mass in excess of it follows.
 void Stepper::constrain_damping() {
-    if (bodies_.empty()) return;
-    bodies_.respond();
-    bodies_.add_impulse();
+    if (bodies_->empty()) return;
+    bodies_->respond();
+    bodies_->add_impulse();
     each_reaction([&](std::ptrdiff_t, std::ptrdiff_t, std::ptrdiff_t at, const Block* change) {
         add_impulse(at, change);
     });

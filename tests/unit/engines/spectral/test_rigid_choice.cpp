@@ -42,6 +42,10 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
     CHECK(spectral::stiffness_contrast(bone, c.scene().medium) ==
           Approx(1.9 * std::pow(1619.0 / 5.0, 2)));
     CHECK(is_rigid(c));
+    SECTION("also where it does not cross the domain") {
+        bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
+        CHECK(is_rigid(c));
+    }
     SECTION("unless the limit is higher") {
         std::get<SpectralOptions>(c.solver).rigid_above = 2e5;
         CHECK_FALSE(is_rigid(c));
@@ -62,8 +66,11 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
         CHECK_FALSE(is_rigid(c));
     }
     SECTION("unless rigid bodies do not support its shape or place") {
-        SECTION("a lump") {
-            bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
+        SECTION("a lump with too many markers") {
+            bone.shape = Ellipsoid{{30e-3, 22e-3, 7e-3}};
+        }
+        SECTION("a lump as long as the domain") {
+            bone.shape = Cylinder{.radius_m = 3e-3, .length_m = 64e-3};
         }
         SECTION("a smooth edge") {
             bone.edge_m = 2e-3;

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/layered/point_response.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+namespace shearwake::layered {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+constexpr double growth = 7.0;         // largest Im(k) reach
+constexpr int order = 16;              // nodes per panel
+constexpr int exponent = 16;           // of the low-pass filter
+constexpr double end_of_pass = 1.2573; // k / k0 at which it is 1e-17
+constexpr int gradings = 16;           // halvings of the panels towards k = 0
+
+/// k0 of the low-pass filter: exp(-(pi / (spacing k0))^16) = 1e-10.
+double pass_rad_m(double spacing_m) {
+    return pi / (spacing_m * std::pow(10.0 * std::numbers::ln10, 1.0 / exponent));
+}
+
+struct GaussRule {
+    std::array<double, order> node{}, weight{}; // on (-1, 1)
+};
+
+/// Gauss-Legendre nodes by Newton's method on the Legendre polynomial.
+GaussRule make_gauss_rule() {
+    GaussRule rule;
+    for (int i = 0; i < order; ++i) {
+        double x = std::cos(pi * (i + 0.75) / (order + 0.5)), slope = 1.0;
+        for (int step = 0; step < 100; ++step) {
+            double p = 1.0, before = 0.0;
+            for (int n = 1; n <= order; ++n) {
+                const double next = ((2 * n - 1) * x * p - (n - 1) * before) / n;
+                before = p;
+                p = next;
+            }
+            slope = order * (x * p - before) / (x * x - 1.0);
+            const double change = p / slope;
+            x -= change;
+            if (std::abs(change) < 1e-16) break;
+        }
+        rule.node[static_cast<std::size_t>(i)] = x;
+        rule.weight[static_cast<std::size_t>(i)] = 2.0 / ((1.0 - x * x) * slope * slope);
+    }
+    return rule;
+}
+
+/// The mean of cos(z cos(theta)) over the angles of a trapezoidal rule of 64 points, which is exact
+/// to J_64(z).
+Complex near_j0(Complex z) {
+    constexpr int quarter = 16;
+    Complex sum = 0.0;
+    for (int j = 0; j < quarter; ++j)
+        sum += std::cos(z * std::cos(0.5 * pi * (j + 0.5) / quarter));
+    return sum / static_cast<double>(quarter);
+}
+
+/// Hankel's asymptotic expansion; its smallest term at |z| = 25 is e^-50.
+Complex far_j0(Complex z) {
+    Complex p = 0.0, q = 0.0, term = 1.0;
+    for (int k = 0; k < 40; ++k) {
+        const double sign = (k / 2) % 2 == 0 ? 1.0 : -1.0;
+        (k % 2 == 0 ? p : q) += sign * term;
+        const double odd = 2.0 * k + 1.0;
+        const Complex next = -term * (odd * odd) / (8.0 * (k + 1.0) * z);
+        if (std::abs(next) < 1e-17 || std::abs(next) > std::abs(term)) break;
+        term = next;
+    }
+    const Complex angle = z - 0.25 * pi;
+    return std::sqrt(2.0 / (pi * z)) * (p * std::cos(angle) - q * std::sin(angle));
+}
+
+} // namespace
+
+Complex bessel_j0(Complex z) {
+    return std::abs(z) < 25.0 ? near_j0(z) : far_j0(z);
+}
+
+Complex low_pass(Complex k_rad_m, double spacing_m) {
+    Complex power = k_rad_m / pass_rad_m(spacing_m);
+    for (int n = 1; n < exponent; n *= 2)
+        power *= power;
+    return std::exp(-power);
+}
+
+double remainder_from_rad_m(double spacing_m) {
+    return pass_rad_m(spacing_m) * std::pow(1e-14, 1.0 / exponent);
+}
+
+PointRule point_rule(double spacing_m, double reach_m) {
+    static const GaussRule gauss = make_gauss_rule();
+    const double height = growth / reach_m, width = 2.5 * height;
+    const double end = end_of_pass * pass_rad_m(spacing_m);
+    std::vector<double> edges = {0.0};
+    for (int n = gradings; n > 0; --n)
+        edges.push_back(std::ldexp(width, -n));
+    const auto panels = static_cast<int>(std::ceil(end / width));
+    for (int n = 1; n <= panels; ++n)
+        edges.push_back(n * width);
+    PointRule rule;
+    for (std::size_t panel = 0; panel + 1 < edges.size(); ++panel)
+        for (std::size_t i = 0; i < order; ++i) {
+            const double half = 0.5 * (edges[panel + 1] - edges[panel]);
+            const double s = edges[panel] + half * (1.0 + gauss.node[i]);
+            // k(s) = s + i height s / (s + height)
+            const Complex k(s, height * s / (s + height));
+            const Complex slope(1.0, std::pow(height / (s + height), 2));
+            rule.k_rad_m.push_back(k);
+            rule.weight.push_back(low_pass(k, spacing_m) * k * slope *
+                                  (gauss.weight[i] * half / (2.0 * pi)));
+        }
+    return rule;
+}
+
+PointResponse::PointResponse(double spacing_m, double reach_m)
+    : rule_(point_rule(spacing_m, reach_m)), step_m_(spacing_m / radii_per_spacing),
+      radii_(static_cast<std::size_t>(std::ceil(reach_m / step_m_)) + interpolated) {}
+
+std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns) const {
+    using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic>;
+    constexpr std::size_t together = 256; // radii, which limits the memory
+    const auto nodes = static_cast<Eigen::Index>(rule_.k_rad_m.size());
+    Matrix weighted(nodes, static_cast<Eigen::Index>(columns));
+    for (Eigen::Index c = 0; c < weighted.cols(); ++c)
+        for (Eigen::Index i = 0; i < nodes; ++i)
+            weighted(i, c) = h[static_cast<std::size_t>(c * nodes + i)] *
+                             rule_.weight[static_cast<std::size_t>(i)];
+    std::vector<Complex> tables(columns * radii_);
+    Matrix bessel;
+    for (std::size_t first = 0; first < radii_; first += together) {
+        const std::size_t count = std::min(together, radii_ - first);
+        bessel.resize(static_cast<Eigen::Index>(count), nodes);
+        for (Eigen::Index i = 0; i < nodes; ++i)
+            for (Eigen::Index r = 0; r < bessel.rows(); ++r)
+                bessel(r, i) =
+                    bessel_j0(rule_.k_rad_m[static_cast<std::size_t>(i)] *
+                              (static_cast<double>(first) + static_cast<double>(r)) * step_m_);
+        const Matrix part = bessel * weighted;
+        for (std::size_t c = 0; c < columns; ++c)
+            for (std::size_t r = 0; r < count; ++r)
+                tables[c * radii_ + first + r] =
+                    part(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+    }
+    return tables;
+}
+
+PlaneSampling::PlaneSampling(std::ptrdiff_t half_nx, std::ptrdiff_t half_ny) {
+    // Lagrange's weights on equidistant points, the middle of which surrounds the radius.
+    std::array<double, interpolated> scale{};
+    for (int i = 0; i < interpolated; ++i) {
+        double product = 1.0;
+        for (int j = 0; j < interpolated; ++j)
+            if (j != i) product *= i - j;
+        scale[static_cast<std::size_t>(i)] = 1.0 / product;
+    }
+    for (std::ptrdiff_t i = 0; i <= half_nx; ++i)
+        for (std::ptrdiff_t j = 0; j <= half_ny; ++j) {
+            const double radius =
+                radii_per_spacing * std::hypot(static_cast<double>(i), static_cast<double>(j));
+            const auto first =
+                static_cast<std::ptrdiff_t>(std::floor(radius)) - interpolated / 2 + 1;
+            const double x = radius - static_cast<double>(first);
+            first_.push_back(first);
+            for (int a = 0; a < interpolated; ++a) {
+                double weight = scale[static_cast<std::size_t>(a)];
+                for (int b = 0; b < interpolated; ++b)
+                    if (b != a) weight *= x - b;
+                weights_.push_back(weight);
+            }
+        }
+}
+
+void PlaneSampling::sample(std::span<const Complex> table, Complex* out) const {
+    const double* weight = weights_.data();
+    for (const std::ptrdiff_t first : first_) {
+        Complex sum = 0.0;
+        if (first >= 0)
+            for (int a = 0; a < interpolated; ++a)
+                sum += *weight++ * table[static_cast<std::size_t>(first + a)];
+        else // g is even
+            for (int a = 0; a < interpolated; ++a)
+                sum += *weight++ * table[static_cast<std::size_t>(std::abs(first + a))];
+        *out++ = sum;
+    }
+}
+
+} // namespace shearwake::layered

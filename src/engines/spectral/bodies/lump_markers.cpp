@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/lump_markers.hpp"
+
+#include "base/overloaded.hpp"
+#include "engines/spectral/bodies/rigid_bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+namespace shearwake::spectral {
+namespace {
+
+/// Part of the distance of levels within which points share a depth.
+constexpr double same_depth = 0.3;
+
+/// Spacings of the grid and of the levels.
+struct Spacings {
+    double across_m, down_m;
+};
+
+/// Angles in the first quarter of an ellipse, from the axis of `b` towards that of `a`, that are
+/// equally far apart along it, half a distance from the axes. The distance is near `spacing`.
+std::vector<double> quarter_angles(double a, double b, double spacing) {
+    constexpr int steps = 2000;
+    const double step = 0.5 * std::numbers::pi / steps;
+    std::vector<double> length(steps + 1, 0.0);
+    for (int i = 0; i < steps; ++i) {
+        const double angle = (i + 0.5) * step;
+        length[static_cast<std::size_t>(i) + 1] =
+            length[static_cast<std::size_t>(i)] +
+            step * std::hypot(a * std::cos(angle), b * std::sin(angle));
+    }
+    const auto count = std::max(1L, std::lround(length.back() / spacing));
+    std::vector<double> angles;
+    for (long n = 0; n < count; ++n) {
+        const double at =
+            length.back() * (static_cast<double>(n) + 0.5) / static_cast<double>(count);
+        const auto above = std::lower_bound(length.begin() + 1, length.end() - 1, at);
+        const double share = (at - above[-1]) / (above[0] - above[-1]);
+        angles.push_back((static_cast<double>(above - length.begin()) - 1.0 + share) * step);
+    }
+    return angles;
+}
+
+/// Adds the points of a horizontal ellipse.
+void add_ellipse(double a_m, double b_m, double z_m, double spacing_m, std::vector<Vec3>& points) {
+    if (std::min(a_m, b_m) < 0.35 * spacing_m && std::max(a_m, b_m) < 0.5 * spacing_m) {
+        points.push_back({0.0, 0.0, z_m});
+        return;
+    }
+    for (const double angle : quarter_angles(a_m, b_m, spacing_m)) {
+        const double x = a_m * std::sin(angle), y = b_m * std::cos(angle);
+        for (const double sign_x : {1.0, -1.0})
+            for (const double sign_y : {1.0, -1.0})
+                points.push_back({sign_x * x, sign_y * y, z_m});
+    }
+}
+
+/// Adds ellipses inside one.
+void fill_ellipse(double a_m, double b_m, double z_m, double spacing_m, std::vector<Vec3>& points) {
+    for (a_m -= spacing_m, b_m -= spacing_m; a_m > 0.3 * spacing_m && b_m > 0.3 * spacing_m;
+         a_m -= spacing_m, b_m -= spacing_m)
+        add_ellipse(a_m, b_m, z_m, spacing_m, points);
+    // The centre, if no ellipse is close to it.
+    if (std::min(a_m, b_m) > -0.5 * spacing_m) points.push_back({0.0, 0.0, z_m});
+}
+
+/// Rings of constant depth, as far apart as the points on them.
+std::vector<Vec3> on_ellipsoid(Vec3 r, const Spacings& h) {
+    const double between_m = inner_spacing * h.across_m;
+    double last_inside_m = std::numeric_limits<double>::infinity();
+    std::vector<Vec3> points;
+    for (const double angle :
+         quarter_angles(std::sqrt(r.x * r.y) / h.across_m, r.z / h.down_m, marker_spacing)) {
+        const double s = std::sin(angle), c = std::cos(angle); // from the pole
+        std::vector<Vec3> ring;
+        add_ellipse(r.x * s, r.y * s, r.z * c, marker_spacing * h.across_m, ring);
+        double depth_m = 0.0;
+        for (Vec3& p : ring) {
+            Vec3 normal{p.x / (r.x * r.x), p.y / (r.y * r.y), p.z / (r.z * r.z)};
+            normal = (1.0 / norm(normal)) * normal;
+            p = p - (curved_inset * h.across_m * std::hypot(normal.x, normal.y)) * normal;
+            depth_m += p.z / static_cast<double>(ring.size());
+        }
+        if (last_inside_m - depth_m > 2.0 * h.down_m || !std::isfinite(last_inside_m)) {
+            const std::size_t begin = ring.size();
+            fill_ellipse(r.x * s, r.y * s, depth_m, between_m, ring);
+            if (ring.size() > begin) last_inside_m = depth_m;
+        }
+        for (Vec3& p : ring)
+            p.z = depth_m;
+        points.insert(points.end(), ring.begin(), ring.end());
+    }
+    const std::size_t half = points.size();
+    for (std::size_t i = 0; i < half; ++i)
+        points.push_back({points[i].x, points[i].y, -points[i].z});
+    return points;
+}
+
+/// Points from -half to half, about `spacing` apart.
+std::vector<double> along_line(double half, double spacing) {
+    const auto parts = std::max(1L, std::lround(2.0 * half / spacing));
+    std::vector<double> at;
+    for (long i = 0; i <= parts; ++i)
+        at.push_back(half * (2.0 * static_cast<double>(i) / static_cast<double>(parts) - 1.0));
+    return at;
+}
+
+/// Whether an inner point may be kept at this index of a line with the surface at both of its ends:
+/// every second one, symmetric about the middle.
+bool is_second(std::size_t index, std::size_t count) {
+    return std::min(index, count - 1 - index) % 2 == 0;
+}
+bool is_end(std::size_t index, std::size_t count) {
+    return index == 0 || index + 1 == count;
+}
+
+std::vector<Vec3> on_box(Vec3 size_m, const Spacings& h) {
+    const double inset_m = flat_inset * h.across_m, apart_m = marker_spacing * h.across_m;
+    const auto x = along_line(0.5 * size_m.x - inset_m, apart_m),
+               y = along_line(0.5 * size_m.y - inset_m, apart_m),
+               z = along_line(0.5 * size_m.z, marker_spacing * h.down_m);
+    std::vector<Vec3> points;
+    for (std::size_t i = 0; i < x.size(); ++i)
+        for (std::size_t j = 0; j < y.size(); ++j)
+            for (std::size_t k = 0; k < z.size(); ++k)
+                if (is_end(i, x.size()) || is_end(j, y.size()) || is_end(k, z.size()) ||
+                    (is_second(i, x.size()) && is_second(j, y.size()) && is_second(k, z.size())))
+                    points.push_back({x[i], y[j], z[k]});
+    return points;
+}
+
+std::vector<Vec3> on_upright(double radius_m, double length_m, const Spacings& h) {
+    const double inner_m = radius_m - curved_inset * h.across_m;
+    const double apart_m = marker_spacing * h.across_m;
+    const auto z = along_line(0.5 * length_m, marker_spacing * h.down_m);
+    std::vector<Vec3> points;
+    for (std::size_t k = 0; k < z.size(); ++k) {
+        add_ellipse(inner_m, inner_m, z[k], apart_m, points);
+        if (is_end(k, z.size()) || is_second(k, z.size()))
+            fill_ellipse(inner_m, inner_m, z[k],
+                         is_end(k, z.size()) ? apart_m : inner_spacing * h.across_m, points);
+    }
+    return points;
+}
+
+/// The cross-section at equal distances along the axis, and both ends filled.
+std::vector<Vec3> on_lying(const Cylinder& shape, const Spacings& h) {
+    const std::vector<SectionMarker> section = section_markers(
+        {.name = {}, .shape = shape, .centre_m = {}}, Endless::along_x, h.across_m, h.down_m);
+    const auto along_m =
+        along_line(0.5 * shape.length_m - flat_inset * h.across_m, marker_spacing * h.across_m);
+    const double turn = shape.azimuth_deg * std::numbers::pi / 180.0;
+    std::vector<Vec3> points;
+    const auto add = [&](double along, double across, double down) {
+        points.push_back({along * std::cos(turn) - across * std::sin(turn),
+                          along * std::sin(turn) + across * std::cos(turn), down});
+    };
+    double last_filled_m = -std::numeric_limits<double>::infinity();
+    for (std::size_t begin = 0, end; begin < section.size(); begin = end) {
+        for (end = begin; end < section.size() && section[end].down_m == section[begin].down_m;)
+            ++end;
+        const double half_m = std::abs(section[begin].across_m), down_m = section[begin].down_m;
+        const bool fills = down_m - last_filled_m > 0.8 * h.down_m;
+        if (fills) last_filled_m = down_m;
+        for (std::size_t i = 0; i < along_m.size(); ++i) {
+            if (fills && is_end(i, along_m.size())) {
+                const auto across = along_line(half_m, marker_spacing * h.across_m);
+                for (std::size_t j = 1; j + 1 < across.size(); ++j)
+                    add(along_m[i], across[j], down_m);
+            }
+            for (std::size_t j = begin; j < end; ++j) {
+                const double across_m = section[j].across_m;
+                const bool inside = std::abs(across_m) < 0.999 * half_m;
+                if (inside && (is_end(i, along_m.size()) || !is_second(i, along_m.size())))
+                    continue;
+                add(along_m[i], across_m, down_m);
+            }
+        }
+    }
+    return points;
+}
+
+/// Moves points at almost the same depth to one.
+void join_depths(double within_m, std::vector<Vec3>& points) {
+    std::sort(points.begin(), points.end(),
+              [](Vec3 a, Vec3 b) { return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y); });
+    for (std::size_t begin = 0, end; begin < points.size(); begin = end) {
+        for (end = begin; end < points.size() && points[end].z <= points[begin].z + within_m;)
+            ++end;
+        const double depth_m = 0.5 * (points[begin].z + points[end - 1].z);
+        for (std::size_t i = begin; i < end; ++i)
+            points[i].z = depth_m;
+    }
+}
+
+} // namespace
+
+Body lump_in(const Body& body, const Domain& domain) {
+    Body part = body;
+    auto* cylinder = std::get_if<Cylinder>(&part.shape);
+    if (!cylinder || !cylinder->is_endless()) return part;
+    if (cylinder->axis == CylinderAxis::vertical) return part;
+    const double turn = cylinder->azimuth_deg * std::numbers::pi / 180.0;
+    const double c = std::cos(turn), s = std::sin(turn);
+    double from = -std::numeric_limits<double>::infinity(), to = -from;
+    const auto cut = [&](double centre_m, double slope, double half_m) {
+        if (std::abs(slope) < 1e-9) return;
+        const double one = (-half_m - centre_m) / slope, other = (half_m - centre_m) / slope;
+        from = std::max(from, std::min(one, other));
+        to = std::min(to, std::max(one, other));
+    };
+    cut(part.centre_m.x, c, 0.5 * domain.extent_x_m());
+    cut(part.centre_m.y, s, 0.5 * domain.extent_y_m());
+    cylinder->length_m = std::max(0.0, to - from);
+    const double middle = 0.5 * (from + to);
+    part.centre_m = part.centre_m + Vec3{middle * c, middle * s, 0.0};
+    return part;
+}
+
+std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double spacing_z_m) {
+    const Spacings h{domain.spacing_m, spacing_z_m};
+    const Body lump = lump_in(body, domain);
+    std::vector<Vec3> points =
+        std::visit(overloaded{
+                       [&](const Ellipsoid& shape) { return on_ellipsoid(shape.semi_axes_m, h); },
+                       [&](const Cylinder& shape) {
+                           return shape.axis == CylinderAxis::vertical
+                                      ? on_upright(shape.radius_m, shape.length_m, h)
+                                      : on_lying(shape, h);
+                       },
+                       [&](const Box& shape) { return on_box(shape.size_m, h); },
+                   },
+                   lump.shape);
+    for (Vec3& p : points)
+        p = p + (lump.centre_m - body.centre_m);
+    join_depths(same_depth * spacing_z_m, points);
+    return points;
+}
+
+std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m) {
+    std::array<Vec3, lump_freedoms> all;
+    for (std::size_t f = 0; f < lump_freedoms; ++f) {
+        const double unit[3] = {f % 3 == 0 ? 1.0 : 0.0, f % 3 == 1 ? 1.0 : 0.0,
+                                f % 3 == 2 ? 1.0 : 0.0};
+        const Vec3 axis{unit[0], unit[1], unit[2]};
+        all[f] = (f < 3 ? RigidMotion{axis, {}} : RigidMotion{{}, axis}).at(offset_m);
+    }
+    return all;
+}
+
+std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medium& medium) {
+    constexpr int samples = 48;
+    const Body lump = lump_in(body, domain);
+    const Bounds box = bounds(lump);
+    const Vec3 cell = (1.0 / samples) * (box.high_m - box.low_m);
+    std::vector<double> mass(lump_freedoms * lump_freedoms, 0.0);
+    for (int i = 0; i < samples; ++i)
+        for (int j = 0; j < samples; ++j)
+            for (int k = 0; k < samples; ++k) {
+                const Vec3 at =
+                    box.low_m + Vec3{(i + 0.5) * cell.x, (j + 0.5) * cell.y, (k + 0.5) * cell.z};
+                const double around = density_at(medium, at.z);
+                const double more = (body.density_kg_m3.value_or(around) - around) * cell.x *
+                                    cell.y * cell.z * volume_fraction(lump, at, cell);
+                const auto moves = motions_at(at - body.centre_m);
+                for (std::size_t a = 0; a < lump_freedoms; ++a)
+                    for (std::size_t b = 0; b < lump_freedoms; ++b)
+                        mass[a * lump_freedoms + b] +=
+                            more * (moves[a].x * moves[b].x + moves[a].y * moves[b].y +
+                                    moves[a].z * moves[b].z);
+            }
+    return mass;
+}
+
+} // namespace shearwake::spectral

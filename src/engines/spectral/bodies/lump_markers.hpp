@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/bodies/section_markers.hpp"
+
+#include <array>
+#include <vector>
+
+namespace shearwake::spectral {
+
+/// A lump: the body, or the part of an oblique endless cylinder inside the domain. Not collective.
+Body lump_in(const Body& body, const Domain& domain);
+
+/// The points at which a lump is constrained, as offsets [m] from `body.centre_m`, ordered by
+/// depth: about marker_spacing apart on its surface, which is shifted inwards by curved_inset or
+/// flat_inset in the lateral directions, and about inner_spacing apart inside. Points whose depths
+/// differ by less than 0.3 of `spacing_z_m`, the distance of levels, share a depth. They are
+/// symmetric as the body is. Not collective.
+std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double spacing_z_m);
+
+/// The degrees of freedom of a lump: displacement along x, y and z, and rotation about these axes
+/// through the centre.
+constexpr std::size_t lump_freedoms = 6;
+/// Motion of a point at an offset from the centre for each degree of freedom.
+std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m);
+/// Mass of the body in excess of the background in its place, [row][column] of the degrees of
+/// freedom [kg, kg m, kg m^2].
+std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medium& medium);
+
+} // namespace shearwake::spectral

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The periodic regime against the last repetition of a long run, and against a closed form.
+#include "engines/layered/stack_response.hpp"
+#include "load/period.hpp"
+#include "support/cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <complex>
+#include <numbers>
+
+using namespace shearwake;
+
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double turn = 2.0 * std::numbers::pi;
+constexpr double period_s = 10e-3;
+
+Travel circle(double radius_m, double draws_per_s) {
+    return {Arc{{}, radius_m, 0.3, turn}, ConstantSpeed{turn * radius_m * draws_per_s},
+            AtEnd::repeat};
+}
+
+struct NamedLoad {
+    const char* name;
+    Trajectory trajectory;
+    Envelope envelope = {};
+    std::vector<Vec2> foci_m = {};
+};
+
+/// Loads whose least common period is 10 ms.
+std::vector<NamedLoad> loads() {
+    Travel with_speed = circle(6e-3, 100.0);
+    with_speed.motion = OscillatingSpeed{turn * 6e-3 * 100.0, 1.0, 200.0, 0.4};
+    const Travel there_and_back{Curve(Vec2{-7e-3, 1e-3}, Vec2{7e-3, -2e-3}),
+                                ConstantSpeed{2.0 * std::hypot(14e-3, 3e-3) / period_s},
+                                AtEnd::back_and_forth};
+    return {{"STM", {{circle(8e-3, 100.0)}}},
+            {"back and forth", {{there_and_back}}},
+            {"AM",
+             {{Hold{{2e-3, 1e-3}}}},
+             {{SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}}},
+            {"LM", {{Swing{{4e-3, 1e-3}, 100.0}}}},
+            {"SM-STM", {{with_speed}}},
+            {"STP", {{circle(5e-3, 100.0), circle(2e-3, 300.0)}}},
+            {"AM-STM with two foci",
+             {{circle(5e-3, 100.0)}},
+             {{SineGain{.frequency_Hz = 200.0}}},
+             {{0.0, 3e-3}, {0.0, -3e-3}}}};
+}
+
+struct NamedMedium {
+    const char* name;
+    Medium medium;
+};
+
+std::vector<NamedMedium> media() {
+    Layer film = test::tissue(1500.0, 0.5), fat = test::tissue(1500.0, 5.0);
+    film.thickness_m = 0.3e-3;
+    film.c_s_m_s = 20.0;
+    fat.thickness_m = 20e-3;
+    fat.c_s_m_s = 2.8;
+    return {{"half-space", test::half_space(test::tissue())},
+            {"skin", {{film, test::tissue(1500.0)}, Base::half_space}},
+            {"forearm", {{fat}, Base::rigid}}};
+}
+
+Case periodic_case(const Medium& medium) {
+    Case c = test::moving_focus(medium, {});
+    c.scene().load.footprint = GaussianFootprint{5e-3};
+    c.domain = {36, 32, 1.25e-3, 0.0, DomainEdges::open};
+    c.time = {60, period_s / 60.0, Regime::periodic};
+    c.measure.at_s = period_s;
+    c.solver = LayeredOptions{.time_step_s = period_s / 240.0}; // all loads share one table
+    return c;
+}
+
+} // namespace
+
+TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") {
+    constexpr std::ptrdiff_t repetitions = 12;
+    const Comm alone = Comm::world().split(Comm::world().rank());
+    for (const NamedMedium& medium : media()) {
+        const auto steady = engines::make_engine(LayeredOptions{}),
+                   transient = engines::make_engine(LayeredOptions{});
+        for (const NamedLoad& load : loads()) {
+            INFO(load.name << " on the medium " << medium.name);
+            Case c = periodic_case(medium.medium);
+            c.scene().load.modulation = {load.name, load.trajectory, load.envelope, load.foci_m};
+            const LoadPeriod period = least_period(c.scene().load, 1.0);
+            REQUIRE(period.trouble.empty());
+            REQUIRE(std::abs(period.period_s - period_s) < 1e-12);
+            Case run = c;
+            run.time = {repetitions * c.time.frames, c.time.interval_s};
+            test::FrameStore frames, of_run;
+            steady->run(c, alone, frames);
+            transient->run(run, alone, of_run);
+            double square = 0.0, all = 0.0;
+            for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+                const auto &u = frames.at(n),
+                           &last = of_run.at((repetitions - 1) * c.time.frames + n);
+                for (std::size_t i = 0; i < u.size(); ++i) {
+                    square += (u[i] - last[i]) * (u[i] - last[i]);
+                    all += u[i] * u[i];
+                }
+            }
+            // The waves of the start have left or decayed: on the forearm, where the layer guides
+            // them longest, 1e-4 of the field remains after 110 ms.
+            CHECK(std::sqrt(square / all) < 1e-3);
+        }
+    }
+}
+
+namespace {
+
+/// Gauss-Legendre rule of 16 points on [from, to].
+template <class F>
+void integrate(double from, double to, F f) {
+    static const double x[] = {0.0950125098376374, 0.2816035507792589, 0.4580167776572274,
+                               0.6178762444026438, 0.7554044083550030, 0.8656312023878318,
+                               0.9445750230732326, 0.9894009349916499};
+    static const double w[] = {0.1894506104550685, 0.1826034150449236, 0.1691565193950025,
+                               0.1495959888165767, 0.1246289712555339, 0.0951585116824928,
+                               0.0622535239386479, 0.0271524594117541};
+    const double middle = 0.5 * (from + to), half = 0.5 * (to - from);
+    for (int i = 0; i < 8; ++i) {
+        f(middle + half * x[i], half * w[i]);
+        f(middle - half * x[i], half * w[i]);
+    }
+}
+
+} // namespace
+
+TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]") {
+    // With a radius a and an angle Omega t + theta_0, harmonic m of the field at (r, theta) is
+    //   e^{i m (theta_0 - theta)} / (2 pi) integral H(k, m Omega) G(k) J_m(k a) J_m(k r) k dk.
+    const double a = 6e-3, fwhm = 6e-3, theta_0 = 0.3;
+    Case c = periodic_case(test::half_space(test::tissue()));
+    c.scene().load.footprint = GaussianFootprint{fwhm};
+    c.scene().load.modulation.trajectory = {{circle(a, 100.0)}};
+    c.domain.spacing_m = 1e-3;
+    c.solver = LayeredOptions{.interpolation_tolerance = 1e-11};
+    const test::FrameStore frames = test::frames_of(c);
+
+    const double sigma = fwhm / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
+    constexpr int harmonics = 24;
+    struct Place {
+        std::ptrdiff_t i, j;
+        std::vector<Complex> lines;
+    };
+    std::vector<Place> places = {{18, 16, {}}, {24, 16, {}}, {9, 25, {}}, {35, 1, {}}};
+    for (Place& place : places)
+        place.lines.resize(harmonics + 1);
+    for (int m = 0; m <= harmonics; ++m) {
+        const double omega = m * turn / period_s;
+        const auto add = [&](double k, double weight) {
+            const Complex h = layered::half_space_response(c.scene().medium.layers[0], omega, k);
+            const Complex common = weight * k / turn * h * turn * sigma * sigma *
+                                   std::exp(-0.5 * sigma * sigma * k * k) *
+                                   std::cyl_bessel_j(m, k * a);
+            for (Place& place : places) {
+                const double x = c.domain.x_m(place.i), y = c.domain.y_m(place.j);
+                place.lines[static_cast<std::size_t>(m)] +=
+                    common * std::polar(1.0, m * (theta_0 - std::atan2(y, x))) *
+                    std::cyl_bessel_j(m, k * std::hypot(x, y));
+            }
+        };
+        // Panels of 2/m near the poles, which are at least 1.6/m from the real axis.
+        for (double k = 0.0; k < 800.0; k += 2.0)
+            integrate(k, k + 2.0, add);
+        for (double k = 800.0; k < 3000.0; k += 20.0)
+            integrate(k, k + 20.0, add);
+    }
+    for (const Place& place : places) {
+        double worst = 0.0, largest = 0.0;
+        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+            Complex sum = place.lines[0];
+            for (int m = 1; m <= harmonics; ++m)
+                sum += 2.0 * place.lines[static_cast<std::size_t>(m)] *
+                       std::polar(1.0, m * turn * c.time.frame_s(n) / period_s);
+            const double u =
+                frames.at(n)[static_cast<std::size_t>(place.i * c.domain.ny + place.j)];
+            worst = std::max(worst, std::abs(u - sum.real()));
+            largest = std::max(largest, std::abs(sum.real()));
+        }
+        INFO("sample " << place.i << ", " << place.j);
+        CHECK(worst < 1e-6 * largest);
+    }
+}
