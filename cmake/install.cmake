@@ -5,7 +5,8 @@ include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR}/shearwake)
 install(TARGETS shearwake)
 install(DIRECTORY jobs DESTINATION ${data})
-install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE PATTERN *.egg-info EXCLUDE
+    PATTERN build EXCLUDE)
 install(DIRECTORY tests/baselines DESTINATION ${data}/tests)
 install(DIRECTORY scripts/import_kwave DESTINATION ${data}/scripts PATTERN __pycache__ EXCLUDE)
 install(FILES scripts/common.sh scripts/make_map.py DESTINATION ${data}/scripts)
@@ -22,6 +23,25 @@ foreach(tool IN ITEMS import-kwave make-map submit nightly)
     install(PROGRAMS scripts/${tool} DESTINATION ${data}/scripts)
     install(PROGRAMS ${CMAKE_BINARY_DIR}/generated/shearwake-${tool} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
+
+# The Python package lies in share/shearwake/analysis, which the report uses too. A link makes it importable by the
+# system's Python: in /usr/local, and in ~/.local for its owner. The folder depends on the prefix of the installation.
+install(CODE [[
+    execute_process(COMMAND python3 -c "import site, sys
+prefix = sys.argv[1]
+name = 'lib/python%d.%d/' % sys.version_info[:2]
+known = site.getsitepackages() + [site.getusersitepackages()]
+folders = [prefix + '/' + name + last for last in ('dist-packages', 'site-packages')]
+print(next((folder for folder in folders if folder in known), folders[1]), end='')" ${CMAKE_INSTALL_PREFIX}
+        OUTPUT_VARIABLE folder RESULT_VARIABLE code)
+    if(code EQUAL 0)
+        file(RELATIVE_PATH target "${folder}" "${CMAKE_INSTALL_PREFIX}/share/shearwake/analysis/shearwake")
+        file(MAKE_DIRECTORY "$ENV{DESTDIR}${folder}")
+        file(REMOVE "$ENV{DESTDIR}${folder}/shearwake")
+        file(CREATE_LINK "${target}" "$ENV{DESTDIR}${folder}/shearwake" SYMBOLIC)
+        message(STATUS "Python package: ${folder}/shearwake")
+    endif()
+]])
 
 # The program prints its own manual page and completion.
 if(NOT CMAKE_CROSSCOMPILING)

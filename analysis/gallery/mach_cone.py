@@ -5,7 +5,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import style
-import wake
+from package import wake
 from fig_surface import snapshot
 from load import load
 from words import number

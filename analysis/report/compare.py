@@ -18,8 +18,7 @@ import compare_words
 import numpy as np
 from compare_fields import compare_surfaces, compare_traces
 from compare_sensors import compare_sensors
-from load import NoPlan, first_line, load, single_case, text
-from checksum import open_case
+from load import NoPlan, first_line, load, single_case
 
 USAGE, ENVIRONMENT = 2, 6
 SCHEMA = 1
@@ -43,7 +42,8 @@ class Side:
             self.cases = [c for c in sweep.cases if c.whole]
             self.counting = {c["name"] for c in sweep.columns if c["counts_samples"]}
         else:
-            self.cases, self.counting = [one_case(self.path)], counting_columns(self.path)
+            self.cases = [one_case(self.path)]
+            self.counting = counting_columns(self.cases[0])
 
     @property
     def is_case(self):
@@ -64,10 +64,8 @@ def one_case(path):
         raise NotACase(f"{path} cannot be read as a case file: {first_line(error)}") from error
 
 
-def counting_columns(path):
-    with open_case(path) as file:
-        return {name for name, item in file.items() if getattr(item, "shape", None) == ()
-                and text(item.attrs.get("long_name", "")).endswith("in samples")}
+def counting_columns(case):
+    return {column.name for column in case.stored.columns if column.meaning.endswith("in samples")}
 
 
 def key_of(case, keys):

@@ -9,6 +9,7 @@ import numpy as np
 import load
 from compare_fields import SAME_m, common_times, relative_l2
 from medium_files import file_of
+from package import UNREADABLE
 
 VELOCITIES = ("ux", "uy", "uz")
 
@@ -31,14 +32,12 @@ class Places:
 def sensor(case):
     """The sensor of a case; None without one."""
     try:
-        with h5py.File(case.path, "r") as file:
-            group = file["sensor"]
-            nodes = [tuple(int(index) for index in node) for node in zip(*(group[axis][()] for axis in "ijk"))]
-            fields = {name: (load.text(item.attrs.get("units", "")), item[()]) for name, item in group.items()
-                      if getattr(item, "ndim", 0) == 2}
-            time_s = group["time"][()]
-            return Sensor(time_s, nodes, fields, float(time_s[1] - time_s[0]) if len(time_s) > 1 else math.nan)
-    except (OSError, KeyError, ValueError):
+        found, units = case.stored.arrays("sensor"), case.stored.units("sensor")
+        nodes = [tuple(int(index) for index in node) for node in zip(*(found[axis] for axis in "ijk"))]
+        fields = {name: (units[name], values) for name, values in found.items() if values.ndim == 2}
+        time_s = found["time"]
+        return Sensor(time_s, nodes, fields, float(time_s[1] - time_s[0]) if len(time_s) > 1 else math.nan)
+    except UNREADABLE:
         return None
 
 

@@ -8,7 +8,7 @@ import layout
 import periods
 import references
 import style
-import wake
+from package import wake
 from figure import Figure
 from words import number
 

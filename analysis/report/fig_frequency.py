@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import fig_curves
 import layout
 import style
-import wake
+from package import wake
 from figure import Figure
 from validity import invalid_caption
 from words import listed

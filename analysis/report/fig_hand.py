@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -11,9 +10,9 @@ import layout
 import style
 import warnings_of
 from figure import Figure
+from package import CLASSES
 from words import counted, millimetres, number
 
-CLASSES = ["SA1", "RA", "PC"]
 COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
 MOST_CASES = 6  # largest number of cases with figures
 PLACES = 5  # largest number of places at which motion and spikes are drawn
@@ -24,20 +23,18 @@ MOST_TICKS = 200  # largest number of afferents per class in a raster
 class Afferents:
     """The afferents of a case file, in mm and ms, with one array of spikes per afferent."""
 
-    def __init__(self, path):
-        with h5py.File(path, "r") as file:
-            group, pins, hand = file["afferents"], file["pins"], file["hand"]
-            self.x, self.y = 1e3 * group["hand_x"][()], 1e3 * group["hand_y"][()]
-            self.patch = 1e3 * np.stack([group["x"][()], group["y"][()]], axis=1)
-            self.kind = np.array(CLASSES)[group["class"][()].astype(int)]
-            self.count = group["spike_count"][()].astype(int)
-            times = 1e3 * group["spike_time"][()]
-            self.outline = 1e3 * np.stack([hand["hand_x"][()], hand["hand_y"][()]], axis=1)
-            self.pins = 1e3 * np.stack([pins["hand_x"][()], pins["hand_y"][()]], axis=1)
-            self.pins_on_patch = 1e3 * np.stack([pins["x"][()], pins["y"][()]], axis=1)
-            self.u_um = 1e6 * pins["u_z"][()] if "u_z" in pins else None
-            self.time = 1e3 * pins["time"][()] if "time" in pins else None
-        self.spikes = np.split(times, np.cumsum(self.count)[:-1]) if len(self.count) else []
+    def __init__(self, stored):
+        found, pins, hand = (stored.arrays(name) for name in ("afferents", "pins", "hand"))
+        self.x, self.y = 1e3 * found["hand_x"], 1e3 * found["hand_y"]
+        self.patch = 1e3 * np.stack([found["x"], found["y"]], axis=1)
+        self.kind = np.array(CLASSES)[found["class"].astype(int)]
+        self.count = found["spike_count"].astype(int)
+        self.outline = 1e3 * np.stack([hand["hand_x"], hand["hand_y"]], axis=1)
+        self.pins = 1e3 * np.stack([pins["hand_x"], pins["hand_y"]], axis=1)
+        self.pins_on_patch = 1e3 * np.stack([pins["x"], pins["y"]], axis=1)
+        self.u_um = 1e6 * pins["u_z"] if "u_z" in pins else None
+        self.time = 1e3 * pins["time"] if "time" in pins else None
+        self.spikes = np.split(1e3 * found["spike_time"], np.cumsum(self.count)[:-1]) if len(self.count) else []
 
     def of(self, kind):
         return np.flatnonzero(self.kind == kind)
@@ -191,7 +188,7 @@ def figures(sweep, folder):
     made = []
     cases = [c for c in layout.ordinary(sweep) if c.whole and "afferents" in c.physics]
     for n, case in enumerate(layout.evenly(cases, MOST_CASES)):
-        afferents = Afferents(case.path)
+        afferents = Afferents(case.stored)
         if not len(afferents.count) or math.isnan(duration_ms(case)):
             continue
         for what, draw in (("hand", hand_figure), ("raster", raster_figure),

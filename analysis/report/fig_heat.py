@@ -10,7 +10,7 @@ import numpy as np
 import hover
 import layout
 import style
-import wake
+from package import wake
 import warnings_of
 from figure import Figure
 from words import counted, listed, number, some_of, value_text

@@ -6,7 +6,7 @@ import fig_surface
 import hover
 import load
 import style
-import wake
+from package import wake
 from figure import Figure
 from words import number
 

@@ -5,7 +5,7 @@ import math
 import layout
 import fig_curves as curves_module
 import style
-import wake
+from package import wake
 from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
 from validity import invalid_caption

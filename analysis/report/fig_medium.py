@@ -11,7 +11,7 @@ import hover
 import layout
 import medium_files
 import style
-import wake
+from package import wake
 from figure import Figure
 from words import number
 

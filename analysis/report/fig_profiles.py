@@ -10,7 +10,7 @@ import fig_time
 import layout
 import load
 import style
-import wake
+from package import wake
 import warnings_of
 from chart import Chart, Line
 from figure import Figure

@@ -6,7 +6,7 @@ import numpy as np
 import fig_hand
 import layout
 import style
-import wake
+from package import wake
 from figure import Figure
 from words import counted
 

@@ -11,7 +11,7 @@ import fig_frequency
 import fig_time
 import layout
 import style
-import wake
+from package import wake
 import warnings_of
 from chart import Chart, Line
 from figure import Figure

@@ -11,17 +11,15 @@ import layout
 import load
 import references
 import style
-import wake
+from package import wake
 import warnings_of
 from figure import Figure
 from words import counted, listed, number, some_of
 
 COLUMNS = 4  # largest number of curves side by side
 ALL_ROWS = 5  # up to this number of values of x, all are drawn
-LEAST = 0.2  # smallest end of the colour scale relative to the peak
 SEEN = 0.1  # smallest visible displacement relative to the end of the colour scale
 UNLIKE = 2.0  # if the wakes of curves differ by a larger factor, colours follow the root of u
-AWAY = 4.0  # distance from the focus, in focal radii, beyond which the field is the wake
 
 
 @dataclass
@@ -65,20 +63,8 @@ def cells(sweep):
 
 
 def scale(shots):
-    """End of the colour scale: the largest |u| away from the focus, so that the wake is visible, but at least
-    LEAST times the peak, so that the focus remains distinguishable."""
-    outside = []
-    for s in shots:
-        focus, _, _ = wake.focus_at(s.case, s.t_s)
-        radius = AWAY * 1e3 * s.case.setting("measure", "focal_radius_m")
-        far = np.ones(s.u_um.shape, dtype=bool)
-        for x, y in focus + wake.offsets_mm(s.case):
-            far &= np.hypot(s.x_mm[:, None] - x, s.y_mm[None, :] - y) > radius
-        outside.append(np.nanmax(np.abs(s.u_um[far])) if far.any() else 0.0)
-    end, peak = max(outside), max(np.nanmax(np.abs(s.u_um)) for s in shots)
-    if not end > 0.0:
-        return peak or 1.0
-    return min(peak, max(end, LEAST * peak))
+    """End of the colour scale, see wake.scale_end()."""
+    return wake.scale_end([(s.case, s.t_s, s.x_mm, s.y_mm, s.u_um) for s in shots])
 
 
 def window(shots, end):
@@ -227,7 +213,7 @@ def caption(shots, any_lines, clipped):
     text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Solid circle with a "
             "centre point: focal disc. Dotted line: path of the focus so far.")
     if clipped:
-        text += (f" The scale ends at the largest displacement farther than {number(AWAY)} focal radii from the "
+        text += (f" The scale ends at the largest displacement farther than {number(wake.AWAY)} focal radii from the "
                  "focus, so that the wake is visible, but at least at a fifth of the peak; larger values are "
                  "clipped.")
     if any_lines:

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Slices of recorded volumes: vertical through the focus, and horizontal below the surface."""
 
-import h5py
 import matplotlib.pyplot as plt
 import numpy as np
 
 import hover
 import layout
 import style
-import wake
+from package import UNREADABLE, wake
 import warnings_of
 from figure import Figure
 from words import counted, number
@@ -20,12 +19,11 @@ BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volum
 def last_volume(case):
     """t_s, the name of the component, x, y, z in mm and the last volume (z, y, x) in um; None without volumes."""
     try:
-        with h5py.File(case.path, "r") as file:
-            group = file["volume"]
-            name = next(n for n in ("u_z", "u_x", "u_y") if n in group)
-            return (float(group["time"][-1]), name, *(1e3 * group[axis][()] for axis in "xyz"),
-                    1e6 * group[name][-1])
-    except (OSError, KeyError, ValueError, IndexError, StopIteration):
+        names = case.stored.dimensions("volume")
+        name = next(n for n in ("u_z", "u_x", "u_y") if n in names)
+        return (float(case.stored.array("volume/time", -1)), name,
+                *(1e3 * case.stored.array(f"volume/{axis}") for axis in "xyz"), 1e6 * case.stored.array(f"volume/{name}", -1))
+    except (*UNREADABLE, StopIteration):
         return None
 
 

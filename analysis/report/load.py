@@ -5,19 +5,15 @@ surfaces of all complete case files.
 All measures, their ratios, units and the reasons for empty cells are read from the table and not computed
 again. A case without a complete file has a status and a reason, but no numbers; the figures omit it.
 """
-import json
+import functools
 import math
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import h5py
 import numpy as np
 
-from checksum import open_case, read_json
-
-class NoPlan(Exception):
-    """The folder is not an output folder of shearwake."""
+import package
+from package import UNREADABLE, NotAnOutputFolder as NoPlan, first_line, read_plan, read_table
 
 
 @dataclass
@@ -40,6 +36,12 @@ class Case:
     trace_at_m: tuple = (math.nan, math.nan)
     traces: list = field(default_factory=list)  # ((x_m, y_m), u_z_m over time), as recorded
     trace_amplitudes: list = field(default_factory=list)  # amplitude_m at the frequencies of `spectrum`, per trace
+
+    @functools.cached_property
+    def stored(self):
+        """The case as the package reads it."""
+        return package.Case(self.path, {"id": self.id, "settings": self.settings, "is_reference": self.is_reference,
+                                        "reference_id": self.reference_id})
 
     @property
     def whole(self):
@@ -91,56 +93,41 @@ class Sweep:
         return found if found and found.whole else None
 
 
-def text(value):
-    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-
-
-def plain(value):
-    """An HDF5 attribute as text or number."""
-    value = text(value)
-    return value.item() if hasattr(value, "item") and np.size(value) == 1 else value
-
-
-def read_trace(file, case):
-    group = file.get("traces")
-    if group is None:
+def read_trace(case):
+    try:
+        found = case.stored.arrays("traces")
+    except package.NotRecorded:
         return
-    x, y = group["x"][()], group["y"][()]
+    x, y = found["x"], found["y"]
     nearest = int(np.argmin(np.hypot(x, y)))
     case.trace_at_m = (float(x[nearest]), float(y[nearest]))
-    case.spectrum = (group["frequency"][()], group["amplitude"][nearest])
-    case.trace_amplitudes = list(group["amplitude"][()])
-    case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, group["u_z"][()])]
+    case.spectrum = (found["frequency"], found["amplitude"][nearest])
+    case.trace_amplitudes = list(found["amplitude"])
+    case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, found["u_z"])]
 
 
 def read_case(case):
-    """Reads the series of the case from its file. Raises OSError, KeyError or ValueError if the file is damaged."""
-    with open_case(case.path) as file:
-        case.attributes = {name: plain(value) for name, value in file.attrs.items()}
-        if case.attributes["case_id"] != case.id:
-            raise ValueError("it contains another case")
-        case.physics = tomllib.loads(case.attributes["case"])
-        for name, item in file.items():
-            if not isinstance(item, h5py.Dataset):
-                continue
-            if item.shape != () and name != "depth":
-                values = item[()]
-                case.series[name] = values[0] if values.ndim == 2 else values
-        frames = len(case.series["time"])
-        if any(len(values) != frames for values in case.series.values()):
-            raise ValueError("its series have different lengths")
-        read_trace(file, case)
+    """Reads the series of the case from its file. Raises UNREADABLE if the file is damaged."""
+    case.stored.verify()
+    case.attributes = case.stored.attributes
+    if case.attributes["case_id"] != case.id:
+        raise ValueError("it contains another case")
+    case.physics = case.stored.parameters
+    case.series = {name: values[0] if values.ndim == 2 else values
+                   for name, values in case.stored.arrays().items() if name != "depth"}
+    frames = len(case.series["time"])
+    if any(len(values) != frames for values in case.series.values()):
+        raise ValueError("its series have different lengths")
+    read_trace(case)
 
 
 def single_case(path):
     """The case of a file outside of a sweep, with its scalars as columns. Raises OSError, RuntimeError, KeyError,
     ValueError or TypeError if it is not a valid case file."""
-    with open_case(path) as file:
-        case = Case(text(file.attrs["case_id"]), json.loads(text(file.attrs["settings"])),
-                    text(file.attrs["is_reference"]) == "yes", "", path, status="complete")
-        case.warnings = json.loads(text(file.attrs.get("warnings", "[]")))
-        case.scalars = {name: float(plain(item[()])) for name, item in file.items()
-                        if getattr(item, "shape", None) == ()}
+    package.verify_case(path)
+    stored = package.case_of_file(path)
+    case = Case(stored.id, stored.settings, stored.is_reference, "", path, status="complete", warnings=stored.warnings,
+                scalars=stored.values)
     read_case(case)
     return case
 
@@ -148,22 +135,16 @@ def single_case(path):
 def surface(case, time=-1):
     """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
     try:
-        with h5py.File(case.path, "r") as file:
-            group = file.get("surface")
-            if group is None or len(group["time"]) == 0:
-                return None
-            return (float(group["time"][time]), group["x"][()], group["y"][()],
-                    group["u_z"][time, 0])
-    except (OSError, KeyError, ValueError, IndexError):
+        return case.stored.snapshot(time)
+    except UNREADABLE:
         return None
 
 
 def surface_times(case):
     """The times of the recorded surfaces; empty if there are none."""
     try:
-        with h5py.File(case.path, "r") as file:
-            return file["surface/time"][()]
-    except (OSError, KeyError, ValueError):
+        return case.stored.array("surface/time")
+    except UNREADABLE:
         return np.empty(0)
 
 
@@ -171,40 +152,12 @@ def mean_square(case):
     """Mean of u_z^2 over complete periods and the drawn shape: x_m, y_m, m2(x, y) and a list of lines
     (point, xy) in m; None if no mean was recorded."""
     try:
-        with h5py.File(case.path, "r") as file:
-            group = file["mean"]
-            number = group["drawn_line"][()]
-            points = np.column_stack([group["drawn_x"][()], group["drawn_y"][()]])
-            lines = [points[number == n] for n in np.unique(number)]
-            return group["x"][()], group["y"][()], group["u_z_squared"][()], lines
-    except (OSError, KeyError, ValueError):
+        found = case.stored.arrays("mean")
+        points = np.column_stack([found["drawn_x"], found["drawn_y"]])
+        lines = [points[found["drawn_line"] == n] for n in np.unique(found["drawn_line"])]
+        return found["x"], found["y"], found["u_z_squared"], lines
+    except UNREADABLE:
         return None
-
-
-def first_line(error):
-    lines = str(error).strip().splitlines()
-    return lines[0] if lines else type(error).__name__
-
-
-def read_plan(folder):
-    """The plan and the text of the job, from plan.json and job.toml or, without them, from from_cases.py."""
-    path, job = folder / "plan.json", folder / "job.toml"
-    if path.exists():
-        plan = read_json(path.read_text(encoding="utf-8"), lambda old: old["schema"] == 1)
-    else:
-        plan = json.loads((folder / "tables" / "plan.json").read_text(encoding="utf-8"))
-    if job.exists():
-        return plan, job.read_text(encoding="utf-8", errors="replace")
-    return plan, plan.get("job", "")
-
-
-def read_table(folder, name):
-    """The columns of the table of `shearwake reduce`, and its rows by case id."""
-    path = folder / "tables" / (name + ".json")
-    if not path.exists():
-        raise NoPlan(f"{folder} has no table: shearwake reduce {folder}")
-    table = json.loads(path.read_text(encoding="utf-8"))
-    return table["columns"], {row["id"]: row for row in table["cases"]}
 
 
 def fill(case, row):
@@ -221,14 +174,15 @@ def fill(case, row):
 def load(folder, report=lambda text: None):
     """The sweep of an output folder. `report` receives a text about the progress. Raises NoPlan."""
     folder = Path(folder)
+    plan, job_text = read_plan(folder)
     try:
-        plan, job_text = read_plan(folder)
-        table = plan["table"]
-        columns, rows = read_table(folder, plan["name"])
+        table = read_table(folder, plan["name"])
+        if table is None:
+            raise NoPlan(f"{folder} has no table: shearwake reduce {folder}")
         cases = [Case(c["id"], c["settings"], c["is_reference"], c["reference_id"],
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
-        sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], table["x"],
-                      table["series"], cases, job_text, columns, uncertain=plan.get("uncertain"))
+        sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], plan["table"]["x"],
+                      plan["table"]["series"], cases, job_text, table.columns, uncertain=plan.get("uncertain"))
     except FileNotFoundError as error:
         raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
                      if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
@@ -236,14 +190,14 @@ def load(folder, report=lambda text: None):
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for n, case in enumerate(cases):
         report(f"reading case {n + 1} of {len(cases)}")
-        if case.id in rows:
-            fill(case, rows[case.id])
+        if case.id in table.rows:
+            fill(case, table.rows[case.id])
         if not case.whole:
             case.scalars = {}
             continue
         try:
             read_case(case)
-        except (OSError, KeyError, ValueError, IndexError, TypeError, RuntimeError) as error:
+        except UNREADABLE as error:
             case.status, case.reason = "damaged", first_line(error)
             case.scalars, case.series, case.spectrum = {}, {}, ()
     return sweep

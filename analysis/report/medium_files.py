@@ -8,6 +8,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from package import UNREADABLE
+
 LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
 
 
@@ -101,8 +103,7 @@ def read_study(path, case):
     """The grid of a study and the places of its nodes, or None if the file cannot be read. The surface of the case has
     the nodes of one plane of the grid."""
     try:
-        with h5py.File(case.path, "r") as file:
-            x, y = file["surface/x"][()], file["surface/y"][()]
+        _, x, y, _ = case.stored.snapshot()
         with h5py.File(path, "r") as file:
             counts = file["grid/points"][()].astype(int)
             z = file["grid/spacing_m"][2] * np.arange(counts[2])
@@ -113,7 +114,7 @@ def read_study(path, case):
         if (len(x), len(y)) != tuple(counts[:2]):
             return None
         return Study(grid, *(places(grid, nodes) for nodes in (np.concatenate([np.empty((0, 3)), *sources]), sensors)))
-    except (OSError, KeyError, ValueError, IndexError):
+    except UNREADABLE:
         return None
 
 

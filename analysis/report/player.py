@@ -19,7 +19,7 @@ import fig_surface
 import layout
 import load
 import style
-import wake
+from package import wake
 import warnings_of
 from words import counted, number
 

@@ -7,10 +7,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from matplotlib import patheffects  # noqa: E402
 from matplotlib.text import Text  # noqa: E402
 
 import fonts  # noqa: E402
+from package import wake  # noqa: E402
 
 WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
@@ -35,6 +35,7 @@ plt.rcParams.update({
     "axes.titley": 1.0,  # Matplotlib would measure all tick labels to find a place
 })
 fonts.install()
+halo = wake.halo
 
 
 # All formulas in the figures: labels of this package and ticks of matplotlib's formatters.
@@ -68,10 +69,6 @@ def distinct(count):
     if count <= len(PALETTE):
         return PALETTE[:count]
     return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
-
-
-def halo(width=2.5, colour="white"):
-    return [patheffects.withStroke(linewidth=width, foreground=colour)]
 
 
 def spread(places, gap):

@@ -4,7 +4,7 @@ import html
 import math
 
 import layout
-import wake
+from package import wake
 from words import counted, number, value_text
 
 

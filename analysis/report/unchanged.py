@@ -18,12 +18,13 @@ from figure import Figure
 
 NAME = "figures.json"
 HERE = Path(__file__).resolve().parent
+PACKAGE = HERE.parent / "shearwake"
 
 
 def code_hash():
-    """Of all modules of the report and of the version of matplotlib."""
+    """Of all modules of the report and of the package, and of the version of matplotlib."""
     parts = [matplotlib.__version__.encode()]
-    parts += [path.read_bytes() for path in sorted(HERE.glob("*.py"))]
+    parts += [path.read_bytes() for path in sorted([*HERE.glob("*.py"), *PACKAGE.glob("*.py")])]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 

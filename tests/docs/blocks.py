@@ -55,5 +55,5 @@ def make_reader_folder(folder):
     (folder / "build").mkdir()
     (folder / "build" / "shearwake").symlink_to(PROGRAM)
     return {**environment(), "PATH": f"{folder / 'build'}{os.pathsep}{os.environ['PATH']}",
-            "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg",
+            "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg",
             "OMPI_MCA_rmaps_base_oversubscribe": "1"}

@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 import unittest
 
 from kwave import reference, save, structures_of
@@ -45,6 +46,15 @@ class Installed(ProgramTest):
         self.command("shearwake-import-kwave", "study.mat", cwd=self.user)
         self.command("shearwake", "run", "study.toml", cwd=self.user)
         self.assertEqual(len(case_files(self.user / "out" / "study")), 1)
+
+    def test_the_python_package_is_installed_and_finds_the_program(self):
+        folders = list(self.prefix.glob("lib/python3*/*-packages"))
+        self.assertEqual(len(folders), 1)
+        (self.user / "bad.toml").write_text("schema = 1\n")
+        text = ("import sys; sys.path.insert(0, sys.argv[1]); import shearwake\n"
+                "try: shearwake.Job('bad.toml').check()\nexcept shearwake.JobError as error: print(error)")
+        printed = self.command(sys.executable, "-c", text, folders[0], cwd=self.user)
+        self.assertIn("[medium] is missing", printed)
 
     def test_the_scripts_find_their_parts(self):
         for name in ("shearwake-make-map", "shearwake-submit", "shearwake-nightly"):

@@ -22,7 +22,7 @@ from synthetic import AM, FWHM, SCALARS, Folder, Page, case_id, sweep, write_cas
 import layout
 import load
 import report
-import wake
+from package import wake
 import words
 from summary import summary
 

@@ -1,26 +1,45 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the path, the focal disc and the theoretical Mach lines into a snapshot."""
+"""The path of the focus, the focal disc and the theoretical Mach lines, and their drawing into a snapshot.
+
+A case is an object with the series `time`, `focus_x`, `focus_y` and `force`, and with setting() and value(), as `Case` of
+this package and the cases of the report.
+"""
+from __future__ import annotations
+
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
-import style
-
 LINE = "#111111"
+AWAY = 4.0  # distance from the focus, in focal radii, beyond which the field is the wake
+LEAST = 0.2  # smallest end of the colour scale relative to the peak
 
 
-def offsets_mm(case):
+def halo(width: float = 2.5, colour: str = "white") -> list[Any]:
+    """A path effect that outlines a line or a text."""
+    from matplotlib import patheffects
+    return [patheffects.withStroke(linewidth=width, foreground=colour)]
+
+
+def series(case: Any, name: str) -> np.ndarray:
+    """The values of a series over time."""
+    return np.asarray(case.series[name])
+
+
+def offsets_mm(case: Any) -> np.ndarray:
     """Offsets of simultaneous foci from the moving point; zero for a single focus."""
     x = case.setting("load", "modulation", "foci_x_m", default=[0.0])
     y = case.setting("load", "modulation", "foci_y_m", default=[0.0])
     return 1e3 * np.column_stack([x, y])
 
 
-def runs_straight_on(case):
+def runs_straight_on(case: Any) -> bool:
     """Whether a single focus moves once along a straight line, so that it draws no shape."""
     if len(case.setting("load", "modulation", "foci_x_m", default=[0.0])) > 1:
         return False
-    path = np.column_stack([case.series["focus_x"], case.series["focus_y"]])
+    path: np.ndarray = np.column_stack([series(case, "focus_x"), series(case, "focus_y")])
     way = path[-1] - path[0]
     length = float(np.hypot(*way))
     if not length > 0:
@@ -30,40 +49,39 @@ def runs_straight_on(case):
     return bool(off.max() < 1e-6 * length and (on >= 0).all())
 
 
-def passing_ms(case):
+def passing_ms(case: Any) -> float | None:
     """The time at which the moving focus is nearest to the trace if it passes it exactly once, else None."""
     radius = case.setting("measure", "focal_radius_m")
-    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
-                        case.series["focus_y"] - case.trace_at_m[1])
+    distance = np.hypot(series(case, "focus_x") - case.trace_at_m[0],
+                        series(case, "focus_y") - case.trace_at_m[1])
     covered = distance <= radius
     entries = np.count_nonzero(np.diff(covered.astype(int)) == 1) + int(covered[0])
-    return None if entries != 1 or covered.all() else 1e3 * case.series["time"][distance.argmin()]
+    return None if entries != 1 or covered.all() else 1e3 * series(case, "time")[distance.argmin()]
 
 
-def is_passed(case):
+def is_passed(case: Any) -> bool:
     """Whether the focal disc ever covers the trace."""
-    distance = np.hypot(case.series["focus_x"] - case.trace_at_m[0],
-                        case.series["focus_y"] - case.trace_at_m[1])
+    distance = np.hypot(series(case, "focus_x") - case.trace_at_m[0],
+                        series(case, "focus_y") - case.trace_at_m[1])
     return bool((distance <= case.setting("measure", "focal_radius_m")).any())
 
 
-def last_pressed(case):
+def last_pressed(case: Any) -> int:
     """Index of the last frame with a force, since a path that has ended exerts none."""
-    force = case.series.get("force")
-    pressed = np.flatnonzero(force) if force is not None else ()
-    return int(pressed[-1]) if len(pressed) else len(case.series["time"]) - 1
+    pressed: Any = np.flatnonzero(series(case, "force")) if "force" in case.series else ()
+    return int(pressed[-1]) if len(pressed) else len(series(case, "time")) - 1
 
 
-def is_over(case, t_s):
+def is_over(case: Any, t_s: float) -> bool:
     """Whether the load has ended before this time."""
-    return int(np.argmin(np.abs(case.series["time"] - t_s))) > last_pressed(case) + 1
+    return int(np.argmin(np.abs(series(case, "time") - t_s))) > last_pressed(case) + 1
 
 
-def focus_at(case, t_s):
+def focus_at(case: Any, t_s: float) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Position of the focus in mm, its unit direction of motion (None at rest) and its path up to time t_s.
     After the end of the load, the last values."""
-    time = case.series["time"]
-    path = 1e3 * np.column_stack([case.series["focus_x"], case.series["focus_y"]])
+    time = series(case, "time")
+    path = 1e3 * np.column_stack([series(case, "focus_x"), series(case, "focus_y")])
     now = min(int(np.argmin(np.abs(time - t_s))), last_pressed(case))
     before = max(0, min(now, len(time) - 1) - 1)
     step = path[now] - path[before] if now > before else path[min(1, len(path) - 1)] - path[0]
@@ -71,7 +89,7 @@ def focus_at(case, t_s):
     return path[now], step / length if length > 1e-9 else None, path[: now + 1]
 
 
-def fronts(focus, direction, angle_deg, length):
+def fronts(focus: np.ndarray, direction: np.ndarray, angle_deg: float, length: float) -> Iterator[np.ndarray]:
     """The two Mach lines behind the focus at +- angle from the reversed direction of motion."""
     for sign in (1.0, -1.0):
         a = math.pi + sign * math.radians(angle_deg)
@@ -80,12 +98,12 @@ def fronts(focus, direction, angle_deg, length):
         yield np.array([focus, focus + length * turned])
 
 
-def front_length(case, focus, path, angle_deg):
+def front_length(case: Any, focus: np.ndarray, path: np.ndarray, angle_deg: float) -> float:
     """Length of a Mach line, whose far end was emitted at the start of the path."""
     return float(np.hypot(*(focus - path[0]))) * math.cos(math.radians(angle_deg))
 
 
-def draw_theory(axes, case, t_s, width=1.0):
+def draw_theory(axes: Any, case: Any, t_s: float, width: float = 1.0) -> bool:
     """Draws path, focal disc and Mach lines; after the end of the load only the path. Returns whether Mach
     lines were drawn."""
     focus, direction, path = focus_at(case, t_s)
@@ -98,7 +116,7 @@ def draw_theory(axes, case, t_s, width=1.0):
             continue
         x, y = focus + offset
         axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
-                  linewidth=1.3 * width, path_effects=style.halo(2.6 * width))
+                  linewidth=1.3 * width, path_effects=halo(2.6 * width))
         axes.plot(x, y, "o", color=LINE, markersize=2.0 * width)
     angle = case.value("mach_angle_theory_deg")
     if direction is None or math.isnan(angle) or is_over(case, t_s):
@@ -107,5 +125,22 @@ def draw_theory(axes, case, t_s, width=1.0):
     for line in fronts(focus, direction, angle, length):
         start = line[0] + (line[1] - line[0]) * min(1.0, radius / max(length, 1e-9))
         axes.plot(*np.array([start, line[1]]).T, color=LINE, linewidth=1.1 * width,
-                  linestyle=(0, (6, 4)), path_effects=style.halo(2.0 * width))
+                  linestyle=(0, (6, 4)), path_effects=halo(2.0 * width))
     return True
+
+
+def scale_end(shots: list[tuple[Any, float, np.ndarray, np.ndarray, np.ndarray]]) -> float:
+    """End of the colour scale of snapshots (case, t_s, x_mm, y_mm, u_um): the largest |u| away from the focus, so that the
+    wake is visible, but at least LEAST times the peak, so that the focus remains distinguishable."""
+    outside = []
+    for case, t_s, x_mm, y_mm, u_um in shots:
+        focus, _, _ = focus_at(case, t_s)
+        radius = AWAY * 1e3 * case.setting("measure", "focal_radius_m")
+        far = np.ones(u_um.shape, dtype=bool)
+        for x, y in focus + offsets_mm(case):
+            far &= np.hypot(x_mm[:, None] - x, y_mm[None, :] - y) > radius
+        outside.append(float(np.nanmax(np.abs(u_um[far]))) if far.any() else 0.0)
+    end, peak = max(outside), max(float(np.nanmax(np.abs(shot[4]))) for shot in shots)
+    if not end > 0.0:
+        return peak or 1.0
+    return min(peak, max(end, LEAST * peak))

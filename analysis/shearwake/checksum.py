@@ -4,8 +4,12 @@
 A case file ends in a line with the hash of all bytes before it. The last member of a JSON object is a hash of
 its text. Files of earlier versions have neither and are accepted.
 """
+from __future__ import annotations
+
 import json
+import os
 import re
+from typing import Any, Callable
 
 import h5py
 import xxhash
@@ -20,7 +24,7 @@ class Damaged(ValueError):
     """The content of the file does not match its checksum."""
 
 
-def verify(path):
+def verify(path: str | os.PathLike[str]) -> bool:
     """Returns whether the file has a checksum. Raises Damaged if the checksum does not match, and OSError if
     the file cannot be read."""
     with open(path, "rb") as file:
@@ -43,17 +47,23 @@ def verify(path):
     return True
 
 
-def open_case(path):
+def verify_case(path: str | os.PathLike[str]) -> bool:
+    """Returns whether a case file has a checksum, which matches. Raises Damaged and OSError."""
+    if verify(path):
+        return True
+    with h5py.File(path, "r") as file:
+        if "checksum" in file.attrs:
+            raise Damaged("it is damaged: the checksum at its end is missing")
+    return False
+
+
+def open_case(path: str | os.PathLike[str]) -> h5py.File:
     """Verifies a case file and opens it for reading. Raises Damaged and OSError."""
-    protected = verify(path)
-    file = h5py.File(path, "r")
-    if not protected and "checksum" in file.attrs:
-        file.close()
-        raise Damaged("it is damaged: the checksum at its end is missing")
-    return file
+    verify_case(path)
+    return h5py.File(path, "r")
 
 
-def unsealed(text):
+def unsealed(text: str) -> tuple[Any, bool]:
     """The object of a JSON text without its checksum, and whether it had one. Raises Damaged if the checksum
     does not match, and ValueError if the text is not valid JSON."""
     found = MEMBER.search(text)
@@ -65,7 +75,7 @@ def unsealed(text):
     return json.loads(plain), True
 
 
-def read_json(text, is_old):
+def read_json(text: str, is_old: Callable[[Any], bool]) -> Any:
     """The object of a JSON text. A text without checksum is only accepted if `is_old(object)`, that is, if an
     earlier version wrote it."""
     value, sealed = unsealed(text)

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Opens and computes sweeps of shearwake.
+
+    import shearwake
+    sweep = shearwake.open("out/quickstart")
+    data = sweep.dataset("eta_t", "traces")
+
+`open` reads the plan of an output folder, and everything else when it is needed. It does not need the program. `Job` checks
+and runs jobs with the program.
+"""
+from .case import Case
+from .checksum import Damaged
+from .errors import (AxesDiffer, CasesFailed, Diagnostic, EnvironmentFailed, JobError, NotAnOutputFolder, NotRecorded,
+                     ProgramError, ProgramNotFound, ShearwakeError, Stopped, UsageError)
+from .job import Job, Plan, Progress
+from .plan import Column
+from .sweep import Sweep, open_case
+from .sweep import open_sweep as open  # noqa: A001  (as in `shearwake.open`)
+
+__version__ = "0.1.0"
+__all__ = ["AxesDiffer", "Case", "CasesFailed", "Column", "Damaged", "Diagnostic", "EnvironmentFailed", "Job", "JobError",
+           "NotAnOutputFolder", "NotRecorded", "Plan", "ProgramError", "ProgramNotFound", "Progress", "ShearwakeError",
+           "Stopped", "Sweep", "UsageError", "open", "open_case"]

@@ -1,0 +1,263 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One case of a sweep. Every part of its file is read when it is first needed."""
+from __future__ import annotations
+
+import functools
+import json
+import math
+import tomllib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import checksum, stored
+from .errors import NotRecorded
+from .plan import Column
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+    from .plot import Plot
+    from .sweep import Sweep
+
+CLASSES = ("SA1", "RA", "PC")
+HOW = {
+    "surface": "set record.snapshots_ms or record.frames in the job", "traces": "set record.traces_mm in the job",
+    "volume": "set record.volumes_ms in the job", "afferents": "add [afferents] to the job",
+    "mean": "no whole period fits between measure.settled_after_ms and the end of the run",
+    "sensor": "only cases with solver.pstd.study have a sensor",
+}
+
+
+class Case:
+    """A case: its settings, its values in the table, and the contents of its file.
+
+    `id` is the hash of its physical parameters, `settings` the values of the swept keys, and `path` its file, which exists
+    once the case is complete. Lengths in files are in m, times in s and stresses in Pa; the scalars of the table have the
+    unit that their name states.
+    """
+
+    def __init__(self, path: Path, entry: dict[str, Any], sweep: Sweep | None = None) -> None:
+        self.path = path
+        self.id: str = entry["id"]
+        self.settings: dict[str, Any] = entry["settings"]
+        self.is_reference: bool = entry["is_reference"]
+        self.reference_id: str = entry["reference_id"]
+        self.sweep = sweep
+        self._parameters_text: str = entry.get("case", "")
+
+    def __repr__(self) -> str:
+        settings = ", ".join(f"{key} = {value}" for key, value in self.settings.items())
+        return f"<shearwake.Case {self.id}{' (reference)' if self.is_reference else ''}: {settings or 'nothing swept'}>"
+
+    # ---- what plan and table state
+
+    @property
+    def _row(self) -> dict[str, Any]:
+        """The row of the table of `reduce`; empty if there is none."""
+        table = self.sweep._reduced if self.sweep is not None else None
+        return table.rows.get(self.id, {}) if table else {}
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the case has a file. A file with its final name is complete."""
+        return self.sweep._has_file(self.id) if self.sweep is not None else self.path.exists()
+
+    @property
+    def status(self) -> str:
+        """`complete`; otherwise what `reduce` stated, for example `failed`, or `missing` if it is not computed."""
+        state = self._row.get("status", "missing")
+        if self.is_complete:
+            return "complete" if state == "missing" else state
+        return "missing" if state == "complete" else state
+
+    @property
+    def reason(self) -> str:
+        """Why the case is not complete, as stated by `reduce`; empty for a complete case."""
+        if self.status == "complete":
+            return ""
+        return self._row["note"] if self._row.get("status") == self.status else "not computed"
+
+    @property
+    def reference(self) -> Case | None:
+        """The reference of this case, or None."""
+        return self.sweep[self.reference_id] if self.sweep is not None and self.reference_id else None
+
+    @functools.cached_property
+    def _scalars(self) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
+        return stored.scalars(self._file())
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The columns of the table for this case; NaN: empty. Without a table they are read from the file, which contains
+        no ratios to the reference."""
+        row = self._row
+        if row.get("status") == "complete":
+            return {name: math.nan if value is None else value for name, value in row["values"].items()}
+        return self._scalars[0] if self.is_complete else {}
+
+    @property
+    def notes(self) -> dict[str, str]:
+        """Why columns are empty."""
+        row = self._row
+        return row["notes"] if row.get("status") == "complete" else self._scalars[1] if self.is_complete else {}
+
+    @property
+    def columns(self) -> list[Column]:
+        """The scalars of the file with their units and meanings."""
+        return [Column(name, unit, meaning) for name, (unit, meaning) in self._scalars[2].items()]
+
+    def value(self, column: str) -> float:
+        """A column of the table; NaN if it is empty."""
+        return self.values.get(column, math.nan)
+
+    @property
+    def warnings(self) -> list[dict[str, str]]:
+        """The stored warnings: `severity` (`error`: the readings are not valid), `key` and `message`."""
+        return json.loads(self.attributes.get("warnings") or "[]")
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether no warning states that the readings are not valid."""
+        return all(warning["severity"] != "error" for warning in self.warnings)
+
+    # ---- the file
+
+    def _file(self) -> Path:
+        """The path of the file. Raises NotRecorded if the case is not complete."""
+        if not self.is_complete:
+            raise NotRecorded(f"case {self.id} has no file: {self.reason}")
+        return self.path
+
+    @functools.cached_property
+    def attributes(self) -> dict[str, Any]:
+        """The attributes of the file, which describe its origin (docs/reference/case-files.md)."""
+        return stored.attributes(self._file())
+
+    @functools.cached_property
+    def parameters(self) -> dict[str, Any]:
+        """All parameters of the case in SI units. Raises tomllib.TOMLDecodeError if the text is damaged."""
+        return tomllib.loads(self._parameters_text or self.attributes["case"])
+
+    def setting(self, *keys: str, default: Any = math.nan) -> Any:
+        """A parameter in SI units: case.setting("measure", "at_s")."""
+        node: Any = self.parameters
+        for key in keys:
+            if not isinstance(node, dict) or key not in node:
+                return default
+            node = node[key]
+        return node
+
+    def verify(self) -> bool:
+        """Reads the entire file. Returns whether it has a checksum. Raises Damaged if the checksum does not match."""
+        return checksum.verify_case(self._file())
+
+    @functools.cached_property
+    def groups(self) -> list[str]:
+        """The groups of the file, for example ["mean", "surface", "traces"]."""
+        return stored.groups(self._file())
+
+    def dimensions(self, group: str = "/") -> dict[str, tuple[str, ...]]:
+        """The names of the variables of a group and of their dimensions. Raises NotRecorded."""
+        try:
+            return {name: item.dims for name, item in stored.items(self._file(), group).items()}
+        except KeyError:
+            raise self._not_recorded(group) from None
+
+    def units(self, group: str = "/") -> dict[str, str]:
+        """The units of the variables of a group. Raises NotRecorded."""
+        try:
+            return {name: item.attributes.get("units", "") for name, item in stored.items(self._file(), group).items()}
+        except KeyError:
+            raise self._not_recorded(group) from None
+
+    def arrays(self, group: str = "/") -> dict[str, np.ndarray]:
+        """All arrays of a group, read now. Raises NotRecorded if the case has no such group."""
+        try:
+            return stored.arrays(self._file(), group)
+        except KeyError:
+            raise self._not_recorded(group) from None
+
+    def array(self, name: str, index: Any = ()) -> np.ndarray:
+        """An array, or the part that the index selects: case.array("surface/u_z", (-1, 0)). Raises NotRecorded."""
+        try:
+            return stored.array(self._file(), name, index)
+        except KeyError:
+            raise self._not_recorded(name) from None
+
+    def snapshot(self, index: int = -1) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+        """Recorded surface number `index`, read now: t in s, x and y in m, and u_z(x, y) in m. Raises NotRecorded."""
+        try:
+            return stored.snapshot(self._file(), index)
+        except (KeyError, IndexError):
+            raise self._not_recorded("surface") from None
+
+    def _not_recorded(self, name: str) -> NotRecorded:
+        how = HOW.get(name.split("/")[0])
+        return NotRecorded(f"case {self.id} contains no {name}" + (f": {how}" if how else ""))
+
+    def dataset(self, group: str = "/") -> xr.Dataset:
+        """A group of the file as a Dataset that is read when its values are needed. Raises NotRecorded."""
+        from .dataset import of_group
+        try:
+            return of_group(self._file(), group)
+        except KeyError:
+            raise self._not_recorded(group) from None
+
+    @functools.cached_property
+    def series(self) -> xr.Dataset:
+        """The quantities over time: measures (depth, time), position of the focus in m and force in N (time)."""
+        found = self.dataset()
+        return found[[name for name, item in found.data_vars.items() if item.ndim]]
+
+    @property
+    def surface(self) -> xr.DataArray:
+        """The recorded displacement u_z in m (time, depth, x, y), positive into the tissue."""
+        return self.dataset("surface")["u_z"]
+
+    @property
+    def traces(self) -> xr.DataArray:
+        """The displacement u_z in m at the trace points (trace, time), with coordinates x and y in m."""
+        found = self.dataset("traces")
+        return found["u_z"].assign_coords(x=found["x"], y=found["y"])
+
+    @property
+    def volume(self) -> xr.Dataset:
+        """The recorded volumes, one variable per component (time, z, y, x)."""
+        return self.dataset("volume")
+
+    @property
+    def afferents(self) -> pd.DataFrame:
+        """One row per afferent: class (SA1, RA, PC), positions and depth in m, number of spikes, and mean rate in Hz."""
+        import pandas as pd
+        found = self.arrays("afferents")
+        count = len(found["afferent"])
+        rows = {name: values for name, values in found.items()
+                if len(values) == count and name not in ("afferent", "spike", "spike_time")}
+        rows["class"] = np.array(CLASSES)[found["class"].astype(int)]
+        for name in ("row", "spike_count"):
+            rows[name] = found[name].astype(int)
+        rows["rate_Hz"] = rows["spike_count"] / (self.setting("time", "frames") * self.setting("time", "interval_s"))
+        return pd.DataFrame(rows, index=pd.RangeIndex(count, name="afferent"))
+
+    def spikes(self) -> pd.DataFrame:
+        """One row per spike: the number of its afferent, the class of the afferent, and time_s."""
+        import pandas as pd
+        found = self.arrays("afferents")
+        number = np.repeat(np.arange(len(found["afferent"])), found["spike_count"].astype(int))
+        kind = np.array(CLASSES)[found["class"].astype(int)]
+        return pd.DataFrame({"afferent": number, "class": kind[number], "time_s": found["spike_time"]})
+
+    # ---- pictures
+
+    @property
+    def plot(self) -> Plot:
+        """Draws this case: case.plot.surface(t), case.plot.wake()."""
+        from .plot import Plot
+        return Plot(self)
+
+    def animate(self, **options: Any) -> Any:
+        """The moving surface as a Matplotlib animation, see Plot.animate."""
+        return self.plot.animate(**options)

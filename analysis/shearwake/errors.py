@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The exceptions of the package. Those of the program contain the text that the program printed."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Sequence
+
+
+class ShearwakeError(Exception):
+    """Base class of all exceptions of this package, apart from `Damaged`, which is a ValueError."""
+
+
+class NotAnOutputFolder(ShearwakeError):
+    """The folder was not written by `shearwake run`, or its plan is damaged."""
+
+
+class NotRecorded(ShearwakeError):
+    """The case has no complete file, or its file does not contain the requested data."""
+
+
+class AxesDiffer(ShearwakeError):
+    """The cases of a dataset have different axes, for example numbers of afferents."""
+
+
+class ProgramNotFound(ShearwakeError):
+    """The program `shearwake` is neither installed nor built. Reading results does not need it."""
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """An error or a warning of `check`. `line` and `column` count from 1; 0: no particular place."""
+
+    severity: str
+    file: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        place = f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+        return f"{place}: {self.severity}: {self.message}"
+
+
+class ProgramError(ShearwakeError):
+    """The program ended with an error. The text is that of the program; `exit_code` is documented in
+    docs/reference/exit-codes.md."""
+
+    def __init__(self, text: str, exit_code: int, diagnostics: Sequence[Diagnostic] = ()) -> None:
+        super().__init__(text)
+        self.exit_code = exit_code
+        self.diagnostics = list(diagnostics)
+
+    def renamed(self, file: str, name: str) -> ProgramError:
+        """This error with another name of a file."""
+        self.args = (str(self).replace(file, name),)
+        self.diagnostics = [replace(d, file=d.file.replace(file, name)) for d in self.diagnostics]
+        return self
+
+
+class UsageError(ProgramError):
+    """An argument is wrong, or a folder does not fit the job (exit code 2)."""
+
+
+class JobError(ProgramError):
+    """The job has errors, or a case needs more memory or disk than the machine has (exit code 3). `diagnostics` lists the
+    errors and warnings with their lines."""
+
+
+class CasesFailed(ProgramError):
+    """Some cases failed or are damaged (exit code 4). `sweep` is the output folder; its other cases are complete."""
+
+    sweep: object = None
+
+
+class EnvironmentFailed(ProgramError):
+    """A file or the machine caused the failure, for example a full disk (exit code 6)."""
+
+
+class Stopped(ProgramError):
+    """The run was stopped early (exit code 75); running it again resumes it."""
+
+
+BY_EXIT_CODE: dict[int, type[ProgramError]] = {2: UsageError, 3: JobError, 4: CasesFailed, 6: EnvironmentFailed, 75: Stopped}

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Jobs: written as TOML, dictionaries or keywords, and checked and run by the program."""
+from __future__ import annotations
+
+import contextlib
+import copy
+import os
+import tempfile
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from . import program
+from .errors import CasesFailed, Diagnostic, ProgramError
+from .keys import put
+from .running import Progress, run_and_watch
+from .sweep import Sweep
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Source = str | os.PathLike[str] | Mapping[str, Any] | None
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What `shearwake plan` estimates. `document` is its JSON document (docs/reference/json-output.md)."""
+
+    document: dict[str, Any]
+
+    @property
+    def cases(self) -> pd.DataFrame:
+        """One row per case with its id as index: the swept keys, grid, seconds, memory and disk."""
+        import pandas as pd
+        rows = [{**case["settings"], **{name: value for name, value in case.items() if name not in ("id", "settings")}}
+                for case in self.document["cases"]]
+        return pd.DataFrame(rows, index=pd.Index([case["id"] for case in self.document["cases"]], name="id"))
+
+    @property
+    def warnings(self) -> list[Diagnostic]:
+        """The warnings about the job."""
+        return program.diagnostics_of(self.document)
+
+    @property
+    def wall_s(self) -> float:
+        """The estimated wall time in s."""
+        return self.document["wall_s"]
+
+    @property
+    def core_hours(self) -> float:
+        """Ranks times wall time in hours."""
+        return self.document["core_hours"]
+
+    @property
+    def memory_per_rank_B(self) -> float:
+        """The largest memory of a rank in bytes."""
+        return self.document["memory_per_rank_B"]
+
+    @property
+    def disk_B(self) -> float:
+        """The size of all case files in bytes."""
+        return self.document["disk_B"]
+
+    def __repr__(self) -> str:
+        return (f"<shearwake.Plan {self.document['name']}: {len(self.document['cases'])} cases, {self.wall_s:.3g} s, "
+                f"{self.memory_per_rank_B / 1e6:.3g} MB per rank, {self.disk_B / 1e6:.3g} MB>")
+
+
+class Job:
+    """A job from a TOML file, from TOML text, from a dictionary, from keywords, or from a mixture:
+
+        Job("jobs/quickstart.toml")
+        Job({"job": {"name": "a"}, "load": {...}})
+        Job("jobs/quickstart.toml", load={"peak_Pa": 200.0}, name="stronger")
+
+    Keywords are tables of the job, merged into the source. `name` and `title` set keys of [job]. The path of an
+    unchanged file is given to the program itself. Other jobs are written to a temporary file in `folder`, relative to which
+    paths in the job are resolved: the folder of the source file or the current folder. Raises OSError and
+    tomllib.TOMLDecodeError."""
+
+    def __init__(self, source: Source = None, /, **tables: Any) -> None:
+        self._path: Path | None = None
+        self.folder = Path.cwd()
+        if isinstance(source, Mapping):
+            found: dict[str, Any] = copy.deepcopy(dict(source))
+            text = None
+        elif source is None:
+            found, text = {}, None
+        elif isinstance(source, str) and "\n" in source:
+            found, text = {}, source
+        else:
+            self._path = Path(source).resolve()
+            self.folder = self._path.parent
+            found, text = {}, self._path.read_text(encoding="utf-8")
+        self._text = text
+        if tables or text is None:
+            self._tables = found if text is None else tomllib.loads(text)
+            for name in ("name", "title"):
+                if name in tables:
+                    tables.setdefault("job", {})[name] = tables.pop(name)
+            merge(self._tables, tables)
+            self._tables.setdefault("schema", 1)
+            self._path, self._text = None, None
+
+    @property
+    def tables(self) -> dict[str, Any]:
+        """A copy of the job as nested dictionaries. Raises tomllib.TOMLDecodeError."""
+        return copy.deepcopy(self._tables) if self._text is None else tomllib.loads(self._text)
+
+    @property
+    def text(self) -> str:
+        """The job as TOML."""
+        if self._text is not None:
+            return self._text
+        import tomli_w
+        return tomli_w.dumps(plain(self._tables))
+
+    def __repr__(self) -> str:
+        return f"<shearwake.Job {self._path or self.name}>"
+
+    @property
+    def name(self) -> str:
+        """The name of the job, which is that of its output folder; empty if it has none."""
+        try:
+            return str(self.tables.get("job", {}).get("name", ""))
+        except (tomllib.TOMLDecodeError, AttributeError):
+            return ""
+
+    def change(self, values: Mapping[str, Any], /) -> Job:
+        """A copy with changed keys: job.change({"load.peak_Pa": 200.0, "medium.layer[1].c_s_m_s": 4.0}). Raises KeyError for
+        a list element that does not exist."""
+        tables = self.tables
+        for key, value in values.items():
+            put(tables, key, copy.deepcopy(value))
+        return self._copy(tables)
+
+    def sweep(self, axes: Mapping[str, Any] | None = None, /, *, zip: Sequence[Mapping[str, Any]] = (),
+              exclude: Sequence[Mapping[str, Any]] = (), x: str | None = None, reference: Mapping[str, Any] | None = None) -> Job:
+        """A copy with another [sweep]: job.sweep({"load.modulation.am_frequency_Hz": [100, 200, 400]}).
+
+        An axis is a list of values or a table such as {"linspace": [50, 800, 16]}; axes are combined with each other. `zip`
+        contains groups of axes that vary together, `exclude` combinations that are omitted. `x` is the key on the horizontal
+        axis of figures, by default the first one, and `reference` the keys of the modulation of reference cases."""
+        tables = self.tables
+        swept: dict[str, Any] = dict(axes or {})
+        first = next(iter([*swept, *(key for group in zip for key in group)]), None)
+        for name, groups in (("zip", zip), ("exclude", exclude)):
+            if groups:
+                swept[name] = [dict(group) for group in groups]
+        tables["sweep"] = copy.deepcopy(swept)
+        table = tables.setdefault("table", {})
+        if x or first:
+            table["x"] = x or (table["x"] if table.get("x") in swept else first)
+        table["series"] = [key for key in table.get("series", []) if key in swept]
+        if not table["series"]:
+            del table["series"]
+        if reference is not None:
+            table["reference"] = dict(reference)
+        return self._copy(tables)
+
+    def _copy(self, tables: dict[str, Any]) -> Job:
+        made = Job(tables)
+        made.folder = self.folder
+        return made
+
+    @property
+    def _label(self) -> str:
+        """What texts of the program call the file of the job."""
+        return str(self._path) if self._path else f"<Job {self.name}>" if self.name else "<Job>"
+
+    @contextlib.contextmanager
+    def _file(self) -> Iterator[Path]:
+        """The path of a file with the job, which is deleted afterwards if it is temporary."""
+        if self._path is not None:
+            yield self._path
+            return
+        with tempfile.NamedTemporaryFile("w", dir=self.folder, prefix=".job-", suffix=".toml", encoding="utf-8",
+                                         delete=False) as file:
+            file.write(self.text)
+        try:
+            yield Path(file.name)
+        except ProgramError as error:
+            raise error.renamed(file.name, self._label) from None
+        finally:
+            os.unlink(file.name)
+
+    def check(self, *, elsewhere: bool = False) -> list[Diagnostic]:
+        """Returns the warnings about the job. Raises JobError with all errors. With `elsewhere`, the job is not compared with
+        the memory and disk of this machine."""
+        with self._file() as path:
+            return self._check(path, elsewhere)
+
+    def _check(self, path: Path, elsewhere: bool = False) -> list[Diagnostic]:
+        document = program.call_json(["check", str(path), *(["--elsewhere"] if elsewhere else [])], (0, 3))
+        found = [replace(d, file=d.file.replace(str(path), self._label)) for d in program.diagnostics_of(document)]
+        if document["errors"]:
+            raise program.error_of(3, "\n".join(str(d) for d in found if d.severity == "error"), found)
+        return found
+
+    def plan(self, ranks: int = 1, *, ranks_per_case: int | None = None) -> Plan:
+        """The cases of the job with their estimated time, memory and disk. Raises JobError."""
+        arguments = ["--ranks", str(ranks)] if ranks > 1 else []
+        if ranks_per_case is not None:
+            arguments += ["--ranks-per-case", str(ranks_per_case)]
+        with self._file() as path:
+            try:
+                return Plan(program.call_json(["plan", str(path), *arguments]))
+            except ProgramError as error:
+                if error.exit_code == 3:
+                    self._check(path)
+                raise
+
+    def run(self, ranks: int = 1, *, out: str | os.PathLike[str] | None = None,
+            progress: bool | Callable[[Progress], None] = False, launch: Sequence[str] | None = None,
+            options: Sequence[str] = ()) -> Sweep:
+        """Computes the cases that are not complete yet, and the table, and opens the output folder.
+
+        `out` is by default out/NAME in the current folder. `progress` prints a line that is updated, or is called with each
+        Progress. `launch` replaces mpirun, for example ["srun", "-n", "64"]. `options` are further arguments of
+        `shearwake run`, for example ["--retry-failed"]. If the call is interrupted, the run is stopped in an orderly way, and
+        the same call resumes it. Raises JobError, UsageError, CasesFailed, EnvironmentFailed and Stopped."""
+        folder = Path(out) if out is not None else Path("out") / self.name
+        with self._file() as path:
+            try:
+                run_and_watch(["run", str(path), "--out", str(folder), *options], ranks, launch, progress)
+            except CasesFailed as error:
+                error.sweep = reduced(folder)
+                raise
+            except ProgramError as error:
+                if error.exit_code == 3:
+                    self._check(path)
+                raise
+        return reduced(folder)
+
+
+def reduced(folder: Path) -> Sweep:
+    """Writes the table of an output folder and opens it. Cases that failed are stated in the table."""
+    program.call(["reduce", str(folder)], (0, 4))
+    return Sweep(folder)
+
+
+def merge(into: dict[str, Any], tables: Mapping[str, Any]) -> None:
+    """Adds nested tables; other values, also lists, are replaced."""
+    for key, value in tables.items():
+        if isinstance(value, Mapping) and isinstance(into.get(key), dict):
+            merge(into[key], value)
+        else:
+            into[key] = copy.deepcopy(dict(value) if isinstance(value, Mapping) else value)
+
+
+def plain(value: Any) -> Any:
+    """Arrays, numbers and tuples as values that TOML can express."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple, range)):
+        return [plain(entry) for entry in value]
+    return value

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads the plan and the table of an output folder, without opening a case file."""
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .checksum import read_json
+from .errors import NotAnOutputFolder
+from .from_cases import plan_of_cases
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the table."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+@dataclass
+class Table:
+    """The table that `shearwake reduce` wrote: `columns` as in its JSON file, and its rows by case id."""
+
+    columns: list[dict[str, Any]]
+    rows: dict[str, dict[str, Any]]
+
+
+def first_line(error: object) -> str:
+    """The first line of the text of an error, or its type."""
+    lines = str(error).strip().splitlines()
+    return lines[0] if lines else type(error).__name__
+
+
+def plan_object(folder: Path) -> dict[str, Any]:
+    """The object of plan.json. Without this file it is that of tables/plan.json, which `reduce` writes, or follows from
+    the case files."""
+    path, reduced = folder / "plan.json", folder / "tables" / "plan.json"
+    if path.exists():
+        return read_json(path.read_text(encoding="utf-8"), lambda old: old["schema"] == 1)
+    if reduced.exists():
+        return json.loads(reduced.read_text(encoding="utf-8"))
+    return plan_of_cases(folder)
+
+
+def read_plan(folder: Path) -> tuple[dict[str, Any], str]:
+    """The plan and the text of the job. Raises NotAnOutputFolder."""
+    try:
+        plan = plan_object(folder)
+        for key in ("name", "title", "swept_keys", "cases", "table"):
+            plan[key]
+        job = folder / "job.toml"
+        if job.exists():
+            return plan, job.read_text(encoding="utf-8", errors="replace")
+        return plan, plan.get("job", "")
+    except FileNotFoundError as error:
+        raise NotAnOutputFolder(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
+                                if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise NotAnOutputFolder(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
+
+
+def read_table(folder: Path, name: str) -> Table | None:
+    """The table of `shearwake reduce`; None if there is none. Raises ValueError or KeyError if it is damaged."""
+    path = folder / "tables" / (name + ".json")
+    if not path.exists():
+        return None
+    table = json.loads(path.read_text(encoding="utf-8"))
+    return Table(table["columns"], {row["id"]: row for row in table["cases"]})

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Finds and runs the program `shearwake`."""
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any, Sequence
+
+from .errors import BY_EXIT_CODE, Diagnostic, ProgramError, ProgramNotFound
+
+
+def find() -> str:
+    """The path of the program: the environment variable SHEARWAKE, next to the package in a source tree or an installation,
+    or on the PATH. Raises ProgramNotFound."""
+    here = Path(__file__).resolve().parents[2]
+    candidates = [os.environ.get("SHEARWAKE", ""), str(here / "build" / "shearwake"),
+                  str(here.parent.parent / "bin" / "shearwake"), "shearwake"]
+    for candidate in candidates:
+        found = shutil.which(candidate) if candidate else None
+        if found:
+            return found
+    raise ProgramNotFound("the program shearwake is not on the PATH; install it with cmake --install, or set the environment "
+                          "variable SHEARWAKE to its path. Reading results does not need it")
+
+
+def launched(arguments: Sequence[str], ranks: int = 1, launch: Sequence[str] | None = None) -> list[str]:
+    """The command that starts the program on `ranks` ranks, with mpirun or with the words of `launch`."""
+    prefix = list(launch) if launch is not None else ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    if prefix and not shutil.which(prefix[0]):
+        raise ProgramNotFound(f"{prefix[0]} is not on the PATH; several ranks need it (Debian: openmpi-bin)")
+    return [*prefix, find(), *arguments]
+
+
+def call(arguments: Sequence[str], accept: Sequence[int] = (0,)) -> subprocess.CompletedProcess[str]:
+    """Runs a command on one rank to its end. Raises the ProgramError of any exit code that is not accepted."""
+    done = subprocess.run(launched(arguments), stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
+                          errors="replace", check=False)
+    if done.returncode not in accept:
+        raise error_of(done.returncode, done.stderr or done.stdout)
+    return done
+
+
+def call_json(arguments: Sequence[str], accept: Sequence[int] = (0,)) -> dict[str, Any]:
+    """The JSON document of a command. Raises ProgramError."""
+    done = call([*arguments, "--json"], accept)
+    try:
+        return json.loads(done.stdout)
+    except ValueError:
+        raise error_of(done.returncode, done.stderr or done.stdout) from None
+
+
+def error_of(exit_code: int, text: str, diagnostics: Sequence[Diagnostic] = ()) -> ProgramError:
+    """The exception of an exit code with the text of the program."""
+    kind = BY_EXIT_CODE.get(exit_code, ProgramError)
+    return kind(text.strip() or f"shearwake ended with exit code {exit_code}", exit_code, diagnostics)
+
+
+def diagnostics_of(document: dict[str, Any]) -> list[Diagnostic]:
+    """The errors and warnings of a JSON document."""
+    return [Diagnostic(d["severity"], d["file"], d["line"], d["column"], d["message"]) for d in document["diagnostics"]]

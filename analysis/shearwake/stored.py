@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Parts of case files as numbers, texts and arrays of numpy."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Item:
+    """A variable of a case file: its path, the names and paths of its axes, its shape, unit and meaning."""
+
+    path: str
+    dims: tuple[str, ...]
+    axis_paths: tuple[str, ...]
+    shape: tuple[int, ...]
+    attributes: dict[str, Any]
+
+
+def text(value: Any) -> Any:
+    """Bytes as text; other values unchanged."""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+
+
+def plain(value: Any) -> Any:
+    """An HDF5 attribute as text or number."""
+    value = text(value)
+    return value.item() if hasattr(value, "item") and np.size(value) == 1 else value
+
+
+def attributes(path: Path) -> dict[str, Any]:
+    """The attributes of the root group. Raises OSError."""
+    with h5py.File(path, "r") as file:
+        return {name: plain(value) for name, value in file.attrs.items()}
+
+
+def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
+    """The scalars of the root group, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError."""
+    values, notes, units = {}, {}, {}
+    with h5py.File(path, "r") as file:
+        for name, item in file.items():
+            if isinstance(item, h5py.Dataset) and item.shape == ():
+                values[name] = float(plain(item[()]))
+                units[name] = (text(item.attrs.get("units", b"")), text(item.attrs.get("long_name", b"")))
+                if "note" in item.attrs:
+                    notes[name] = text(item.attrs["note"]).strip("\0")
+    return values, notes, units
+
+
+def array(path: Path, name: str, index: Any = ()) -> np.ndarray:
+    """A variable, or the part of it that the index selects. Raises OSError and KeyError."""
+    with h5py.File(path, "r") as file:
+        return file[name][index]
+
+
+def snapshot(path: Path, index: int) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Surface number `index`: t_s, x_m, y_m and u_z_m(x, y) at the first depth. Raises OSError, KeyError and IndexError."""
+    with h5py.File(path, "r") as file:
+        group = file["surface"]
+        return (float(group["time"][index]), group["x"][()], group["y"][()], group["u_z"][index, 0])
+
+
+def arrays(path: Path, group: str = "/") -> dict[str, np.ndarray]:
+    """All variables of a group with at least one dimension. Raises OSError and KeyError."""
+    with h5py.File(path, "r") as file:
+        return {name: item[()] for name, item in file[group].items() if isinstance(item, h5py.Dataset) and item.shape != ()}
+
+
+def groups(path: Path) -> list[str]:
+    """The names of the groups. Raises OSError."""
+    with h5py.File(path, "r") as file:
+        return [name for name, item in file.items() if isinstance(item, h5py.Group)]
+
+
+def items(path: Path, group: str) -> dict[str, Item]:
+    """Describes the variables of a group, without reading them. Raises OSError and KeyError."""
+    with h5py.File(path, "r") as file:
+        return {name: describe(group, name, item) for name, item in file[group].items()
+                if isinstance(item, h5py.Dataset)}
+
+
+def describe(group: str, name: str, item: h5py.Dataset) -> Item:
+    prefix = "" if group == "/" else group + "/"
+    keys = [list(dim.keys()) for dim in item.dims]
+    dims = tuple(found[0] if found else (name if item.ndim == 1 else f"{name}_{n}") for n, found in enumerate(keys))
+    described = {new: text(item.attrs[old]) for old, new in (("units", "units"), ("long_name", "long_name"))
+                 if old in item.attrs}
+    return Item(prefix + name, dims, tuple(prefix + dim for dim in dims), item.shape, described)

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The output folder of a sweep. Opening it reads the plan; everything else is read when it is needed."""
+from __future__ import annotations
+
+import functools
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Iterator, Mapping
+
+from . import stored
+from .case import Case
+from .errors import NotAnOutputFolder, NotRecorded
+from .keys import by_short_key, split_unit
+from .plan import Column, Table, first_line, read_plan, read_table
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+class Sweep:
+    """An output folder. `cases` are its cases in the order of the plan, `references` their references, and `every_case`
+    both."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+        plan, self.job_text = read_plan(self.folder)
+        self.name: str = plan["name"]
+        self.title: str = plan["title"]
+        self.swept_keys: list[str] = plan["swept_keys"]
+        self.x: str = plan["table"]["x"]
+        self.series_keys: list[str] = plan["table"]["series"]
+        self.every_case = [Case(self.folder / "cases" / (entry["id"] + ".h5"), entry, self) for entry in plan["cases"]]
+        self.cases = [case for case in self.every_case if not case.is_reference]
+        self.references = [case for case in self.every_case if case.is_reference]
+        self._by_id = {case.id: case for case in self.every_case}
+
+    def __getitem__(self, case_id: str) -> Case:
+        return self._by_id[case_id]
+
+    def __len__(self) -> int:
+        return len(self.cases)
+
+    def __iter__(self) -> Iterator[Case]:
+        return iter(self.cases)
+
+    def __repr__(self) -> str:
+        return f"<shearwake.Sweep {self.name}: {len(self.cases)} cases over {', '.join(self.swept_keys) or 'nothing'}>"
+
+    @functools.cached_property
+    def _files(self) -> set[str]:
+        try:
+            return {entry.name for entry in os.scandir(self.folder / "cases")}
+        except FileNotFoundError:
+            return set()
+
+    def _has_file(self, case_id: str) -> bool:
+        return case_id + ".h5" in self._files
+
+    @functools.cached_property
+    def _reduced(self) -> Table | None:
+        try:
+            return read_table(self.folder, self.name)
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise NotAnOutputFolder(f"{self.folder}: the table is damaged ({first_line(error)}); write it again with "
+                                    f"shearwake reduce {self.folder}") from error
+
+    def refresh(self) -> None:
+        """Forgets which cases are complete, and the table, so that the results of an active run become visible."""
+        for name in ("_files", "_reduced"):
+            self.__dict__.pop(name, None)
+
+    def select(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> list[Case]:
+        """The cases with these values of swept keys, given in full in a mapping or as keywords by their last part:
+        sweep.select(am_frequency_Hz=400)."""
+        wanted = {**(settings or {}), **by_short_key(self.swept_keys, short)}
+        for key in wanted:
+            if key not in self.swept_keys:
+                raise KeyError(f"{key} is not swept; the swept keys are {', '.join(self.swept_keys) or 'none'}")
+        return [case for case in self.cases if all(case.settings.get(key) == value for key, value in wanted.items())]
+
+    def case(self, settings: Mapping[str, Any] | None = None, /, **short: Any) -> Case:
+        """The only case with these values of swept keys, see select(). Raises KeyError if there is none or more."""
+        found = self.select(settings, **short)
+        if len(found) != 1:
+            raise KeyError(f"{len(found)} cases match; name the values of enough swept keys: {', '.join(self.swept_keys)}")
+        return found[0]
+
+    @property
+    def columns(self) -> list[Column]:
+        """The columns of the table, with units and meanings. Without a table they follow from the first complete case."""
+        if self._reduced:
+            return [Column(c["name"], c["unit"], c["meaning"]) for c in self._reduced.columns]
+        first = next((case for case in self.every_case if case.is_complete), None)
+        return first.columns if first else []
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The table: one row per case and reference with its id as index, the swept keys, status and reason, and the
+        columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
+
+        The numbers are those of `shearwake reduce`; without its table they are read from the case files."""
+        import pandas as pd
+        names = [column.name for column in self.columns]
+        rows = []
+        for case in self.every_case:
+            values = case.values
+            rows.append({**{key: case.settings.get(key) for key in self.swept_keys}, "is_reference": case.is_reference,
+                         "status": case.status, "reason": case.reason,
+                         **{name: values.get(name, float("nan")) for name in names}})
+        table = pd.DataFrame(rows, index=pd.Index([case.id for case in self.every_case], name="id"))
+        table.attrs["units"] = {**{key: unit_of(key) for key in self.swept_keys},
+                                **{column.name: column.unit for column in self.columns}}
+        table.attrs["meanings"] = {column.name: column.meaning for column in self.columns}
+        return table
+
+    def dataset(self, *names: str, references: bool = False) -> xr.Dataset:
+        """One Dataset of all cases with the swept keys as dimensions, which is read when its values are needed.
+
+        A name is a column of the table ("eta_period_1"), a quantity over time ("eta" or "eta_t"), a group ("traces",
+        "surface", "mean") or a variable of a group ("traces/amplitude"). A key that follows from another swept key is a
+        coordinate of that dimension. Cases that were excluded or are not complete are NaN. With `references`, each cell
+        contains the reference of its case. Raises NotRecorded and KeyError."""
+        from .dataset import of_sweep
+        if not names:
+            raise NotRecorded("name at least one column, quantity or group: sweep.dataset(\"eta_t\", \"traces\")")
+        return of_sweep(self, names, references)
+
+    def verify(self) -> dict[str, str]:
+        """Reads all case files. Returns the damage of each case whose file does not match its checksum."""
+        damage = {}
+        for case in self.every_case:
+            if case.is_complete:
+                try:
+                    case.verify()
+                except (OSError, ValueError, RuntimeError) as error:
+                    damage[case.id] = first_line(error)
+        return damage
+
+
+def unit_of(key: str) -> str:
+    """The unit at the end of a key of the job, as in the key: "mm" of "load.footprint.fwhm_mm"; "1" without one."""
+    return split_unit(key)[1] or "1"
+
+
+def open_sweep(folder: str | os.PathLike[str]) -> Sweep:
+    """Opens the output folder of a sweep. Reads its plan only. Raises NotAnOutputFolder."""
+    return Sweep(folder)
+
+
+def case_of_file(path: Path) -> Case:
+    """The case of a file. Raises OSError, RuntimeError, KeyError, ValueError or TypeError if it is not a case file."""
+    found = stored.attributes(path)
+    return Case(path, {"id": found["case_id"], "settings": json.loads(found["settings"]),
+                       "is_reference": found["is_reference"] == "yes", "reference_id": found["reference_id"]})
+
+
+def open_case(path: str | os.PathLike[str]) -> Case:
+    """Opens a single case file. Reads its attributes only. Raises NotRecorded if it is not a case file."""
+    path = Path(path)
+    try:
+        return case_of_file(path)
+    except FileNotFoundError as error:
+        raise NotRecorded(f"{path}: no such case file") from error
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
+        raise NotRecorded(f"{path} is not a valid case file: {first_line(error)}") from error

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the package importable, and computes small sweeps for its tests."""
+import os
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import matplotlib
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "analysis"), str(ROOT / "tests" / "end_to_end")]
+matplotlib.use("Agg")
+
+import program  # noqa: E402
+import shearwake  # noqa: E402
+
+os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM), OMPI_MCA_rmaps_base_oversubscribe="1")
+AM, FWHM = "load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm"
+
+
+class InFolder(unittest.TestCase):
+    """Runs the tests of a class in one temporary folder, which is the current folder."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.before, cls.temporary = Path.cwd(), tempfile.TemporaryDirectory(prefix="shearwake-python-")
+        cls.folder = Path(cls.temporary.name).resolve()
+        os.chdir(cls.folder)
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.addClassCleanup(os.chdir, cls.before)
+
+
+def job(*changes):
+    """The small job of the end-to-end tests: three frequencies and their reference, with all frames."""
+    return shearwake.Job(program.changed(*changes))

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Jobs of the package are checked, planned and run, and errors become exceptions with the text of the program."""
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+import unittest
+from pathlib import Path
+
+from study import AM, InFolder, job, program, shearwake
+
+
+class Jobs(InFolder):
+    def test_file_text_dictionary_and_keywords_give_the_same_cases(self):
+        Path("a.toml").write_text(program.JOB)
+        tables = tomllib.loads(program.JOB)
+        jobs = [shearwake.Job("a.toml"), shearwake.Job(program.JOB), shearwake.Job(tables), shearwake.Job(**tables)]
+        ids = [list(made.plan().cases.index) for made in jobs]
+        self.assertEqual(len(ids[0]), 4)
+        self.assertEqual(ids, [ids[0]] * 4)
+
+    def test_changes_leave_the_original_as_it_is(self):
+        first = job()
+        second = first.change({"load.peak_Pa": 50.0, "medium.layer[1].c_s_m_s": 4.0})
+        self.assertEqual((first.tables["load"]["peak_Pa"], second.tables["load"]["peak_Pa"]), (100.0, 50.0))
+        self.assertEqual(second.tables["medium"]["layer"][0]["c_s_m_s"], 4.0)
+        with self.assertRaisesRegex(KeyError, r"medium.layer\[2\]"):
+            first.change({"medium.layer[2].c_s_m_s": 4.0})
+
+    def test_errors_have_the_text_and_the_lines_of_the_program(self):
+        path = Path("bad.toml")
+        path.write_text(program.changed(("peak_Pa", "peak_Pq"), ("spacing_mm = 1.5", "spacing_mm = -2")))
+        printed = subprocess.run([program.PROGRAM, "check", path.resolve()], capture_output=True, text=True, check=False)
+        bad = shearwake.Job(path)
+        for call in (bad.check, bad.plan, bad.run):
+            with self.assertRaises(shearwake.JobError) as caught:
+                call()
+            self.assertEqual(caught.exception.exit_code, 3)
+            self.assertEqual([d.severity for d in caught.exception.diagnostics], ["error", "error"])
+            for line in str(caught.exception).splitlines():
+                self.assertIn(line, printed.stdout + printed.stderr)
+            self.assertIn("did you mean peak_Pa?", str(caught.exception))
+
+    def test_warnings_are_returned(self):
+        warnings = job(("spacing_mm = 1.5", "spacing_mm = 2.0")).check()
+        self.assertTrue(warnings)
+        self.assertEqual({w.severity for w in warnings}, {"warning"})
+        self.assertEqual({w.file for w in warnings}, {"<Job small>"})
+
+    def test_a_run_reports_its_progress_and_is_resumed(self):
+        seen = []
+        made = job(("name = \"small\"", "name = \"resumed\""))
+        first = made.run(2, options=["--only", made.plan().cases.index[0]])
+        self.assertEqual([case.is_complete for case in first.every_case], [True, False, False, False])
+        whole = made.run(progress=seen.append)
+        self.assertTrue(all(case.is_complete for case in whole.every_case))
+        self.assertEqual((seen[-1].done, seen[-1].total, seen[-1].failed), (3, 3, 0))
+        self.assertEqual(whole.folder, Path("out/resumed"))
+        self.assertEqual(list(Path.cwd().glob(".job-*")), [])
+
+    def test_a_folder_of_another_plan_is_a_usage_error(self):
+        job().run(out="out/one")
+        with self.assertRaisesRegex(shearwake.UsageError, "another plan"):
+            job(("peak_Pa = 100.0", "peak_Pa = 90.0")).run(out="out/one")
+
+    def test_a_damaged_case_is_found_and_computed_again(self):
+        made = job(("name = \"small\"", "name = \"failing\""))
+        made.run()
+        sweep = shearwake.open("out/failing")
+        victim = sweep.case(am_frequency_Hz=500.0).path
+        content = victim.read_bytes()
+        victim.write_bytes(content[:3000])
+        sweep.refresh()
+        with self.assertRaises((OSError, shearwake.Damaged)):
+            sweep.case({AM: 500.0}).verify()
+        made.run()  # computes the damaged case again
+        self.assertTrue(shearwake.open("out/failing").case(am_frequency_Hz=500.0).verify())
+
+    def test_reading_does_not_need_the_program(self):
+        job(("name = \"small\"", "name = \"reading\"")).run()
+        text = ("import shearwake; s = shearwake.open('out/reading'); print(float(s.dataset('peak_um').peak_um.max()))\n"
+                "try: shearwake.Job('schema = 1\\n').check()\nexcept shearwake.ProgramNotFound as e: print(e)")
+        shutil.copytree(Path(shearwake.__file__).parent, "elsewhere/shearwake")
+        done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=True, env={
+            **{k: v for k, v in os.environ.items() if k != "SHEARWAKE"}, "PATH": "/nowhere", "PYTHONPATH": "elsewhere"})
+        self.assertRegex(done.stdout.splitlines()[0], r"^\d+\.\d+$")
+        self.assertIn("not on the PATH", done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The package is completely typed, pip installs it without network, and importing it imports no large package."""
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+from study import InFolder, program
+
+ANALYSIS = program.ROOT / "analysis"
+
+
+class Package(InFolder):
+    def command(self, *words, cwd=None):
+        done = subprocess.run([str(word) for word in words], cwd=cwd, capture_output=True, text=True, check=False,
+                              timeout=program.PATIENCE_s)
+        program.report_life()
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    @unittest.skipUnless(shutil.which("mypy"), "mypy is not installed")
+    def test_all_types_are_stated_and_consistent(self):
+        self.command("mypy", "--config-file", "pyproject.toml", "--cache-dir", self.folder / "types", cwd=ANALYSIS)
+
+    def test_pip_installs_it_without_network(self):
+        shutil.copytree(ANALYSIS, "analysis", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
+        self.command("/usr/bin/python3", "-m", "venv", "--system-site-packages", "env")
+        self.command("env/bin/pip", "install", "-q", "--no-build-isolation", "--no-index", "./analysis")
+        printed = self.command("env/bin/python", "-I", "-c", "import shearwake; print(shearwake.__file__)").strip()
+        self.assertTrue(Path(printed).is_relative_to(self.folder / "env"), printed)
+        self.assertTrue(Path(printed).with_name("py.typed").is_file())
+
+    def test_importing_it_is_cheap(self):
+        text = (f"import sys; sys.path.insert(0, {str(ANALYSIS)!r}); import shearwake; "
+                "print([m for m in ('pandas', 'xarray', 'matplotlib', 'tomli_w') if m in sys.modules])")
+        self.assertEqual(self.command(sys.executable, "-c", text).strip(), "[]")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The package opens sweeps as tables and datasets, and reads only what is needed."""
+import json
+import shutil
+import sys
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import h5py
+import numpy as np
+import pandas as pd
+
+from study import AM, FWHM, InFolder, job, program, shearwake
+
+OPENED = []
+sys.addaudithook(lambda event, arguments: OPENED.append(str(arguments[0])) if event in ("open", "os.scandir") else None)
+
+
+class Counting:
+    """Counts the case files that are opened, and the other files of an output folder."""
+
+    def __enter__(self):
+        self.cases, real = [], h5py.File
+        self.patch = mock.patch("h5py.File", lambda path, *rest, **more: self.cases.append(str(path)) or real(path, *rest, **more))
+        self.patch.start()
+        OPENED.clear()
+        return self
+
+    def __exit__(self, *_):
+        self.patch.stop()
+        self.others = [path for path in OPENED if "/out/" in path or path.startswith("out/")]
+
+
+class Reading(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.sweep = job().run()
+        cls.paths = {case.settings.get(AM): case.path for case in cls.sweep.cases}
+
+    def opened(self):
+        return shearwake.open("out/small")
+
+    def stored(self, frequency, name):
+        with h5py.File(self.paths[frequency]) as file:
+            return file[name][()]
+
+    def test_three_lines_give_a_dataset_with_the_swept_key_as_dimension(self):
+        sweep = shearwake.open("out/small")
+        data = sweep.dataset("eta_t", "traces", "eta_period_1")
+        self.assertEqual(data["eta_t"].dims, ("am_frequency_Hz", "depth", "time"))
+        self.assertEqual(data["traces"].dims, ("am_frequency_Hz", "trace", "time"))
+        self.assertEqual(data["am_frequency_Hz"].values.tolist(), [400.0, 500.0, 1000.0])
+        self.assertEqual(data["am_frequency_Hz"].attrs, {"key": AM, "units": "Hz"})
+        self.assertEqual(data["traces"].attrs["units"], "m")
+        for frequency in (400.0, 500.0, 1000.0):
+            one = data.sel(am_frequency_Hz=frequency)
+            np.testing.assert_array_equal(one["eta_t"], self.stored(frequency, "eta"))
+            np.testing.assert_array_equal(one["traces"], self.stored(frequency, "traces/u_z"))
+            self.assertEqual(float(one["eta_period_1"]), self.stored(frequency, "eta_period_1"))
+
+    def test_opening_reads_only_the_plan(self):
+        with Counting() as count:
+            sweep = self.opened()
+            self.assertEqual([case.settings[AM] for case in sweep.cases], [400.0, 500.0, 1000.0])
+        self.assertEqual(count.cases, [])
+        self.assertEqual({Path(path).name for path in count.others}, {"plan.json", "job.toml"})
+
+    def test_a_selection_of_a_dataset_reads_one_file(self):
+        data = self.opened().dataset("eta_t", "surface")
+        with Counting() as count:
+            repr(data)
+            chosen = data["surface"].sel(am_frequency_Hz=500.0).isel(surface_time=[3, 7], depth=0)
+        self.assertEqual(count.cases, [])
+        with Counting() as count:
+            values = chosen.values
+        self.assertEqual(count.cases, [str(Path("out/small") / self.paths[500.0].relative_to(self.sweep.folder))])
+        np.testing.assert_array_equal(values, self.stored(500.0, "surface/u_z")[[3, 7], 0])
+
+    def test_ten_thousand_cases_are_listed_without_opening_one(self):
+        folder = Path("out/many")
+        (folder / "cases").mkdir(parents=True)
+        entries = [{"id": f"{n:016x}", "settings": {AM: float(n % 100), FWHM: 1.0 + n // 100}, "is_reference": False,
+                    "reference_id": "", "case": "[domain]\nnx = 48\n"} for n in range(10000)]
+        (folder / "plan.json").write_text(json.dumps({
+            "schema": 1, "name": "many", "title": "many", "swept_keys": [AM, FWHM], "table": {"x": AM, "series": []},
+            "cases": entries}))
+        for entry in entries:
+            (folder / "cases" / (entry["id"] + ".h5")).touch()
+        tables = folder / "tables"
+        tables.mkdir()
+        (tables / "many.json").write_text(json.dumps({
+            "columns": [{"name": "peak_um", "unit": "um", "meaning": "peak"}],
+            "cases": [{"id": e["id"], "status": "complete", "note": "", "wall_s": 1.0, "values": {"peak_um": float(n)},
+                       "notes": {}, "warnings": []} for n, e in enumerate(entries)]}))
+        with Counting() as count:
+            sweep = shearwake.open(folder)
+            listed = [(case.id, case.status, case.settings[FWHM]) for case in sweep.cases]
+            peaks = sweep.dataset("peak_um")["peak_um"]
+            table = sweep.table
+        self.assertEqual(count.cases, [])
+        self.assertEqual(sorted(Path(path).name for path in count.others), ["cases", "many.json", "plan.json"])
+        self.assertEqual(listed[123], (entries[123]["id"], "complete", 2.0))
+        self.assertEqual(peaks.shape, (100, 100))
+        self.assertEqual(float(peaks.sel(am_frequency_Hz=23, fwhm_mm=2)), 123.0)
+        self.assertEqual(table["peak_um"].iloc[123], 123.0)
+
+    def test_the_table_has_units_and_equals_the_csv_file(self):
+        table = self.opened().table
+        expected = pd.read_csv("out/small/tables/small.csv").set_index("id")
+        self.assertEqual(list(table.index), list(expected.index))
+        self.assertEqual(table.attrs["units"]["ipr_period_mm2"], "mm2")
+        self.assertEqual(table.attrs["units"][AM], "Hz")
+        for column in ("eta_period_1", "peak_um", "eta_period_over_reference_1"):
+            # The CSV file has nine digits.
+            np.testing.assert_allclose(table[column], expected[column], rtol=1e-8)
+
+    def test_without_a_table_the_numbers_come_from_the_case_files(self):
+        shutil.copytree("out/small/cases", "out/alone/cases")
+        alone, whole = shearwake.open("out/alone"), self.opened()
+        self.assertEqual([case.id for case in alone.cases], [case.id for case in whole.cases])
+        self.assertEqual(alone.table["peak_um"].tolist(), whole.table["peak_um"].tolist())
+        self.assertEqual(alone.dataset("eta").sizes, whole.dataset("eta").sizes)
+
+    def test_references_are_on_the_same_grid(self):
+        data = self.opened().dataset("eta_period_1", "force", references=True)
+        reference = self.sweep.references[0]
+        self.assertEqual(data["eta_period_1"].values.tolist(), [reference.value("eta_period_1")] * 3)
+        np.testing.assert_array_equal(data["force"].values, [reference.array("force")] * 3)
+
+    def test_a_missing_case_is_nan(self):
+        shutil.copytree("out/small", "out/part")
+        (Path("out/part/cases") / self.paths[500.0].name).unlink()
+        sweep = shearwake.open("out/part")
+        self.assertEqual([case.status == "complete" for case in sweep.cases], [True, False, True])
+        self.assertEqual(np.isnan(sweep.dataset("force")["force"].values).all(axis=1).tolist(), [False, True, False])
+        with self.assertRaisesRegex(shearwake.NotRecorded, "has no file"):
+            sweep.cases[1].surface
+
+    def test_cases_of_different_grids_are_united(self):
+        sweep = job(("name = \"small\"", "name = \"grids\""), (program.SWEEP, '"domain.spacing_mm" = [1.0, 2.0]'),
+                    ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.spacing_mm"')).run()
+        surface = sweep.dataset("surface")["surface"]
+        fine, coarse = (surface.sel(spacing_mm=s).isel(surface_time=-1, depth=0) for s in (1.0, 2.0))
+        self.assertFalse(np.isnan(fine.values).any())
+        kept = coarse.dropna("x", how="all").dropna("y", how="all")
+        np.testing.assert_array_equal(kept.values, sweep.cases[1].snapshot()[3])
+
+    def test_the_dimensions_of_several_keys_and_of_keys_that_vary_together(self):
+        sweep = job(("name = \"small\"", "name = \"two\"")).sweep(
+            {AM: [400.0, 500.0]}, zip=[{FWHM: [4.5, 6.0], "load.peak_Pa": [100.0, 50.0]}],
+            exclude=[{AM: 500.0, FWHM: 6.0}]).run()
+        data = sweep.dataset("peak_um", "eta")
+        self.assertEqual(dict(data["peak_um"].sizes), {"am_frequency_Hz": 2, "fwhm_mm": 2})
+        self.assertEqual(data["peak_Pa"].dims, ("fwhm_mm",))
+        self.assertEqual(np.isnan(data["peak_um"].values).tolist(), [[False, False], [False, True]])
+        self.assertEqual(float(data["peak_um"].sel(am_frequency_Hz=400, fwhm_mm=6.0)),
+                         sweep.case(am_frequency_Hz=400.0, fwhm_mm=6.0).value("peak_um"))
+
+    def test_a_case_offers_its_contents(self):
+        case = self.opened().case(am_frequency_Hz=400.0)
+        self.assertEqual(case.surface.dims, ("time", "depth", "x", "y"))
+        self.assertEqual(case.surface.attrs["units"], "m")
+        self.assertEqual(case.traces["x"].values.tolist(), [0.0, 0.0032])
+        self.assertEqual(case.setting("load", "peak_Pa"), 100.0)
+        self.assertEqual(case.reference.settings, {})
+        self.assertTrue(case.is_valid and case.verify())
+        with self.assertRaisesRegex(shearwake.NotRecorded, "record.volumes_ms"):
+            case.volume
+        with self.assertRaisesRegex(shearwake.NotRecorded, r"\[afferents\]"):
+            case.spikes()
+
+    def test_damage_is_found(self):
+        shutil.copytree("out/small", "out/damaged")
+        sweep = shearwake.open("out/damaged")
+        victim = sweep.cases[0].path
+        content = bytearray(victim.read_bytes())
+        content[len(content) // 2] ^= 1
+        victim.write_bytes(content)
+        self.assertEqual(list(sweep.verify()), [sweep.cases[0].id])
+        with self.assertRaises(shearwake.Damaged):
+            sweep.cases[0].verify()
+
+    def test_other_folders_and_names_are_rejected_with_a_reason(self):
+        with self.assertRaisesRegex(shearwake.NotAnOutputFolder, "no such output folder"):
+            shearwake.open("out/none")
+        with self.assertRaisesRegex(shearwake.NotRecorded, "peak_qm is not a column.*peak_um"):
+            self.opened().dataset("peak_qm")
+        with self.assertRaisesRegex(KeyError, "am_frequency_Hz"):
+            self.opened().select(speed=3)
+        Path("no.h5").write_text("no case")
+        with self.assertRaisesRegex(shearwake.NotRecorded, "not a valid case file"):
+            shearwake.open_case("no.h5")
+
+    def test_pictures_show_the_snapshot_nearest_to_the_time(self):
+        case = self.opened().cases[0]
+        axes = case.plot.surface(0.00204)
+        self.assertEqual(axes.get_title(loc="left"), "t = 2 ms")
+        np.testing.assert_array_equal(axes.images[0].get_array(), 1e6 * self.stored(400.0, "surface/u_z")[19, 0].T)
+        axes = case.plot.wake()
+        self.assertGreaterEqual(len(axes.lines), 5)  # path, focal disc, focus, and two Mach lines
+        self.assertLess(axes.images[0].get_clim()[1], case.value("peak_um"))
+
+    def test_an_animation_shows_every_frame(self):
+        movie = self.opened().cases[0].animate(end_um=2.0)
+        movie.save("a.gif", writer="pillow", dpi=30)
+        self.assertGreater(Path("a.gif").stat().st_size, 1000)
+        self.assertEqual(len(list(movie.new_frame_seq())), 40)
+
+
+class Receptors(InFolder):
+    def test_afferents_and_spikes_agree_with_the_table(self):
+        for name in ("circle.toml", "circle-afferents.csv"):
+            shutil.copy(program.ROOT / "jobs" / name, name)
+        small = shearwake.Job("circle.toml", time={"duration_ms": 50.0, "output_interval_us": 500.0},
+                              measure={"settled_after_ms": 10.0}, record={"snapshots_ms": [50.0]},
+                              table={"reference": {}}, domain={"spacing_mm": 4.0})
+        tables = small.tables
+        del tables["table"]["reference"]
+        made = shearwake.Job(tables).sweep({"load.modulation.draw_frequency_Hz": [100.0]}).run()
+        case = made.cases[0]
+        afferents, spikes = case.afferents, case.spikes()
+        self.assertEqual(len(afferents), 104)
+        self.assertEqual(set(afferents["class"]), {"RA", "PC"})
+        self.assertEqual(len(spikes), afferents["spike_count"].sum())
+        for kind in ("RA", "PC"):
+            self.assertEqual((spikes["class"] == kind).sum(), case.value(f"{kind}_spikes_1"))
+        self.assertTrue(((spikes["time_s"] > 0) & (spikes["time_s"] <= 0.05)).all())
+        counts = spikes.groupby("afferent").size()
+        np.testing.assert_array_equal(afferents["spike_count"][counts.index], counts)
+
+
+if __name__ == "__main__":
+    unittest.main()
