@@ -41,7 +41,7 @@ TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
     SECTION("two lumps, one of them across the periodic edge") {
         body.shape = Cylinder{.radius_m = 2.6e-3, .length_m = 9e-3, .azimuth_deg = 30.0};
         Body other = body;
-        other.shape = Box{{5e-3, 6e-3, 4e-3}};
+        other.shape = shearwake::Box{{5e-3, 6e-3, 4e-3}};
         other.centre_m = {-19e-3, 1e-3, 5e-3};
         c.scene().medium.bodies.push_back(other);
     }
