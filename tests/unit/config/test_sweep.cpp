@@ -169,7 +169,7 @@ TEST_CASE("an error in a sweep is reported with its location", "[config][sweep]"
         {"zip = [ { load.peak_Pa = [3, 3], domain.spacing_mm = [0.5, 0.5] } ]",
          "job.toml:28:30: error: sweep: load.peak_Pa contains the value 3,0.5 twice"},
         {"\"job.name\" = [\"a\"]",
-         "job.toml:28:1: error: sweep: \"job.name\" is not a key of a case; a swept key is given "
+         "job.toml:28:1: error: sweep: \"job.name\" is not a key of a case; the key is given "
          "in full and starts with \"medium\", \"load\", \"domain\", \"time\", \"solver\", "
          "\"measure\", \"record\" or \"afferents\""},
         {"\"load.peak_Pa\" = { linspace = [1, 2] }",
