@@ -72,6 +72,7 @@ class Sweep:
     job_text: str
     columns: list  # of the table: name, unit, description, where it is shown, numerator of a ratio
     label_keys: list = None  # keys that distinguish curves; None: those that vary among these cases
+    uncertain: dict = None  # the design of [uncertain]; None: the job has none
 
     def __post_init__(self):
         self.index = {c.id: c for c in self.cases}
@@ -181,7 +182,10 @@ def load(folder, report=lambda text: None):
         cases = [Case(c["id"], c["settings"], c["is_reference"], c["reference_id"],
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], plan["table"]["x"],
-                      plan["table"]["series"], cases, job_text, table.columns)
+                      plan["table"]["series"], cases, job_text, table.columns, uncertain=plan.get("uncertain"))
+    except FileNotFoundError as error:
+        raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
+                     if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for n, case in enumerate(cases):

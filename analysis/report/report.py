@@ -28,6 +28,7 @@ import fig_spectrogram
 import fig_surface
 import fig_time
 import fig_traces
+import fig_uncertain
 import fig_volume
 import layout
 import style
@@ -45,8 +46,10 @@ ENVIRONMENT = 6  # exit code of the program for missing files
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
-def of_all():
-    """Figures in which each case is a point or a cell, in the order of the page."""
+def of_all(sweep):
+    """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
+    if sweep.uncertain:
+        return [("samples", fig_uncertain.figures)]
     return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
@@ -84,7 +87,7 @@ def draw_all(sweep, folder, drawn, progress):
     if not layout.ordinary(sweep):
         return figures, "", problems
     some = layout.few(sweep)
-    groups = [(name, draw, sweep) for name, draw in of_all()] + [(name, draw, some) for name, draw in of_few(sweep)]
+    groups = [(name, draw, sweep) for name, draw in of_all(sweep)] + [(name, draw, some) for name, draw in of_few(sweep)]
     missing = sum(not case.whole for case in sweep.cases)
     shown, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
     for n, (name, draw, cases) in enumerate(groups):

@@ -3,6 +3,7 @@
 import math
 
 import layout
+import sample
 import warnings_of
 from numerical_error import (choices, estimated_at, is_numerical, known, numerical_variants, relative_error,
                              settings_that_differ, spread_of, valid, with_error)
@@ -252,6 +253,8 @@ def spikes_at(sweep, case, count):
 def summary(sweep):
     if not layout.ordinary(sweep):
         return "No case is complete yet, so there is nothing to draw."
+    if sweep.uncertain:
+        return sample.sentence(sweep)
     receptors = "" if valid(sweep, "eta_period_1") else fired(sweep)
     text = receptors + efficiency(sweep) + strength(choices(sweep))
     return text[:1].upper() + text[1:]

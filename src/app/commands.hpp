@@ -27,6 +27,12 @@ struct PlanArguments : CheckArguments {
     bool all_cases = false; // list every case of a long plan
 };
 
+/// `overrides` are the values of --set.
+struct EvaluateArguments : schedule::JobArguments {
+    std::filesystem::path out; // empty: out/<job name>.evaluate
+    bool json = false;
+};
+
 struct ShowModulationArguments : schedule::JobArguments {
     std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
 };
@@ -86,6 +92,8 @@ struct RespondArguments {
 
 ExitCode check_command(const CheckArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
+/// Computes one case of a job, without its sweep, and prints the values of its table.
+ExitCode evaluate_command(const EvaluateArguments& arguments, const Comm& world);
 ExitCode status_command(const StatusArguments& arguments, const Comm& world);
 /// Checks every case file, the plan, the journals and the index against their checksums.
 ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);

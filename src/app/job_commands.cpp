@@ -91,6 +91,25 @@ void add_run(CLI::App& app, Action& action) {
     });
 }
 
+void add_evaluate(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<EvaluateArguments>();
+    CLI::App* command = app.add_subcommand(
+        "evaluate", "compute one case of a job, without its sweep, and print its measures");
+    command->add_option("JOB", arguments->job, "job file (TOML)")->required();
+    command
+        ->add_option("--set,-S", arguments->overrides,
+                     "set a key of the job: --set medium.layer[1].c_s_m_s=4.5")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+    command->add_option("--out", arguments->out,
+                        "folder of the evaluated cases (default: out/<job name>.evaluate); a case "
+                        "that it contains is not computed again");
+    add_json(command, arguments->json);
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return evaluate_command(*arguments, world); };
+    });
+}
+
 void add_keys(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("keys", "print the reference of all keys of a job as Markdown");
@@ -140,6 +159,7 @@ void add_job_commands(CLI::App& app, Action& action) {
     add_schema(app, action);
     add_plan(app, action);
     add_run(app, action);
+    add_evaluate(app, action);
 }
 
 } // namespace shearwake::app

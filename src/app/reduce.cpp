@@ -42,8 +42,10 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
                                          "reduce; shearwake status {} lists the reasons",
                                          path.string(), path.string()),
                              ExitCode::some_cases_failed);
-        fmt::print("table: {}\n       {}\nnext: shearwake report {}\n", written.csv.string(),
-                   written.markdown.string(), path.string());
+        fmt::print("table: {}\n       {}\n", written.csv.string(), written.markdown.string());
+        for (const auto& file : {written.statistics, written.sensitivity})
+            if (!file.empty()) fmt::print("       {}\n", file.string());
+        fmt::print("next: shearwake report {}\n", path.string());
     });
     return world.broadcast(damaged) > 0 ? ExitCode::some_cases_failed : ExitCode::done;
 }

@@ -184,7 +184,7 @@ void walk_fields(Walk& walk, Options& o) {
     walk.key({.key = "region_mm",
               .range = Range::above(0.0),
               .type = "point or word:path|palm",
-              .fallback = "everything inside the sponge",
+              .fallback = "everything inside the sponge; `\"path\"` in the periodic regime",
               .meaning =
                   "part of the surface in which eta, the participation ratios, the peak and "
                   "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "

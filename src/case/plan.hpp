@@ -3,6 +3,8 @@
 
 #include "case/case.hpp"
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +26,7 @@ struct PlannedCase {
     std::vector<Setting> settings; // one per swept key of this case, in the order of the job
     bool is_reference = false;     // the unmodulated case in addition to the sweep
     std::string reference_id; // id of the case that it is compared with; empty if there is none
+    std::optional<std::size_t> sample = std::nullopt; // row of the design of [uncertain]
     bool operator==(const PlannedCase&) const = default;
 };
 
@@ -34,6 +37,25 @@ struct TableOptions {
     bool operator==(const TableOptions&) const = default;
 };
 
+/// A threshold of [uncertain]: the probability that a column of the table exceeds it is estimated.
+struct Threshold {
+    std::string column;
+    double value = 0.0;
+    bool operator==(const Threshold&) const = default;
+};
+
+/// [uncertain]: the keys that are sampled together and the design of the sample. Cases with equal
+/// values of the other swept keys form a sample; PlannedCase::sample is their row in the design.
+struct UncertainPlan {
+    std::vector<std::string> keys;
+    std::string sampling; // "sobol", "latin-hypercube" or "random"
+    std::string analysis; // "distribution", "sobol-indices" or "morris"
+    std::size_t samples = 0;
+    std::uint64_t seed = 0;
+    std::vector<Threshold> exceedance;
+    bool operator==(const UncertainPlan&) const = default;
+};
+
 /// An expanded job, the content of `plan.json`.
 struct Plan {
     std::string name;
@@ -41,6 +63,7 @@ struct Plan {
     std::vector<std::string> swept_keys; // in the order of the job
     TableOptions table;
     std::vector<PlannedCase> cases; // in the order of the job, references last
+    std::optional<UncertainPlan> uncertain = std::nullopt;
     bool operator==(const Plan&) const = default;
 };
 

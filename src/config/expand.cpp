@@ -77,6 +77,7 @@ public:
         }
         remarks_.add(*c, root);
         PlannedCase planned{.id = case_id(*c), .physics = *c, .settings = settings(wheel)};
+        if (sweep_.sampled_axis) planned.sample = wheel[*sweep_.sampled_axis];
         if (reference_) planned.reference_id = add_reference(root, planned.settings);
         note_twin(planned);
         cases_.push_back(std::move(planned));

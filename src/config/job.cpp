@@ -3,9 +3,11 @@
 
 #include "base/text.hpp"
 #include "config/expand.hpp"
+#include "config/listed_cases.hpp"
 #include "config/sections/read_case.hpp"
 #include "config/study_keys.hpp"
 #include "config/table_options.hpp"
+#include "config/uncertain.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -74,8 +76,11 @@ Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const F
     check_schema(root, tree->at);
     read_identity(root.table("job"), plan);
     root.allow(case_tables());
-    const Sweep sweep = read_sweep(root.node("sweep"), diagnostics);
+    Sweep sweep = read_sweep(root.node("sweep"), diagnostics);
+    add_listed_cases(root.node("sweep"), sweep, files, diagnostics);
     const TableSection table = read_table(root.optional_table("table"), sweep);
+    if (const NodePtr node = root.node("uncertain"))
+        plan.uncertain = read_uncertain(node, sweep, files, diagnostics);
     root.finish();
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
@@ -94,11 +99,13 @@ NodePtr parse(std::string_view text, const std::string& file_name,
     }
     NodePtr tree = parse_toml(text, file_name, diagnostics);
     if (!tree) return nullptr;
-    if (const NodePtr sweep = find(tree, {{"sweep"}})) {
+    const auto flatten = [&](const Path& path, const auto& flat) {
         std::string problem;
-        tree =
-            with(tree, {{"sweep"}}, flattened_sweep(sweep), place_of(tree, {{"sweep"}}), problem);
-    }
+        if (const NodePtr table = find(tree, path))
+            tree = with(tree, path, flat(table), place_of(tree, path), problem);
+    };
+    flatten({{"sweep"}}, flattened_sweep);
+    flatten({{"uncertain"}}, flattened_uncertain);
     for (const Override& override : overrides)
         tree = with_override(tree, override, diagnostics);
     return tree;

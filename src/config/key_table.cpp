@@ -255,7 +255,8 @@ std::string key_reference() {
     constexpr const char* preface =
         "# The keys of a job\n\n"
         "`shearwake keys` prints this reference. Values and defaults are in the unit of the key;\n"
-        "[job-file.md](job-file.md) has the tables `[job]`, `[sweep]` and `[table]`, examples and\n"
+        "[job-file.md](job-file.md) has the tables `[job]`, `[sweep]`, `[uncertain]` and "
+        "`[table]`, examples and\n"
         "explanations.\n";
     KeyTable table;
     const Case defaults;

@@ -41,7 +41,8 @@ NodePtr parse_value(const std::string& value, const Place& at, DiagnosticList& d
 
 /// A swept key is a single key of [sweep], whether or not its dots were quoted.
 Path joined_below_sweep(const Path& path, std::string_view text) {
-    if (path.size() <= 2 || path.front().key != "sweep") return path;
+    if (path.size() <= 2 || (path.front().key != "sweep" && path.front().key != "uncertain"))
+        return path;
     return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
 }
 
@@ -70,8 +71,8 @@ void warn_if_swept(const NodePtr& root, const Override& override, const Place& a
 bool is_full(const Path& path) {
     const auto tables = case_tables();
     const std::string& first = path.front().key;
-    return first == "schema" || first == "job" || first == "sweep" || first == "table" ||
-           std::ranges::find(tables, first) != tables.end();
+    return first == "schema" || first == "job" || first == "sweep" || first == "uncertain" ||
+           first == "table" || std::ranges::find(tables, first) != tables.end();
 }
 
 } // namespace

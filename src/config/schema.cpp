@@ -7,6 +7,7 @@
 #include "case/case.hpp"
 #include "config/key_types.hpp"
 #include "config/sections/read_case.hpp"
+#include "config/uncertain_schema.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -325,18 +326,22 @@ void add_job_tables(Json& root) {
     std::string names;
     for (const std::string_view name : case_tables())
         names += fmt::format("{}{}", names.empty() ? "" : "|", name);
-    tables["sweep"] = {
-        {"type", "object"},
-        {"propertyNames", {{"pattern", fmt::format("^(zip|exclude|({})([.\\[].*)?)$", names)}}},
-        {"properties",
-         {{"zip", list_of({{"type", "object"}})}, {"exclude", list_of({{"type", "object"}})}}},
-        {"additionalProperties", {{"type", {"array", "object"}}}},
-        {"description", "keys in full, each with a list of values or one of linspace, logspace "
+    tables["sweep"] = {{"type", "object"},
+                       {"propertyNames",
+                        {{"pattern", fmt::format("^(zip|exclude|list|({})([.\\[].*)?)$", names)}}},
+                       {"properties",
+                        {{"zip", list_of({{"type", "object"}})},
+                         {"exclude", list_of({{"type", "object"}})},
+                         {"list", {{"type", "string"}}}}},
+                       {"additionalProperties", {{"type", {"array", "object"}}}},
+                       {"description",
+                        "keys in full, each with a list of values or one of linspace, logspace "
                         "and range"}};
     Json table = object();
     table["properties"] = {
         {"x", text}, {"series", list_of(text)}, {"reference", {{"type", "object"}}}};
     tables["table"] = std::move(table);
+    tables["uncertain"] = uncertain_schema();
 }
 
 } // namespace
@@ -373,7 +378,7 @@ std::string job_schema() {
     Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                    {"title", "Job file of shearwake"}};
     schema.update(root);
-    schema["if"] = {{"required", {"sweep"}}};
+    schema["if"] = {{"anyOf", {{{"required", {"sweep"}}}, {{"required", {"uncertain"}}}}}};
     schema["then"] = Json::object();
     schema["else"] = {{"$ref", "#/$defs/complete"}};
     schema["$defs"] = {{"path", std::move(path)}, {"complete", std::move(rules)}};

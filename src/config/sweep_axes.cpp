@@ -31,14 +31,13 @@ void flatten(const TableNode& table, const std::string& prefix,
     }
 }
 
+bool is_axis(const std::string&, const Node& node) {
+    return is_generator(node) || std::get<TableNode>(node.value).entries.empty();
+}
+
 Flat flat_axes(const TableNode& table) {
     Flat flat;
-    flatten(
-        table, "",
-        [](const std::string&, const Node& node) {
-            return is_generator(node) || std::get<TableNode>(node.value).entries.empty();
-        },
-        flat);
+    flatten(table, "", is_axis, flat);
     return flat;
 }
 
@@ -77,22 +76,8 @@ public:
 
 private:
     std::optional<SweptKey> read_key(const Entry& entry) {
-        const auto path = split_path(entry.key);
-        const auto tables = case_tables();
-        const bool of_case =
-            path && path->size() > 1 &&
-            std::find(tables.begin(), tables.end(), path->front().key) != tables.end();
-        if (!of_case) {
-            const std::vector<std::string> names(tables.begin(), tables.end());
-            const std::string meant = full_key_hint(entry.key);
-            diagnostics_.error(
-                entry.key_at,
-                fmt::format("sweep: \"{}\" is not a key of a case; {}", excerpt(entry.key),
-                            meant.empty() ? "a swept key is given in full and starts with " +
-                                                quoted_list(names)
-                                          : meant));
-            return std::nullopt;
-        }
+        const auto path = case_path(entry, "sweep", diagnostics_);
+        if (!path) return std::nullopt;
         if (!keys_.insert(entry.key).second) {
             diagnostics_.error(entry.key_at, fmt::format("sweep: {} is swept twice", entry.key));
             return std::nullopt;
@@ -217,14 +202,42 @@ bool Sweep::holds(std::string_view key) const {
     return false;
 }
 
+std::optional<Path> case_path(const Entry& entry, std::string_view where,
+                              DiagnosticList& diagnostics) {
+    auto path = split_path(entry.key);
+    const auto tables = case_tables();
+    if (path && path->size() > 1 && std::ranges::find(tables, path->front().key) != tables.end())
+        return path;
+    const std::vector<std::string> names(tables.begin(), tables.end());
+    const std::string meant = full_key_hint(entry.key);
+    diagnostics.error(
+        entry.key_at,
+        fmt::format("{}: \"{}\" is not a key of a case; {}", where, excerpt(entry.key),
+                    meant.empty() ? "the key is given in full and starts with " + quoted_list(names)
+                                  : meant));
+    return std::nullopt;
+}
+
 NodePtr flattened_sweep(const NodePtr& sweep) {
-    const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
-    if (!table) return sweep;
-    Flat flat = flat_axes(*table);
+    return flattened(sweep, is_axis);
+}
+
+NodePtr flattened(const NodePtr& node,
+                  const std::function<bool(const std::string& key, const Node&)>& is_leaf) {
+    const auto* table = node ? std::get_if<TableNode>(&node->value) : nullptr;
+    if (!table) return node;
+    Flat flat;
+    flatten(*table, "", is_leaf, flat);
     std::stable_sort(flat.begin(), flat.end(), [](const Entry& a, const Entry& b) {
         return std::tie(a.key_at.line, a.key_at.column) < std::tie(b.key_at.line, b.key_at.column);
     });
-    return make_node(TableNode{std::move(flat)}, sweep->at);
+    return make_node(TableNode{std::move(flat)}, node->at);
+}
+
+void check_sweep(Sweep& sweep, DiagnosticList& diagnostics) {
+    for (const Axis& axis : sweep.axes)
+        check_repeats(axis, diagnostics);
+    check_size(sweep, diagnostics);
 }
 
 Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics) {
@@ -238,14 +251,13 @@ Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics) {
     SweepReader reader(diagnostics);
     for (const Entry& entry : table->entries) {
         if (entry.key == "zip") reader.read_zip(entry.value);
-        if (entry.key != "zip" && entry.key != "exclude") reader.read_axis(entry);
+        if (entry.key != "zip" && entry.key != "exclude" && entry.key != "list")
+            reader.read_axis(entry);
     }
     if (const Entry* exclude = table->find("exclude")) reader.read_exclusions(exclude->value);
     Sweep read = reader.take();
     read.at = sweep->at;
-    for (const Axis& axis : read.axes)
-        check_repeats(axis, diagnostics);
-    check_size(read, diagnostics);
+    check_sweep(read, diagnostics);
     read.sound = diagnostics.errors() == before;
     return read;
 }

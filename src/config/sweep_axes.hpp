@@ -3,7 +3,10 @@
 
 #include "config/document/tree.hpp"
 
+#include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace shearwake::config {
@@ -34,16 +37,29 @@ struct Sweep {
     bool sound = true; // no error was found
     std::vector<Axis> axes;
     std::vector<Exclusion> exclusions;
+    std::optional<std::size_t> sampled_axis = std::nullopt; // the axis of [uncertain]
 
     std::vector<std::string> keys() const; // in the order of the job
     bool holds(std::string_view key) const;
 };
 
+/// `table` with one entry per full key, in the order of the file: tables are joined with dots down
+/// to those that `is_leaf` accepts.
+NodePtr flattened(const NodePtr& table,
+                  const std::function<bool(const std::string& key, const Node&)>& is_leaf);
+
+/// The path of a full key of a case in the table `where` of a job; nothing after an error.
+std::optional<Path> case_path(const Entry& entry, std::string_view where,
+                              DiagnosticList& diagnostics);
+
 /// [sweep] with one entry per swept key, independent of how its dots were written: `"a.b" = [1]`,
 /// `a.b = [1]` and `[sweep.a]` with `b = [1]` give the same result.
 NodePtr flattened_sweep(const NodePtr& sweep);
 
-/// Reads a flattened [sweep].
+/// Reports axes that contain a combination of values twice, and a sweep with too many cases.
+void check_sweep(Sweep& sweep, DiagnosticList& diagnostics);
+
+/// Reads a flattened [sweep], except its entry `list`.
 Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

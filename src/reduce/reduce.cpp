@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "measures/measure_table.hpp"
 #include "reduce/errors.hpp"
+#include "reduce/uncertain_tables.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
@@ -227,6 +228,25 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
     return table;
 }
 
+/// Writes the statistics of a sample, and its sensitivity indices if the design has them.
+void write_uncertain(const storage::PlanIndex& plan, const Table& table,
+                     const std::filesystem::path& folder, ReducedTables& written) {
+    std::vector<std::string> columns;
+    for (const measures::Measure& measure : measures::all_measures())
+        if (measure.shown != measures::Shown::csv) columns.emplace_back(measure.name);
+    const UncertainTables tables = uncertain_tables(plan, table, columns);
+    written.statistics = folder / (plan.name + ".statistics.csv");
+    storage::write_file(written.statistics, csv(tables.statistics));
+    const std::filesystem::path sensitivity = folder / (plan.name + ".sensitivity.csv");
+    if (tables.sensitivity.rows.empty()) {
+        std::error_code none;
+        std::filesystem::remove(sensitivity, none);
+        return;
+    }
+    written.sensitivity = sensitivity;
+    storage::write_file(sensitivity, csv(tables.sensitivity));
+}
+
 /// Whether the first line of an existing table names a column of errors.
 bool has_error_columns(const std::filesystem::path& path) {
     std::ifstream file(path);
@@ -274,6 +294,8 @@ ReducedTables reduce(const ReduceInput& input) {
     storage::make_directory(input.tables);
     storage::write_file(written.csv, csv(table));
     storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
+
+    if (plan.uncertain) write_uncertain(plan, plain, input.tables, written);
 
     std::vector<std::string> columns = {"id", "reference"};
     columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());

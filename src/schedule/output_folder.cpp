@@ -113,6 +113,13 @@ std::string prepare_output(const OutputFolder& folder, const config::Job& job) {
             warning = fmt::format("{} was damaged and has been rewritten from this job",
                                   folder.plan().string());
         }
+        if (match == storage::PlanMatch::extended) {
+            storage::make_directory(folder.run_lock().parent_path());
+            // Cases have other numbers in the larger plan, so no other run may be active.
+            const storage::RunLock alone(folder.run_lock(), storage::RunLock::Sharing::alone);
+            storage::write_file(folder.job(), job.text);
+            storage::write_file(folder.plan(), text);
+        }
         if (match == storage::PlanMatch::another)
             throw UsageError(
                 fmt::format("{} contains the results of another plan (its plan.json differs "

@@ -149,6 +149,13 @@ TEST_CASE("force on an oscillating rigid sphere agrees with the closed form", "[
     CHECK(std::abs(at_6.about_z) < 0.03);
 }
 
+TEST_CASE("force on a rigid sphere converges as the grid is refined", "[verify]") {
+    const Errors at_4 = errors(4.0, 2.0, 10.0), at_8 = errors(8.0, 2.0, 10.0);
+    CAPTURE(at_4.mean, at_4.about_x, at_8.mean, at_8.about_x);
+    CHECK(std::abs(at_8.mean) < 0.5 * std::abs(at_4.mean)); // first order would leave a half
+    CHECK(std::abs(at_8.about_x) < 0.5 * std::abs(at_4.about_x));
+}
+
 TEST_CASE("a rigid sphere scatters a shear wave as the closed form", "[verify]") {
     // The force is the amplitude of the scattered wave far from the sphere.
     const double kappa = GENERATE(1.0, 2.0);

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 namespace shearwake::storage {
 namespace {
@@ -48,6 +49,53 @@ std::string file_name(const Json& entry, const std::filesystem::path& path) {
                      ExitCode::environment);
 }
 
+Json json_of(const UncertainPlan& uncertain) {
+    Json exceedance = Json::object();
+    for (const Threshold& threshold : uncertain.exceedance)
+        exceedance[threshold.column] = threshold.value;
+    return {{"keys", uncertain.keys},         {"sampling", uncertain.sampling},
+            {"analysis", uncertain.analysis}, {"samples", uncertain.samples},
+            {"seed", uncertain.seed},         {"exceedance", exceedance}};
+}
+
+std::optional<UncertainPlan> uncertain_of(const Json& root) {
+    const auto found = root.find("uncertain");
+    if (found == root.end()) return std::nullopt;
+    UncertainPlan uncertain{.keys = found->at("keys").get<std::vector<std::string>>(),
+                            .sampling = found->at("sampling").get<std::string>(),
+                            .analysis = found->at("analysis").get<std::string>(),
+                            .samples = found->at("samples").get<std::size_t>(),
+                            .seed = found->at("seed").get<std::uint64_t>(),
+                            .exceedance = {}};
+    for (const auto& [column, value] : found->at("exceedance").items())
+        uncertain.exceedance.push_back({column, value.get<double>()});
+    return uncertain;
+}
+
+std::optional<std::size_t> sample_of(const Json& entry) {
+    const auto found = entry.find("sample");
+    return found == entry.end() ? std::nullopt : std::optional(found->get<std::size_t>());
+}
+
+/// Whether `now` has all cases of `before` and differs only in the number of samples and in the
+/// thresholds, which have no effect on cases.
+bool is_extension(Json before, Json now) {
+    for (const char* key : {"uncertain", "cases"})
+        if (!before.contains(key) || !now.contains(key)) return false;
+    std::set<std::string> ids;
+    for (const Json& entry : now.at("cases"))
+        ids.insert(entry.at("id").get<std::string>());
+    for (const Json& entry : before.at("cases"))
+        if (!ids.contains(entry.at("id").get<std::string>())) return false;
+    for (Json* root : {&before, &now}) {
+        for (const char* key : {"schema", "cases", "title", "table"})
+            root->erase(key);
+        root->at("uncertain").erase("samples");
+        root->at("uncertain").erase("exceedance");
+    }
+    return before == now;
+}
+
 } // namespace
 
 Json settings_json(const std::vector<Setting>& settings) {
@@ -72,6 +120,7 @@ std::string plan_text(const Plan& plan) {
     root["swept_keys"] = plan.swept_keys;
     root["table"]["x"] = plan.table.x;
     root["table"]["series"] = plan.table.series;
+    if (plan.uncertain) root["uncertain"] = json_of(*plan.uncertain);
     root["cases"] = Json::array();
     for (const PlannedCase& c : plan.cases) {
         Json entry;
@@ -79,6 +128,7 @@ std::string plan_text(const Plan& plan) {
         entry["settings"] = settings_json(c.settings);
         entry["is_reference"] = c.is_reference;
         entry["reference_id"] = c.reference_id;
+        if (c.sample) entry["sample"] = *c.sample;
         entry["case"] = canonical_text(c.physics);
         root["cases"].push_back(std::move(entry));
     }
@@ -95,7 +145,9 @@ PlanMatch compare_plan(const std::string& text, const Plan& plan) {
         root.erase("schema");
         return root;
     };
-    return rest(there.text) == rest(wanted.text) ? PlanMatch::same : PlanMatch::another;
+    if (rest(there.text) == rest(wanted.text)) return PlanMatch::same;
+    return is_extension(rest(there.text), rest(wanted.text)) ? PlanMatch::extended
+                                                             : PlanMatch::another;
 }
 
 PlanIndex read_plan(const std::filesystem::path& path) {
@@ -126,7 +178,9 @@ PlanIndex read_plan(const std::filesystem::path& path) {
             index.cases.push_back({.id = file_name(entry.at("id"), path),
                                    .settings = settings_of(entry.at("settings")),
                                    .is_reference = entry.at("is_reference").get<bool>(),
-                                   .reference_id = entry.at("reference_id").get<std::string>()});
+                                   .reference_id = entry.at("reference_id").get<std::string>(),
+                                   .sample = sample_of(entry)});
+        index.uncertain = uncertain_of(root);
         return index;
     } catch (const nlohmann::json::exception& error) {
         throw UsageError(path.string() + " is not a plan: " + error.what(), ExitCode::environment);

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct IndexedCase {
     std::vector<Setting> settings;
     bool is_reference = false;
     std::string reference_id;
+    std::optional<std::size_t> sample = std::nullopt; // row of the design of [uncertain]
 };
 
 /// The part of a plan that later stages require.
@@ -25,6 +27,7 @@ struct PlanIndex {
     std::vector<std::string> swept_keys;
     TableOptions table;
     std::vector<IndexedCase> cases;
+    std::optional<UncertainPlan> uncertain = std::nullopt;
 };
 
 /// The text of plan.json: cases, ids, settings and canonical texts, with a checksum of the whole.
@@ -32,7 +35,9 @@ struct PlanIndex {
 std::string plan_text(const Plan& plan);
 
 /// How the text of a plan.json relates to a plan. Earlier versions wrote no checksum.
-enum class PlanMatch { same, another, damaged };
+/// `extended`: the plan contains the same sample of [uncertain] with more points, and so all cases
+/// of the text.
+enum class PlanMatch { same, extended, another, damaged };
 PlanMatch compare_plan(const std::string& text, const Plan& plan);
 
 /// Throws UsageError (environment) if it is missing, damaged or not a plan. Not collective.

@@ -53,9 +53,10 @@ void walk_body_options(Walk& walk, Options& o) {
          .meaning =
              "a body whose shear modulus is more than this multiple of that of every layer around "
              "it is rigid, as with `rigid = true`, if rigid bodies support its shape and place and "
-             "if it is at least as dense as these layers. Bodies that do not cross the domain along "
-             "x or y must also be smaller than about 50 grid spacings. Other bodies are elastic and "
-             "subject to `contrast_cap`. 1e9 treats all bodies as elastic that are not marked as rigid"});
+             "if it is at least as dense as these layers. Bodies that do not cross the domain "
+             "along x or y must also be smaller than about 50 grid spacings. Other bodies are "
+             "elastic and subject to `contrast_cap`. 1e9 treats all bodies as elastic that are "
+             "not marked as rigid"});
 }
 
 template <class Walk, Is<SpectralOptions> Options>

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/plan.hpp"
+#include "config/files/text_loader.hpp"
+#include "config/sweep_axes.hpp"
+
+#include <optional>
+
+namespace shearwake::config {
+
+/// [uncertain] with one entry per key, as flattened_sweep().
+NodePtr flattened_uncertain(const NodePtr& uncertain);
+
+/// Reads a flattened [uncertain] and adds its sample to the sweep as the last axis. Nothing after
+/// an error.
+std::optional<UncertainPlan> read_uncertain(const NodePtr& uncertain, Sweep& sweep,
+                                            const FileLoaders& files, DiagnosticList& diagnostics);
+
+} // namespace shearwake::config

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/sensitivity.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numeric>
+
+namespace shearwake::reduce {
+namespace {
+
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array fractions = {0.05, 0.25, 0.5, 0.75, 0.95};
+
+struct Moments {
+    double mean = 0.0, variance = 0.0;
+};
+
+Moments moments(const std::vector<double>& values, const Weights& weights) {
+    double n = 0.0, sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        n += weights[i];
+        sum += weights[i] * values[i];
+    }
+    const double mean = sum / n;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        squares += weights[i] * (values[i] - mean) * (values[i] - mean);
+    return {mean, n > 1.0 ? squares / (n - 1.0) : nothing};
+}
+
+/// Quantiles of ascending values with weights, interpolated as in NumPy's default.
+void add_quantiles(const std::vector<double>& ascending, const Weights& weights,
+                   std::vector<double>& out) {
+    const double n = std::accumulate(weights.begin(), weights.end(), 0.0);
+    std::size_t i = 0;
+    double through = weights[0]; // number of draws up to and including value i
+    for (const double p : fractions) {
+        const double place = p * (n - 1.0), whole = std::floor(place);
+        while (through <= whole)
+            through += weights[++i];
+        std::size_t next = i;
+        for (double reached = through; reached <= whole + 1.0 && next + 1 < ascending.size();)
+            reached += weights[++next];
+        out.push_back(std::lerp(ascending[i], ascending[next], place - whole));
+    }
+}
+
+/// Weighted sums over blocks with values `a`, `b` and `mixed` (a with one coordinate of b), from
+/// which a common mean has been subtracted.
+struct PairSums {
+    double both = 0.0, product = 0.0, squares = 0.0, jansen = 0.0;
+
+    void add(double weight, double a, double b, double mixed) {
+        both += weight * (b + mixed) / 2.0;
+        product += weight * b * mixed;
+        squares += weight * (b * b + mixed * mixed) / 2.0;
+        jansen += weight * (a - mixed) * (a - mixed) / 2.0;
+    }
+    /// The correlation of b and mixed, which share one coordinate: the first-order index.
+    double correlation(double n) const {
+        const double squared_mean = both / n * (both / n);
+        return (product / n - squared_mean) / (squares / n - squared_mean);
+    }
+};
+
+} // namespace
+
+std::vector<Estimate> distribution_of(std::vector<double> values,
+                                      const std::vector<double>& thresholds) {
+    std::ranges::sort(values);
+    std::vector<std::string> names = {"mean", "sd", "q05", "q25", "q50", "q75", "q95"};
+    for (const double threshold : thresholds)
+        names.push_back(fmt::format("exceeds {:.9g}", threshold));
+    return bootstrap(values.size(), names, [&](const Weights& weights) {
+        const Moments m = moments(values, weights);
+        std::vector<double> out = {m.mean, std::sqrt(m.variance)};
+        add_quantiles(values, weights, out);
+        for (const double threshold : thresholds) {
+            double above = 0.0, all = 0.0;
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                all += weights[i];
+                above += values[i] > threshold ? weights[i] : 0.0;
+            }
+            out.push_back(above / all);
+        }
+        return out;
+    });
+}
+
+std::vector<Estimate> sobol_indices(const Blocks& blocks, std::size_t keys) {
+    std::vector<std::string> names;
+    for (std::size_t k = 0; k < keys; ++k)
+        names.insert(names.end(), {"first_order", "total"});
+    return bootstrap(blocks.size(), names, [&](const Weights& weights) {
+        double n = 0.0, mean = 0.0, variance = 0.0;
+        for (std::size_t j = 0; j < blocks.size(); ++j) {
+            n += weights[j];
+            mean += weights[j] * (blocks[j][0] + blocks[j][1]) / 2.0;
+        }
+        mean /= n;
+        std::vector<PairSums> sums(keys);
+        for (std::size_t j = 0; j < blocks.size(); ++j) {
+            const double w = weights[j], a = blocks[j][0] - mean, b = blocks[j][1] - mean;
+            variance += w * (a * a + b * b) / 2.0;
+            for (std::size_t k = 0; k < keys; ++k)
+                sums[k].add(w, a, b, blocks[j][2 + k] - mean);
+        }
+        variance /= n;
+        const bool varies = variance > 1e-24 * mean * mean; // above the rounding of the values
+        std::vector<double> indices;
+        for (const PairSums& s : sums) {
+            indices.push_back(varies ? s.correlation(n) : nothing);
+            indices.push_back(varies ? s.jansen / n / variance : nothing);
+        }
+        return indices;
+    });
+}
+
+std::vector<Estimate> morris_measures(const Blocks& blocks,
+                                      const std::vector<std::vector<std::vector<double>>>& points,
+                                      std::size_t keys) {
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> effects(keys);
+    for (std::size_t k = 0; k < keys; ++k) {
+        names.insert(names.end(), {"mu", "mu_star", "sigma"});
+        for (std::size_t j = 0; j < blocks.size(); ++j)
+            effects[k].push_back((blocks[j][1 + k] - blocks[j][0]) /
+                                 (points[j][1 + k][k] - points[j][0][k]));
+    }
+    return bootstrap(blocks.size(), names, [&](const Weights& weights) {
+        std::vector<double> out;
+        for (const std::vector<double>& effect : effects) {
+            std::vector<double> magnitudes(effect.size());
+            std::ranges::transform(effect, magnitudes.begin(),
+                                   [](double e) { return std::abs(e); });
+            const Moments m = moments(effect, weights);
+            out.insert(out.end(),
+                       {m.mean, moments(magnitudes, weights).mean, std::sqrt(m.variance)});
+        }
+        return out;
+    });
+}
+
+} // namespace shearwake::reduce

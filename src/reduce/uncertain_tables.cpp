@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/uncertain_tables.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "reduce/sensitivity.hpp"
+#include "sampling/design.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+
+namespace shearwake::reduce {
+namespace {
+
+/// The cases with one combination of swept values: the row in the table of each row of the design.
+struct Group {
+    std::vector<Cell> settings;
+    std::map<std::size_t, std::size_t> rows;
+};
+
+/// The number of values that a quantile or a probability needs beyond it, and a mean in total.
+constexpr double least_beyond = 10.0, least_values = 30.0;
+/// Half the width of an interval beyond which an index is considered uncertain: absolute for Sobol
+/// indices, relative to the largest mu_star for Morris measures.
+constexpr double widest_index = 0.05, widest_effect = 0.2;
+
+std::size_t place_of(const Table& table, const std::string& column) {
+    return static_cast<std::size_t>(std::ranges::find(table.columns, column) -
+                                    table.columns.begin());
+}
+
+class Evaluation {
+public:
+    Evaluation(const storage::PlanIndex& plan, const Table& table)
+        : plan_(*plan.uncertain), table_(table), design_(sampling::design_of(plan_)) {
+        for (const std::string& key : plan.swept_keys)
+            if (std::ranges::find(plan_.keys, key) == plan_.keys.end()) swept_.push_back(key);
+        collect(plan);
+        result_.statistics.columns = head({"column", "statistic"});
+        result_.sensitivity.columns = head({"column", "key", "index"});
+    }
+
+    void add(const std::string& column) {
+        if (!has_values(column)) return;
+        for (const Group& group : groups_) {
+            add_statistics(group, column);
+            if (design_.analysis != sampling::Analysis::distribution)
+                add_sensitivity(group, column);
+        }
+    }
+
+    UncertainTables take() { return std::move(result_); }
+
+private:
+    bool has_values(const std::string& column) const {
+        const std::size_t place = place_of(table_, column);
+        return place < table_.columns.size() &&
+               std::ranges::any_of(table_.rows, [&](const std::vector<Cell>& row) {
+                   const auto* number = std::get_if<double>(&row[place]);
+                   return number && std::isfinite(*number);
+               });
+    }
+
+    std::vector<std::string> head(const std::vector<std::string>& own) const {
+        std::vector<std::string> columns = swept_;
+        columns.insert(columns.end(), own.begin(), own.end());
+        columns.insert(columns.end(),
+                       {"value", "low_95", "high_95", "samples", "without_value", "note"});
+        return columns;
+    }
+
+    void collect(const storage::PlanIndex& plan) {
+        for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+            if (!plan.cases[i].sample) continue;
+            std::vector<Cell> settings;
+            for (const std::string& key : swept_)
+                settings.push_back(table_.rows[i][place_of(table_, key)]);
+            auto group = std::ranges::find_if(
+                groups_, [&](const Group& g) { return same(g.settings, settings); });
+            if (group == groups_.end()) group = groups_.insert(groups_.end(), {settings, {}});
+            group->rows[*plan.cases[i].sample] = i;
+        }
+    }
+
+    /// Empty cells (NaN) are equal.
+    static bool same(const std::vector<Cell>& a, const std::vector<Cell>& b) {
+        return std::ranges::equal(a, b, [](const Cell& x, const Cell& y) {
+            const auto *u = std::get_if<double>(&x), *v = std::get_if<double>(&y);
+            return (u && v && std::isnan(*u) && std::isnan(*v)) || x == y;
+        });
+    }
+
+    /// NaN: no value, or readings that are not valid.
+    double value(const Group& group, std::size_t design_row, std::size_t column) const {
+        const auto row = group.rows.find(design_row);
+        if (row == group.rows.end()) return std::nan("");
+        const std::vector<Cell>& cells = table_.rows[row->second];
+        const std::size_t valid = place_of(table_, "valid");
+        if (valid < cells.size() && cells[valid] == Cell(std::string("no"))) return std::nan("");
+        return std::get<double>(cells[column]);
+    }
+
+    void put(Table& out, const Group& group, std::vector<Cell> own, const Estimate& e,
+             std::size_t values, std::size_t all, const std::string& note) const {
+        std::vector<Cell> row = group.settings;
+        row.insert(row.end(), own.begin(), own.end());
+        row.insert(row.end(), {e.value, e.low, e.high, static_cast<double>(values),
+                               static_cast<double>(all - values), note});
+        out.rows.push_back(std::move(row));
+    }
+
+    /// The rows that are independent points of the distribution: all, A and B, or A.
+    std::size_t independent_rows() const {
+        return design_.analysis == sampling::Analysis::sobol_indices ? 2 : 1;
+    }
+
+    void add_statistics(const Group& group, const std::string& column) {
+        const std::size_t place = place_of(table_, column), step = rows_per_sample(design_);
+        std::vector<double> values, thresholds;
+        for (std::size_t j = 0; j < design_.samples; ++j)
+            for (std::size_t r = 0; r < independent_rows(); ++r)
+                if (const double v = value(group, j * step + r, place); std::isfinite(v))
+                    values.push_back(v);
+        for (const Threshold& threshold : plan_.exceedance)
+            if (threshold.column == column) thresholds.push_back(threshold.value);
+        const auto n = static_cast<double>(values.size());
+        for (const Estimate& e : distribution_of(values, thresholds)) {
+            const bool is_tail = e.name == "q05" || e.name == "q95";
+            const bool exceeds = e.name.starts_with("exceeds");
+            const double beyond = is_tail   ? 0.05 * n
+                                  : exceeds ? n * std::min(e.value, 1.0 - e.value)
+                                            : least_beyond;
+            std::string note;
+            if (n < least_values)
+                note = fmt::format("too few samples: {} values; at least {} are required",
+                                   values.size(), least_values);
+            else if (beyond < least_beyond)
+                note = fmt::format("too few samples: {:.0f} values beyond this {}; at least {} are "
+                                   "required",
+                                   std::floor(beyond), exceeds ? "threshold" : "quantile",
+                                   least_beyond);
+            put(result_.statistics, group, {column, e.name}, e, values.size(),
+                design_.samples * independent_rows(), note);
+        }
+    }
+
+    void add_sensitivity(const Group& group, const std::string& column) {
+        const std::size_t place = place_of(table_, column), step = rows_per_sample(design_);
+        const bool is_morris = design_.analysis == sampling::Analysis::morris;
+        const sampling::Points all =
+            is_morris ? sampling::design_points(design_) : sampling::Points{};
+        Blocks blocks;
+        std::vector<std::vector<std::vector<double>>> points;
+        for (std::size_t j = 0; j < design_.samples; ++j) {
+            std::vector<double> block(step);
+            for (std::size_t r = 0; r < step; ++r)
+                block[r] = value(group, j * step + r, place);
+            if (std::ranges::any_of(block, [](double v) { return !std::isfinite(v); })) continue;
+            blocks.push_back(std::move(block));
+            if (is_morris) {
+                const auto first = all.begin() + static_cast<std::ptrdiff_t>(j * step);
+                points.emplace_back(first, first + static_cast<std::ptrdiff_t>(step));
+            }
+        }
+        const std::vector<Estimate> estimates = is_morris
+                                                    ? morris_measures(blocks, points, design_.keys)
+                                                    : sobol_indices(blocks, design_.keys);
+        double scale = 1.0;
+        if (is_morris) {
+            scale = 0.0;
+            for (const Estimate& e : estimates)
+                if (e.name == "mu_star" && e.value > scale) scale = e.value;
+        }
+        const double widest = is_morris ? widest_effect * scale : widest_index;
+        const std::size_t per_key = estimates.size() / design_.keys;
+        for (std::size_t i = 0; i < estimates.size(); ++i) {
+            const Estimate& e = estimates[i];
+            const double half = (e.high - e.low) / 2.0;
+            const std::string note =
+                half > widest ? fmt::format("too few samples: the interval is +- {:.2g}; increase "
+                                            "uncertain.samples",
+                                            half)
+                              : std::string();
+            put(result_.sensitivity, group, {column, plan_.keys[i / per_key], e.name}, e,
+                blocks.size(), design_.samples, note);
+        }
+    }
+
+    const UncertainPlan& plan_;
+    const Table& table_;
+    sampling::Design design_;
+    std::vector<std::string> swept_;
+    std::vector<Group> groups_;
+    UncertainTables result_;
+};
+
+} // namespace
+
+UncertainTables uncertain_tables(const storage::PlanIndex& plan, const Table& table,
+                                 std::vector<std::string> columns) {
+    for (const Threshold& threshold : plan.uncertain->exceedance) {
+        if (place_of(table, threshold.column) == table.columns.size()) {
+            const auto meant = nearest(threshold.column, table.columns);
+            throw UsageError(fmt::format(
+                "uncertain.exceedance: the table has no column \"{}\"{}", threshold.column,
+                meant ? fmt::format("; did you mean \"{}\"?", *meant) : ""));
+        }
+        if (std::ranges::find(columns, threshold.column) == columns.end())
+            columns.push_back(threshold.column);
+    }
+    Evaluation evaluation(plan, table);
+    for (const std::string& column : columns)
+        evaluation.add(column);
+    return evaluation.take();
+}
+
+} // namespace shearwake::reduce

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sampling/distribution.hpp"
+
+#include "base/overloaded.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/lognormal.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/triangular.hpp>
+#include <boost/math/distributions/uniform.hpp>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::sampling {
+namespace {
+
+/// A truncation that leaves less of a distribution is considered a typing error; beyond it the
+/// probabilities have too few digits.
+constexpr double least_mass = 1e-6;
+
+auto library_form(const Uniform& u) {
+    return boost::math::uniform_distribution<double>(u.min, u.max);
+}
+auto library_form(const Normal& n) {
+    return boost::math::normal_distribution<double>(n.mean, n.sd);
+}
+auto library_form(const LogNormal& n) {
+    return boost::math::lognormal_distribution<double>(std::log(n.median),
+                                                       std::log(n.geometric_sd));
+}
+auto library_form(const Triangular& t) {
+    return boost::math::triangular_distribution<double>(t.min, t.mode, t.max);
+}
+
+double whole_below(const Empirical& e, double x) {
+    const auto& v = e.values;
+    if (x <= v.front()) return x < v.front() ? 0.0 : 0.5 / static_cast<double>(v.size());
+    if (x >= v.back()) return 1.0;
+    const auto above = std::upper_bound(v.begin(), v.end(), x);
+    const double i = static_cast<double>(above - v.begin() - 1);
+    return (i + (x - *(above - 1)) / (*above - *(above - 1))) / static_cast<double>(v.size() - 1);
+}
+double whole_below(const LogNormal& n, double x) {
+    return x <= 0.0 ? 0.0 : std::isinf(x) ? 1.0 : boost::math::cdf(library_form(n), x);
+}
+template <class Shape>
+double whole_below(const Shape& shape, double x) {
+    if (std::isinf(x)) return x > 0.0 ? 1.0 : 0.0;
+    return boost::math::cdf(library_form(shape), x);
+}
+
+double whole_quantile(const Empirical& e, double p) {
+    const double place = p * static_cast<double>(e.values.size() - 1);
+    const auto i = std::min(static_cast<std::size_t>(place), e.values.size() - 2);
+    const double share = place - static_cast<double>(i);
+    return e.values[i] * (1.0 - share) + e.values[i + 1] * share;
+}
+template <class Shape>
+double whole_quantile(const Shape& shape, double p) {
+    return boost::math::quantile(library_form(shape), p);
+}
+
+double below(const Distribution& d, double x) {
+    return std::visit([&](const auto& shape) { return whole_below(shape, x); }, d.shape);
+}
+
+struct Ends {
+    double lower, upper;
+};
+
+Ends kept(const Distribution& d) {
+    return {std::isinf(d.least) ? 0.0 : below(d, d.least),
+            std::isinf(d.most) ? 1.0 : below(d, d.most)};
+}
+
+std::string problem_of_shape(const Distribution& d) {
+    return std::visit(
+        overloaded{
+            [](const Uniform& u) {
+                return u.min < u.max ? std::string()
+                                     : fmt::format("requires min < max, but min is {} and max {}",
+                                                   u.min, u.max);
+            },
+            [](const Normal& n) {
+                return n.sd > 0.0 ? std::string()
+                                  : fmt::format("requires an sd above 0, but it is {}", n.sd);
+            },
+            [](const LogNormal& n) {
+                return n.median > 0.0 && n.geometric_sd > 1.0
+                           ? std::string()
+                           : fmt::format("requires a median above 0 and a geometric_sd above 1, "
+                                         "but they are {} and {}",
+                                         n.median, n.geometric_sd);
+            },
+            [](const Triangular& t) {
+                return t.min <= t.mode && t.mode <= t.max && t.min < t.max
+                           ? std::string()
+                           : fmt::format("requires min <= mode <= max and min < max, but they are "
+                                         "{}, {} and {}",
+                                         t.min, t.mode, t.max);
+            },
+            [](const Empirical& e) {
+                return e.values.size() >= 2 && e.values.front() < e.values.back()
+                           ? std::string()
+                           : std::string("requires at least two different values");
+            },
+        },
+        d.shape);
+}
+
+} // namespace
+
+std::optional<std::string> problem_of(const Distribution& d) {
+    if (std::string problem = problem_of_shape(d); !problem.empty()) return problem;
+    const Ends ends = kept(d);
+    if (!(ends.upper - ends.lower >= least_mass))
+        return fmt::format("is truncated to nothing: the interval from {} to {} has the "
+                           "probability {:.3g}; at least {:g} is required",
+                           d.least, d.most, std::max(0.0, ends.upper - ends.lower), least_mass);
+    if (d.root_of > 0.0 && std::max(d.least, quantile({d.shape, d.least, d.most}, 1e-9)) < 0.0)
+        return "allows negative moduli; truncate it with min";
+    return std::nullopt;
+}
+
+double quantile(const Distribution& d, double p) {
+    const Ends ends = kept(d);
+    const double whole = std::clamp(ends.lower + p * (ends.upper - ends.lower), 1e-300,
+                                    1.0 - std::numeric_limits<double>::epsilon() / 2.0);
+    const double x = std::clamp(
+        std::visit([&](const auto& shape) { return whole_quantile(shape, whole); }, d.shape),
+        d.least, d.most);
+    return d.root_of > 0.0 ? std::sqrt(d.root_of * x) : x;
+}
+
+double probability_below(const Distribution& d, double x) {
+    const double inner = d.root_of > 0.0 ? (x < 0.0 ? -1.0 : x * x / d.root_of) : x;
+    if (inner < d.least) return 0.0;
+    if (inner >= d.most) return 1.0;
+    const Ends ends = kept(d);
+    return std::clamp((below(d, inner) - ends.lower) / (ends.upper - ends.lower), 0.0, 1.0);
+}
+
+} // namespace shearwake::sampling

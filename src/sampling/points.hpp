@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace shearwake::sampling {
+
+enum class Sampling { sobol, latin_hypercube, random };
+
+/// Points of the unit cube, one row per point.
+using Points = std::vector<std::vector<double>>;
+
+/// The first `count` points of a sequence in `dimensions` dimensions, all strictly between 0 and 1.
+/// A larger count gives the same points followed by more, so that a sample can be extended.
+///
+/// * sobol: the Sobol sequence with the direction numbers of Joe and Kuo (2008), from
+///   Boost.Random, with a random digital shift. Blocks of 2^k points have one point in each of 2^k
+///   equal intervals of every dimension.
+/// * latin_hypercube: nested Latin hypercubes (Sallaberry, Helton and Hora 2008). Each doubling
+///   fills the empty halves of the intervals in random order, so that the first 2^k points are a
+///   Latin hypercube.
+/// * random: independent numbers.
+Points unit_points(Sampling sampling, std::size_t count, std::size_t dimensions,
+                   std::uint64_t seed);
+
+} // namespace shearwake::sampling

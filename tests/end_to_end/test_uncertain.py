@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Samples of uncertain keys, lists of cases, and single evaluations, as users run them."""
+import csv
+import json
+import unittest
+
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, table
+
+SPEED, VISCOSITY = "medium.layer[1].c_s_m_s", "medium.layer[1].viscosity_Pa_s"
+SAMPLE = changed(("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
+                 (SWEEP, '"load.modulation.am_frequency_Hz" = [500, 1000]'),
+                 ("[table]", f"""[uncertain]
+samples = 4
+"{SPEED}" = {{ preset = "forearm-skin" }}
+"{VISCOSITY}" = {{ distribution = "lognormal", median = 1.0, geometric_sd = 1.5 }}
+exceedance = {{ eta_period_over_reference_1 = 1.0 }}
+
+[table]"""))
+LOAD = "load.modulation.am_frequency_Hz"
+
+
+def statistics(out):
+    with open(out / "tables" / "small.statistics.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+class Uncertain(ProgramTest):
+    def test_a_sample_is_run_reduced_extended_and_drawn(self):
+        self.write_job(SAMPLE)
+        self.says(self.shearwake("plan", "job.toml").said, "12 cases")
+        self.shearwake("run", "job.toml", "--quiet")
+        self.says(self.shearwake("reduce", self.out).said, "small.statistics.csv")
+        first = statistics(self.out)
+        self.assertEqual({row["samples"] for row in first}, {"4"})
+        self.says(first[0]["note"], "too few samples")
+
+        more = ["-S", "uncertain.samples=8"]
+        before = {path: path.stat().st_mtime_ns for path in case_files(self.out)}
+        self.says(self.shearwake("run", "job.toml", *more, ranks=2).said, "12 computed now, 12 already complete")
+        after = {path: path.stat().st_mtime_ns for path in case_files(self.out)}
+        self.assertEqual({path: after[path] for path in before}, before, "a complete case was computed again")
+        self.shearwake("reduce", self.out)
+
+        fresh = self.folder / "fresh"
+        self.shearwake("run", "job.toml", *more, "--out", fresh, "--quiet", ranks=2)
+        self.shearwake("reduce", fresh)
+        name = "tables/small.statistics.csv"
+        self.assertEqual((self.out / name).read_bytes(), (fresh / name).read_bytes())
+
+        rows = {row["id"]: row for row in table(self.out)}
+        ratios = [float(row["eta_period_over_reference_1"]) for row in rows.values()
+                  if row["reference"] != "yes" and float(row[LOAD]) == 500.0]
+        probability, = [row for row in statistics(self.out)
+                        if row["statistic"] == "exceeds 1" and float(row[LOAD]) == 500.0]
+        self.assertAlmostEqual(float(probability["value"]), sum(r > 1.0 for r in ratios) / len(ratios))
+        self.assertLessEqual(float(probability["low_95"]), float(probability["value"]))
+
+        refused = self.shearwake("run", "job.toml", "--quiet", expect=2).said
+        self.says(refused, "contains the results of another plan")
+
+        said = self.shearwake("report", self.out).said
+        self.says(said, "Over 8 samples of 2 uncertain keys")
+        page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
+        for figure in ("uncertain_bands", "uncertain_probability", "uncertain_scatter"):
+            self.assertIn(f'id="{figure}"', page)
+
+    def test_sobol_indices_reach_the_report(self):
+        self.write_job(changed((LOAD + '" = [500, 1000]', LOAD + '" = [500]'),
+                               ("samples = 4", 'samples = 4\nanalysis = "sobol-indices"'),
+                               ('reference = { kind = "STM" }\n', ""), ("exceedance", "# exceedance"), text=SAMPLE))
+        self.says(self.shearwake("plan", "job.toml").said, "16 cases")
+        self.shearwake("run", "job.toml", "--quiet", ranks=2)
+        self.shearwake("reduce", self.out)
+        text = (self.out / "tables" / "small.sensitivity.csv").read_text(encoding="utf-8")
+        self.assertIn(f"500,eta_period_1,{SPEED},total,", text)
+        self.shearwake("report", self.out)
+        page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
+        self.assertIn('id="uncertain_indices"', page)
+
+
+class Drivers(ProgramTest):
+    def test_an_evaluation_equals_the_case_of_a_sweep(self):
+        self.write_job()
+        self.shearwake("run", "job.toml", "--quiet")
+        self.shearwake("reduce", self.out)
+        row, = [row for row in table(self.out) if row[LOAD] == "1000"]
+        arguments = ["evaluate", "job.toml", "--set", f"{LOAD}=1000", "--json"]
+        document = json.loads(self.shearwake(*arguments).stdout)
+        self.assertEqual((document["id"], document["status"]), (row["id"], "complete"))
+        for column in ("eta_period_1", "eta_period_over_reference_1", "peak_um"):
+            self.assertEqual(f"{document['values'][column]:.9g}", row[column])
+        file, = [p for p in (self.folder / document["folder"] / "cases").glob(row["id"] + ".h5")]
+        before = file.stat().st_mtime_ns
+        again = json.loads(self.shearwake(*arguments, ranks=2).stdout)
+        self.assertEqual(again["values"], document["values"])
+        self.assertEqual(file.stat().st_mtime_ns, before, "the case was computed again")
+        self.says(self.shearwake("evaluate", "job.toml", "--set", "load.peak=1", expect=3).said, "peak")
+
+    def test_a_list_of_cases_is_an_axis(self):
+        (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,100\n700,80\n", encoding="utf-8")
+        self.write_job(changed((SWEEP, 'list = "cases.csv"')))
+        self.says(self.shearwake("plan", "job.toml").said, "4 cases")  # each peak has a reference
+        (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,nan\n", encoding="utf-8")
+        self.says(self.shearwake("check", "job.toml", expect=3).said, "line 2", 'the value of load.peak_Pa is "nan"')
+        (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500\n", encoding="utf-8")
+        self.says(self.shearwake("check", "job.toml", expect=3).said, "has 1 values, but the first line names 2 keys")
+
+    def test_the_population_job_is_sampled_from_published_values(self):
+        said = self.shearwake("plan", ROOT / "jobs" / "uncertain-skin.toml", "-S", "uncertain.samples=4").said
+        self.says(said, "12 cases")
+
+
+if __name__ == "__main__":
+    unittest.main()

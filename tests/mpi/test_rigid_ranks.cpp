@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rigid bodies in engine "spectral" on several ranks.
+#include "support/rigid_cases.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace shearwake;
+
+namespace {
+
+struct Ended {
+    fft::AlignedVector<double> plane; // u_z of the surface, this rank's part
+    fft::SlabShare share;
+    std::vector<double> position;
+};
+Ended end_of(const Case& c, const Comm& team) {
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, team);
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    spectral::Stepper stepper(c, spectral::choose_mesh(c, options, *options.time_step_s), slabs,
+                              *options.time_step_s, team);
+    while (stepper.step() < 12)
+        stepper.advance();
+    Ended end{.plane = fft::AlignedVector<double>(static_cast<std::size_t>(slabs.share().reals)),
+              .share = slabs.share(),
+              .position = stepper.bodies().position()};
+    stepper.plane_of_w(0.0, end.plane.data());
+    slabs.to_physical(end.plane.data());
+    return end;
+}
+
+} // namespace
+
+TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
+    Case c = test::bone_case(test::Along::y, 0.5);
+    Body& body = c.scene().medium.bodies[0];
+    SECTION("across the domain") {}
+    SECTION("a lump") {
+        body.shape = Ellipsoid{{5e-3, 4e-3, 3e-3}};
+    }
+    SECTION("two lumps, one of them across the periodic edge") {
+        body.shape = Cylinder{.radius_m = 2.6e-3, .length_m = 9e-3, .azimuth_deg = 30.0};
+        Body other = body;
+        other.shape = shearwake::Box{{5e-3, 6e-3, 4e-3}};
+        other.centre_m = {-19e-3, 1e-3, 5e-3};
+        c.scene().medium.bodies.push_back(other);
+    }
+    const Comm world = Comm::world();
+    const Ended together = end_of(c, world), alone = end_of(c, world.split(world.rank()));
+    double difference = 0.0, largest = 0.0;
+    for (std::ptrdiff_t i = 0; i < together.share.x_count; ++i)
+        for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
+            const auto at = static_cast<std::size_t>(i * together.share.padded_ny + j);
+            const auto there =
+                static_cast<std::size_t>((together.share.x_start + i) * alone.share.padded_ny + j);
+            difference = std::max(difference, std::abs(together.plane[at] - alone.plane[there]));
+            largest = std::max(largest, std::abs(alone.plane[there]));
+        }
+    CHECK(world.max(difference) < 1e-12 * world.max(largest)); // required
+    double farthest = 0.0, apart = 0.0;
+    for (std::size_t i = 0; i < alone.position.size(); ++i) {
+        apart = std::max(apart, std::abs(together.position[i] - alone.position[i]));
+        farthest = std::max(farthest, std::abs(alone.position[i]));
+    }
+    CHECK(farthest > 0.0);
+    CHECK(apart < 1e-12 * farthest);
+}

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "unit/config/jobs.hpp"
+
+#include <set>
+
+using namespace shearwake;
+using namespace shearwake::test;
+
+namespace {
+
+constexpr std::string_view two_keys = R"([uncertain]
+samples = 16
+"medium.layer[1].c_s_m_s" = { distribution = "normal", mean = 5.0, sd = 0.5, min = 4.0, max = 6.0 }
+"medium.layer[1].viscosity_Pa_s" = { distribution = "lognormal", median = 1.0, geometric_sd = 1.2 }
+)";
+
+Plan plan_of(std::string_view more, std::vector<config::Override> overrides = {}) {
+    return config::read_job(plain_and(more), "job.toml", overrides).plan;
+}
+
+std::set<std::string> ids(const Plan& plan) {
+    std::set<std::string> found;
+    for (const PlannedCase& c : plan.cases)
+        found.insert(c.id);
+    return found;
+}
+
+/// The diagnostics of a job with one uncertain key, whose values follow.
+Texts of_speed(const std::string& distribution, const std::string& more = "samples = 16") {
+    return diagnostics_of(
+        plain_and("[uncertain]\n" + more + "\n\"medium.layer[1].c_s_m_s\" = " + distribution));
+}
+
+Texts with_csv(const std::string& csv) {
+    try {
+        config::read_job(
+            plain_and("[uncertain]\nsamples = 8\n\"load.peak_Pa\" = { distribution = \"csv\", file "
+                      "= \"p.csv\", column = \"p\" }\n"),
+            "job.toml", {}, nullptr, [&](const std::string&) { return csv; });
+    } catch (const config::BadJob& bad) {
+        return {bad.what()};
+    }
+    return {};
+}
+
+} // namespace
+
+TEST_CASE("a sample is the last axis of a sweep", "[config][uncertain]") {
+    const Plan plan = plan_of("[sweep]\nload.peak_Pa = [50, 100]\n" + std::string(two_keys));
+    REQUIRE(plan.cases.size() == 32);
+    CHECK(ids(plan).size() == 32);
+    REQUIRE(plan.uncertain);
+    CHECK(plan.uncertain->keys.size() == 2);
+    CHECK(plan.swept_keys.size() == 3);
+    CHECK(plan.table.x == "load.peak_Pa");
+    CHECK(plan.table.series.empty());
+    for (std::size_t i = 0; i < 16; ++i) {
+        CHECK(plan.cases[i].sample == i);
+        CHECK(plan.cases[16 + i].sample == i);
+        CHECK(plan.cases[i].settings[1] == plan.cases[16 + i].settings[1]);
+        const double c_s = std::get<double>(plan.cases[i].settings[1].value);
+        CHECK((c_s >= 4.0 && c_s <= 6.0));
+        CHECK(plan.cases[i].id == case_id(plan.cases[i].physics));
+    }
+}
+
+TEST_CASE("an extended sample contains all cases of the smaller one", "[config][uncertain]") {
+    for (const char* sampling : {"sobol", "latin-hypercube", "random"}) {
+        const std::vector<config::Override> few = {{"uncertain.sampling", sampling}};
+        const std::vector<config::Override> more = {{"uncertain.sampling", sampling},
+                                                    {"uncertain.samples", "50"}};
+        const auto small = ids(plan_of(two_keys, few)), large = ids(plan_of(two_keys, more));
+        CHECK(large.size() == 50);
+        CHECK(std::ranges::includes(large, small));
+    }
+}
+
+TEST_CASE("the design of Sobol indices has keys + 2 cases per sample", "[config][uncertain]") {
+    const Plan plan = plan_of(two_keys, {{"uncertain.analysis", "sobol-indices"}});
+    CHECK(plan.cases.size() == 64);
+    CHECK(ids(plan).size() == 64);
+    CHECK(plan_of(two_keys, {{"uncertain.analysis", "morris"}}).cases.size() == 48);
+}
+
+TEST_CASE("every sample has its own reference", "[config][uncertain]") {
+    const Plan plan = plan_of(std::string(two_keys) + "[table]\nreference = { kind = \"STM\" }\n");
+    REQUIRE(plan.cases.size() == 32);
+    for (std::size_t i = 0; i < 16; ++i) {
+        CHECK(plan.cases[i].reference_id == plan.cases[16 + i].id);
+        CHECK(plan.cases[16 + i].is_reference);
+        CHECK_FALSE(plan.cases[16 + i].sample);
+    }
+}
+
+TEST_CASE("published distributions are offered for the keys that they fit", "[config][uncertain]") {
+    CHECK(of_speed("{ preset = \"forearm-skin\" }").empty());
+    CHECK(any_contains(of_speed("{ preset = \"forearm-viscosity\" }"),
+                       "is a distribution of viscosity_Pa_s, not of medium.layer[1].c_s_m_s"));
+    CHECK(any_contains(of_speed("{ preset = \"elbow\" }"), "finger-skin"));
+    const Plan plan = plan_of("[uncertain]\nsamples = 2\n\"medium.layer[1].c_s_m_s\" = { "
+                              "distribution = \"uniform\", min = 26.9, max = 27.1, of = "
+                              "\"youngs_modulus_kPa\" }\n");
+    // 27 kPa = 3 rho c_s^2 at 3 m/s.
+    CHECK(std::get<double>(plan.cases[0].settings[0].value) == Approx(3.0).epsilon(0.002));
+}
+
+TEST_CASE("hostile distributions are rejected with a clear message", "[config][uncertain]") {
+    CHECK(any_contains(of_speed("{ distribution = \"normal\", mean = 5.0, sd = -1.0 }"),
+                       "requires an sd above 0, but it is -1"));
+    CHECK(any_contains(of_speed("{ distribution = \"normal\", mean = 5.0, sd = 0.1, min = 50.0 }"),
+                       "is truncated to nothing"));
+    CHECK(any_contains(of_speed("{ distribution = \"normal\", mean = nan, sd = 0.1 }"), "finite"));
+    CHECK(any_contains(of_speed("{ distribution = \"cauchy\" }"), "distribution"));
+    CHECK(any_contains(
+        of_speed("{ distribution = \"uniform\", min = 4, max = 6 }", "samples = 1000000000"),
+        "results in 1000000000 cases; at most 100000 are supported"));
+    CHECK(
+        any_contains(of_speed("{ distribution = \"uniform\", min = 4, max = 6 }", "samples = 2.5"),
+                     "must be a whole number"));
+    CHECK(any_contains(of_speed("5.0"), "requires a distribution"));
+    CHECK(any_contains(diagnostics_of(plain_and("[uncertain]\nsamples = 4\n")),
+                       "uncertain has 0 keys with a distribution"));
+    CHECK(
+        any_contains(diagnostics_of(plain_and("[uncertain]\nsamples = 4\n\"load.peak\" = { "
+                                              "distribution = \"uniform\", min = 1, max = 2 }\n")),
+                     "load.peak"));
+    CHECK(any_contains(diagnostics_of(plain_and("[sweep]\n\"medium.layer[1].c_s_m_s\" = [4, 5]\n" +
+                                                std::string(two_keys))),
+                       "is also swept"));
+}
+
+TEST_CASE("observed samples are read from a CSV file", "[config][uncertain]") {
+    CHECK(with_csv("p,other\n100,1\n110,2\n130,3\n").empty());
+    CHECK(any_contains(with_csv("p\n100\nnan\n"), "line 3"));
+    CHECK(any_contains(with_csv("p\n100\n"), "at least two different values"));
+    CHECK(any_contains(with_csv("q\n100\n200\n"), "has no column \"p\""));
+}
+
+TEST_CASE("correlations are checked", "[config][uncertain]") {
+    const auto with = [](const std::string& line, const std::string& analysis = "distribution") {
+        return diagnostics_of(plain_and(std::string(two_keys) + "correlation = [ " + line + " ]\n"),
+                              {{"uncertain.analysis", analysis}});
+    };
+    const std::string pair =
+        R"(keys = ["medium.layer[1].c_s_m_s", "medium.layer[1].viscosity_Pa_s"])";
+    CHECK(with("{ " + pair + ", rank = 0.6 }").empty());
+    CHECK(any_contains(with("{ " + pair + ", rank = 0.6 }", "morris"), "independent keys"));
+    CHECK(any_contains(with("{ " + pair + ", rank = 1.5 }"), "rank"));
+    CHECK(any_contains(with(R"({ keys = ["load.peak_Pa", "a"], rank = 0.5 })"),
+                       "must name two different uncertain keys"));
+}

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reduce/sensitivity.hpp"
+
+#include "reduce/uncertain_tables.hpp"
+#include "sampling/design.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+using namespace shearwake;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Model = std::function<double(const std::vector<double>&)>;
+
+/// Computes every case of a plan with a model of the unit cube instead of an engine, and evaluates
+/// the table as `reduce` does. The plan sweeps `scale`, by which the model is multiplied.
+class ModelRun {
+public:
+    ModelRun(const std::string& analysis, std::size_t samples, std::size_t keys, const Model& model,
+             std::size_t failing = 0) {
+        UncertainPlan uncertain{.sampling = "sobol",
+                                .analysis = analysis,
+                                .samples = samples,
+                                .seed = 1,
+                                .exceedance = {{"eta", 0.0}}};
+        plan.name = "model";
+        plan.swept_keys = {"scale"};
+        for (std::size_t k = 0; k < keys; ++k) {
+            uncertain.keys.push_back("x" + std::to_string(k + 1));
+            plan.swept_keys.push_back(uncertain.keys.back());
+        }
+        const auto rows = sampling::design_points(sampling::design_of(uncertain));
+        plan.uncertain = uncertain;
+        table.columns = {"id", "scale", "eta"};
+        for (const double scale : {1.0, 10.0})
+            for (std::size_t r = 0; r < rows.size(); ++r) {
+                const std::string id = std::to_string(plan.cases.size());
+                plan.cases.push_back({.id = id, .sample = r});
+                const bool fails = r < failing;
+                table.rows.push_back({id, scale, fails ? std::nan("") : scale * model(rows[r])});
+            }
+        evaluated = reduce::uncertain_tables(plan, table, {"eta"});
+    }
+
+    struct Line {
+        double value, low, high, samples, without;
+        std::string note;
+    };
+    /// The line of a table whose first text cells after the scale are `words`.
+    static Line line(const reduce::Table& table, double scale,
+                     const std::vector<std::string>& words) {
+        for (const auto& row : table.rows) {
+            bool fits = std::get<double>(row[0]) == scale;
+            for (std::size_t i = 0; i < words.size(); ++i)
+                fits = fits && std::get<std::string>(row[1 + i]) == words[i];
+            if (!fits) continue;
+            const std::size_t at = 1 + words.size();
+            const auto number = [&](std::size_t i) { return std::get<double>(row[at + i]); };
+            return {number(0), number(1), number(2),
+                    number(3), number(4), std::get<std::string>(row[at + 5])};
+        }
+        FAIL("no such line");
+        return {};
+    }
+
+    storage::PlanIndex plan;
+    reduce::Table table;
+    reduce::UncertainTables evaluated;
+};
+
+double ishigami(const std::vector<double>& u) {
+    const auto x = [&](std::size_t i) { return pi * (2.0 * u[i] - 1.0); };
+    return std::sin(x(0)) + 7.0 * std::pow(std::sin(x(1)), 2) +
+           0.1 * std::pow(x(2), 4) * std::sin(x(0));
+}
+
+const std::vector<double> g_weights = {0.0, 1.0, 4.5, 9.0};
+double g_function(const std::vector<double>& u) {
+    double product = 1.0;
+    for (std::size_t i = 0; i < g_weights.size(); ++i)
+        product *= (std::abs(4.0 * u[i] - 2.0) + g_weights[i]) / (1.0 + g_weights[i]);
+    return product;
+}
+
+void check_index(const ModelRun& run, const std::string& key, const std::string& index,
+                 double exact) {
+    for (const double scale : {1.0, 10.0}) {
+        const auto line = ModelRun::line(run.evaluated.sensitivity, scale, {"eta", key, index});
+        INFO(key << " " << index << ": " << line.value << " in " << line.low << ".." << line.high);
+        CHECK(std::abs(line.value - exact) < 0.02); // the documented accuracy at 4096 samples
+        CHECK(line.low <= exact);
+        CHECK(line.high >= exact);
+    }
+}
+
+} // namespace
+
+TEST_CASE("the Sobol indices of the Ishigami function are found", "[reduce][sensitivity]") {
+    // Ishigami and Homma (1990), a = 7, b = 0.1.
+    const double v1 = 0.5 * std::pow(1.0 + 0.1 * std::pow(pi, 4) / 5.0, 2), v2 = 49.0 / 8.0,
+                 v13 = 0.01 * std::pow(pi, 8) * (1.0 / 18.0 - 1.0 / 50.0), v = v1 + v2 + v13;
+    const ModelRun run("sobol-indices", 4096, 3, ishigami);
+    check_index(run, "x1", "first_order", v1 / v);
+    check_index(run, "x2", "first_order", v2 / v);
+    check_index(run, "x3", "first_order", 0.0);
+    check_index(run, "x1", "total", (v1 + v13) / v);
+    check_index(run, "x2", "total", v2 / v);
+    check_index(run, "x3", "total", v13 / v);
+    const auto mean = ModelRun::line(run.evaluated.statistics, 1.0, {"eta", "mean"});
+    CHECK(mean.value == Approx(3.5).margin(0.01)); // a / 2
+    CHECK(mean.samples == 8192.0);
+    CHECK(mean.note.empty());
+    const auto sd = ModelRun::line(run.evaluated.statistics, 10.0, {"eta", "sd"});
+    CHECK(sd.value == Approx(10.0 * std::sqrt(v)).epsilon(0.01));
+}
+
+TEST_CASE("the Sobol indices of the g-function are found", "[reduce][sensitivity]") {
+    std::vector<double> parts;
+    double variance = 1.0;
+    for (const double a : g_weights) {
+        parts.push_back(1.0 / (3.0 * (1.0 + a) * (1.0 + a)));
+        variance *= 1.0 + parts.back();
+    }
+    variance -= 1.0;
+    const ModelRun run("sobol-indices", 4096, 4, g_function);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const std::string key = "x" + std::to_string(k + 1);
+        check_index(run, key, "first_order", parts[k] / variance);
+        check_index(run, key, "total", parts[k] * (variance + 1.0) / (1.0 + parts[k]) / variance);
+    }
+}
+
+TEST_CASE("a small sample of indices has a warning and wide intervals", "[reduce][sensitivity]") {
+    const ModelRun run("sobol-indices", 16, 3, ishigami);
+    const auto total = ModelRun::line(run.evaluated.sensitivity, 1.0, {"eta", "x1", "total"});
+    CHECK(total.note.find("too few samples") == 0);
+    CHECK(total.high - total.low > 0.1);
+}
+
+TEST_CASE("Morris measures separate linear, inactive and interacting keys",
+          "[reduce][sensitivity]") {
+    const ModelRun run("morris", 64, 4, [](const std::vector<double>& u) {
+        return 3.0 * u[0] - u[1] + 5.0 * (u[2] - 0.5) * (u[2] - 0.5);
+    });
+    const auto measure = [&](const std::string& key, const std::string& index) {
+        return ModelRun::line(run.evaluated.sensitivity, 1.0, {"eta", key, index});
+    };
+    CHECK(measure("x1", "mu").value == Approx(3.0));
+    CHECK(measure("x1", "sigma").value == Approx(0.0).margin(1e-6)); // linear
+    CHECK(measure("x2", "mu").value == Approx(-1.0));
+    CHECK(measure("x2", "mu_star").value == Approx(1.0));
+    CHECK(measure("x4", "mu_star").value == Approx(0.0).margin(1e-12)); // has no effect
+    CHECK(measure("x3", "sigma").value > 1.0);                          // not linear
+    // Effects of 5 (u - 1/2)^2 are 5 (a + b - 1) with independent a and b: their mean magnitude is
+    // 5 / 3; 64 effects determine it within 20 %.
+    CHECK(measure("x3", "mu_star").value == Approx(5.0 / 3.0).epsilon(0.2));
+}
+
+TEST_CASE("quantiles and probabilities of a sample have intervals that contain the exact values",
+          "[reduce][sensitivity]") {
+    const ModelRun run(
+        "distribution", 1024, 1, [](const std::vector<double>& u) { return u[0] - 0.3; }, 24);
+    const auto statistic = [&](const std::string& name) {
+        return ModelRun::line(run.evaluated.statistics, 1.0, {"eta", name});
+    };
+    for (const auto& [name, exact] : {std::pair{"q05", -0.25},
+                                      {"q25", -0.05},
+                                      {"q50", 0.2},
+                                      {"q75", 0.45},
+                                      {"q95", 0.65},
+                                      {"exceeds 0", 0.7}}) {
+        const auto line = statistic(name);
+        INFO(name << " " << line.value << " " << line.low << " " << line.high);
+        CHECK(line.value == Approx(exact).margin(0.02)); // 24 of 1024 values are missing
+        CHECK((line.low < exact && exact < line.high));
+        CHECK(line.samples == 1000.0);
+        CHECK(line.without == 24.0);
+    }
+    CHECK(run.evaluated.sensitivity.rows.empty());
+    const ModelRun few("distribution", 20, 1, [](const std::vector<double>& u) { return u[0]; });
+    CHECK(ModelRun::line(few.evaluated.statistics, 1.0, {"eta", "mean"}).note.find("too few") == 0);
+}
+
+TEST_CASE("a threshold of an unknown column is rejected with a suggestion",
+          "[reduce][sensitivity]") {
+    ModelRun run("distribution", 4, 1, [](const std::vector<double>& u) { return u[0]; });
+    run.plan.uncertain->exceedance = {{"etta", 1.0}};
+    CHECK_THROWS_WITH(reduce::uncertain_tables(run.plan, run.table, {}),
+                      Catch::Contains("did you mean \"eta\"?"));
+}
