@@ -41,7 +41,7 @@ def figures(sweep, folder):
     if not cases:
         return []
     case = cases[0]
-    afferents = fig_hand.Afferents(case.path)
+    afferents = fig_hand.Afferents(case.stored)
     kinds = afferents.present()
     if not kinds:
         return []

@@ -21,12 +21,13 @@ import fig_afferents  # noqa: E402
 import fig_hand  # noqa: E402
 import load  # noqa: E402
 import style  # noqa: E402
+from package import case_of_file  # noqa: E402
 
 
 def add_afferents(path, counts, moves=True, felt="pins"):
     """Adds three PC and two RA near two pins; afferent i fires counts[i] times, every 5 ms."""
     with h5py.File(path, "r+") as file:
-        case = load.text(file.attrs["case"])
+        case = file.attrs["case"].decode()
         file.attrs.update(fixed({"case": case + "[time]\nframes = 40\ninterval_s = 0.001\n"
                                          f"[afferents]\nwhere = \"palm\"\ninput = \"{felt}\"\n"}))
         group = file.create_group("afferents")
@@ -64,7 +65,7 @@ class AfferentsTest(unittest.TestCase):
 
     def test_spikes_are_assigned_to_their_afferents(self):
         identity = self.add(100.0, [3, 0, 2, 0, 1])
-        held = fig_hand.Afferents(self.folder.file(identity))
+        held = fig_hand.Afferents(case_of_file(self.folder.file(identity)))
         self.assertEqual([len(s) for s in held.spikes], [3, 0, 2, 0, 1])
         np.testing.assert_allclose(held.spikes[2], [5.0, 10.0])
         self.assertEqual(list(held.of("RA")), [3, 4])
@@ -88,7 +89,7 @@ class AfferentsTest(unittest.TestCase):
 
     def test_a_raster_starts_with_the_nearest_afferent(self):
         identity = self.add(100.0, [3, 1, 2, 0, 1])
-        held = fig_hand.Afferents(self.folder.file(identity))
+        held = fig_hand.Afferents(case_of_file(self.folder.file(identity)))
         self.assertEqual(list(fig_hand.raster_rows(held, "PC")), [0, 2, 1])
 
     def test_classes_that_fire_have_curves_against_the_swept_key(self):
