@@ -83,8 +83,8 @@ std::vector<double> frequencies_of(const Load& load) {
     if (const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier))
         frequencies_Hz.push_back(carrier->frequency_Hz);
     std::ranges::sort(frequencies_Hz);
-    const auto same = std::ranges::unique(frequencies_Hz);
-    frequencies_Hz.erase(same.begin(), same.end());
+    const auto same = std::unique(frequencies_Hz.begin(), frequencies_Hz.end());
+    frequencies_Hz.erase(same, frequencies_Hz.end());
     return frequencies_Hz;
 }
 

@@ -152,8 +152,8 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     }
     const auto [x_first, x_end] =
         cells_between(low.x - focal_radius_m, high.x + focal_radius_m, h, domain.nx);
-    const auto [y_first, y_end] =
-        cells_between(low.y - focal_radius_m, high.y + focal_radius_m, h, domain.ny);
+    const auto of_y = cells_between(low.y - focal_radius_m, high.y + focal_radius_m, h, domain.ny);
+    const std::ptrdiff_t y_first = of_y.first, y_end = of_y.second;
     CompensatedSum focal_u2, focal_weight;
     for (std::ptrdiff_t i = std::max(begin, x_first); i < std::min(end, x_end); ++i) {
         double row_u2 = 0.0, row_weight = 0.0;

@@ -14,21 +14,21 @@ using sampling::Sampling;
 
 namespace {
 
-constexpr std::size_t n = 2000;
+constexpr std::size_t sample_size = 2000;
 
-/// The Kolmogorov-Smirnov distance between n values of the distribution and its analytic
+/// The Kolmogorov-Smirnov distance between sample_size values of the distribution and its analytic
 /// cumulative distribution.
 double distance(const Distribution& d, Sampling sampling,
                 const std::function<double(double)>& cumulative) {
     REQUIRE_FALSE(sampling::problem_of(d).has_value());
     std::vector<double> values;
-    for (const auto& point : sampling::unit_points(sampling, n, 1, 42))
+    for (const auto& point : sampling::unit_points(sampling, sample_size, 1, 42))
         values.push_back(sampling::quantile(d, point[0]));
     std::ranges::sort(values);
     double largest = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-        const double below = static_cast<double>(i) / n, p = cumulative(values[i]);
-        largest = std::max({largest, std::abs(p - below), std::abs(p - below - 1.0 / n)});
+    for (std::size_t i = 0; i < sample_size; ++i) {
+        const double below = static_cast<double>(i) / sample_size, p = cumulative(values[i]);
+        largest = std::max({largest, std::abs(p - below), std::abs(p - below - 1.0 / sample_size)});
     }
     return largest;
 }
@@ -38,8 +38,8 @@ double normal_below(double z) {
 }
 
 void check_fit(const Distribution& d, const std::function<double(double)>& cumulative) {
-    // The critical value of the test at the level of 0.1 % is 1.95 / sqrt(n).
-    CHECK(distance(d, Sampling::random, cumulative) < 1.95 / std::sqrt(n));
+    // The critical value of the test at the level of 0.1 % is 1.95 / sqrt(sample_size).
+    CHECK(distance(d, Sampling::random, cumulative) < 1.95 / std::sqrt(sample_size));
     // The other sequences have one value per interval of 1/1024.
     CHECK(distance(d, Sampling::sobol, cumulative) < 3.0 / 1024.0);
     CHECK(distance(d, Sampling::latin_hypercube, cumulative) < 0.03);

@@ -45,13 +45,14 @@ double rank_correlation(const Points& points, std::size_t a, std::size_t b) {
 } // namespace
 
 TEST_CASE("an extended sample begins with the smaller one", "[sampling]") {
-    for (const Sampling sampling : {Sampling::sobol, Sampling::latin_hypercube, Sampling::random}) {
-        const Points large = sampling::unit_points(sampling, 300, 4, 7);
+    for (const Sampling kind : {Sampling::sobol, Sampling::latin_hypercube, Sampling::random}) {
+        const Points large = sampling::unit_points(kind, 300, 4, 7);
         for (const std::size_t n : {1U, 2U, 17U, 128U}) {
-            const Points small = sampling::unit_points(sampling, n, 4, 7);
-            CHECK(std::ranges::equal(small, Points(large.begin(), large.begin() + n)));
+            const Points small = sampling::unit_points(kind, n, 4, 7);
+            CHECK(std::ranges::equal(
+                small, Points(large.begin(), large.begin() + static_cast<std::ptrdiff_t>(n))));
         }
-        CHECK(sampling::unit_points(sampling, 300, 4, 8) != large);
+        CHECK(sampling::unit_points(kind, 300, 4, 8) != large);
         for (const auto& point : large)
             for (const double x : point)
                 CHECK((x > 0.0 && x < 1.0));
@@ -60,9 +61,9 @@ TEST_CASE("an extended sample begins with the smaller one", "[sampling]") {
 }
 
 TEST_CASE("Sobol points and Latin hypercubes have one point in each interval", "[sampling]") {
-    for (const Sampling sampling : {Sampling::sobol, Sampling::latin_hypercube})
+    for (const Sampling kind : {Sampling::sobol, Sampling::latin_hypercube})
         for (const std::size_t n : {2U, 64U, 1024U}) {
-            const Points points = sampling::unit_points(sampling, n, 12, 3);
+            const Points points = sampling::unit_points(kind, n, 12, 3);
             for (std::size_t d = 0; d < 12; ++d) {
                 std::set<std::size_t> intervals;
                 for (const double x : column(points, d))
@@ -85,7 +86,7 @@ TEST_CASE("two dimensions of Sobol points fill a grid of elementary intervals", 
 TEST_CASE("Sobol points integrate a smooth function faster than random ones", "[sampling]") {
     const auto error_of = [](Sampling sampling) {
         double sum = 0.0;
-        const Points points = sampling::unit_points(sampling, 4096, 5, 11);
+        const Points points = sampling::unit_points(kind, 4096, 5, 11);
         for (const auto& point : points) {
             double product = 1.0;
             for (const double x : point)
