@@ -84,7 +84,7 @@ TEST_CASE("two dimensions of Sobol points fill a grid of elementary intervals", 
 }
 
 TEST_CASE("Sobol points integrate a smooth function faster than random ones", "[sampling]") {
-    const auto error_of = [](Sampling sampling) {
+    const auto error_of = [](Sampling kind) {
         double sum = 0.0;
         const Points points = sampling::unit_points(kind, 4096, 5, 11);
         for (const auto& point : points) {
