@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Maps and k-Wave studies that a case refers to. Case files contain only the hash of these files."""
+import functools
 import tomllib
 from dataclasses import dataclass
 from datetime import datetime, timezone
@@ -45,16 +46,22 @@ def weights(at, nodes):
     return matrix
 
 
+@functools.cache
+def keys_in(text):
+    """A job, or one override, as a dictionary; empty if it is not TOML."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
 def job_value(sweep, case, key):
     """The value of a key of the job for this case: swept, overridden on the command line, or in the job file."""
     found = case.settings.get(key)
     for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], sweep.job_text]:
         if found is not None:
             break
-        try:
-            found = tomllib.loads(text)
-        except tomllib.TOMLDecodeError:
-            found = None
+        found = keys_in(text)
         for part in key.split("."):
             found = found.get(part) if isinstance(found, dict) else None
     return found

@@ -108,7 +108,7 @@ class Picture:
         x0, x1, y0, y1 = limits
         top = 0.4 + LINE_in * len(header)
         height = 1.05 + top + (INCHES - 1.0) * (y1 - y0) / (x1 - x0)
-        self.figure = plt.figure(figsize=(INCHES, height), dpi=2 * round(width_px / INCHES / 2))
+        self.figure = plt.figure(figsize=(INCHES, height), dpi=width_px / INCHES)
         self.axes = self.figure.add_axes([0.75 / INCHES, 1.05 / height, (INCHES - 1.0) / INCHES,
                                           (height - 1.05 - top) / height])
         self.bar = self.figure.add_axes([0.22, 0.52 / height, 0.56, 0.1 / height])

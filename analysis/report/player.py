@@ -154,7 +154,7 @@ def controls(data, last):
         '<output class="clock"></output></div><div class="controls">'
         f'<label>Speed <select class="speed">{slow_down_options(times)}</select></label>'
         '<label>Colours <select class="scaling">'
-        f'<option value="wake">wake, ±{wake_um} µm</option><option value="half">half of it</option>'
+        f'<option value="wake">wake, ±{wake_um} µm</option><option value="half">half of the wake</option>'
         f'<option value="peak">peak, ±{peak_um} µm</option><option value="own">each picture by itself</option>'
         '</select></label><button type="button" class="closer">Zoom in</button>'
         '<button type="button" class="whole">Whole surface</button></div>')

@@ -13,10 +13,12 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
+import medium_files
 from chart import Chart, chart_data
 from figure import Figure
 
 NAME = "figures.json"
+MEDIUM_FILES = ("medium.map", "solver.pstd.study")
 HERE = Path(__file__).resolve().parent
 PACKAGE = HERE.parent / "shearwake"
 
@@ -29,11 +31,11 @@ def code_hash():
 
 
 def stamp(path):
-    """Size and time of the last change of a case file; a case that is computed again is a new file."""
+    """Size and time of the last change of a file, None without one. A case that is computed again is a new file."""
     try:
         found = path.stat()
-        return [found.st_size, found.st_mtime_ns]
-    except OSError:
+        return [str(path), found.st_size, found.st_mtime_ns]
+    except (AttributeError, OSError):
         return None
 
 
@@ -42,7 +44,7 @@ def facts(sweep):
     return [sweep.name, sweep.title, sweep.swept_keys, sweep.x, sweep.series_keys, sweep.columns, sweep.label_keys,
             sweep.uncertain,
             [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.scalars, c.notes, c.warnings,
-              stamp(c.path)]
+              stamp(c.path), [stamp(medium_files.file_of(sweep, c, key)) for key in MEDIUM_FILES]]
              for c in sweep.cases]]
 
 

@@ -11,7 +11,7 @@ import topics
 
 OF_DRIVE = ("drive",)  # shows the prescribed load alone
 OF_MEDIA = ("medium",)  # shows the medium alone
-OF_SURFACES = ("surface", "intensity", "player", "slices")  # show fields, not readings
+OF_SURFACES = ("surface", "intensity", "player", "profiles", "volume")  # show fields, not readings
 OF_READINGS, OF_RECEPTORS = "eta", "afferents"  # figures that stand for all readings of the surface, and of receptors
 CONCLUSION = re.compile(": the readings( of this case)? are not valid$")
 NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")

@@ -36,10 +36,10 @@ class Movie(ProgramTest):
 
     def test_a_case_with_frames_becomes_an_mp4_and_a_gif(self):
         case = self.case("-S", "record.snapshots_ms=[1, 2, 3, 4]")
-        said = self.shearwake("movie", case, "--out", "m", "--slow-down", "1000", "--width", "320").said
+        said = self.shearwake("movie", case, "--out", "m", "--slow-down", "1000", "--width", "500").said
         self.says(said, "movie: m.mp4", "movie: m.gif")
         width, height, frames = facts(self.folder / "m.mp4", "width,height,nb_read_frames")
-        self.assertEqual(int(width), 320)
+        self.assertEqual(int(width), 500)
         self.assertEqual(int(height) % 2, 0)
         # Four surfaces 1 ms apart are shown for 1 s each; ffmpeg repeats them at 2 frames per second, and the
         # last one may be shown once.
