@@ -109,7 +109,7 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
     job.plan = refined.plan;
     job.diagnostics.clear(); // `run` reports them
     on_root(world, [&] {
-        storage::make_directory(study.root);
+        storage::make_directory(study.run_lock().parent_path());
         const storage::RunLock lock(study.run_lock(), storage::RunLock::Sharing::alone);
         // Another selection replaces the plan; the cases that both have remain.
         if (std::filesystem::exists(study.plan()) &&
