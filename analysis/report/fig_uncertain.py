@@ -169,12 +169,15 @@ def scatter(sweep, folder):
     failed = [c for c in cases if not c.whole]
     for axes, key in zip(made.flat, keys):
         for colour, where in zip(style.distinct(len(shown)), shown):
-            some = [c for c in cases if sample.place(sweep, c.settings) == where and c.whole]
+            some = [c for c in cases if sample.place(sweep, c.settings) == where and not math.isnan(c.value(column))]
+            if not some:
+                continue
             axes.plot([c.settings[key] for c in some], [c.value(column) for c in some], ".", color=colour, markersize=4,
                       alpha=0.7, label=sample.label(sweep, where) or None, rasterized=True)
-        low = axes.get_ylim()[0]
-        axes.plot([c.settings[key] for c in failed], [low] * len(failed), "x", color="#b00020", clip_on=False,
-                  label="without a result" if failed else None)
+        if failed:
+            low = axes.get_ylim()[0]
+            axes.plot([c.settings[key] for c in failed], [low] * len(failed), "x", color="#b00020",
+                      label="without a result")
         axes.set_xlabel(words.axis_label(key))
     for axes in list(made.flat)[len(keys):]:
         axes.set_visible(False)
