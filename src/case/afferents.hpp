@@ -182,6 +182,24 @@ struct AfferentOptions {
     bool operator==(const AfferentOptions&) const = default;
 };
 
+/// The fields of the response, which follow those of the places and of the input.
+template <class Walk, Is<AfferentOptions> Options>
+void walk_response(Walk& walk, Options& o) {
+    walk(o.silence_s, {.key = "silence_ms",
+                       .range = Range::between(0.0, 1e4),
+                       .meaning = "duration of rest before the motion, and of a smooth return to "
+                                  "rest after it; spikes outside the motion are discarded"});
+    walk(o.periods,
+         {.key = "periods",
+          .range = Range::between(1.0, 1e4),
+          .in_text = o.periods != AfferentOptions{}.periods,
+          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load to "
+                     "which the receptors respond"});
+    walk(o.noise, {.key = "noise", .meaning = "noise of the neuron model"});
+    walk(o.conduction_delay,
+         {.key = "conduction_delay", .meaning = "conduction delays along the nerve"});
+}
+
 template <class Walk, Is<AfferentOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk.choice(o.places, {.key = "where",
@@ -236,19 +254,7 @@ void walk_fields(Walk& walk, Options& o) {
                           .range = Range::above(0.0),
                           .meaning = "radius of the pins; if pins overlap, half of their smallest "
                                      "distance is used, with a warning"});
-    walk(o.silence_s, {.key = "silence_ms",
-                       .range = Range::between(0.0, 1e4),
-                       .meaning = "duration of rest before the motion, and of a smooth return to "
-                                  "rest after it; spikes outside the motion are discarded"});
-    walk(o.periods,
-         {.key = "periods",
-          .range = Range::between(1.0, 1e4),
-          .in_text = o.periods != AfferentOptions{}.periods,
-          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load to "
-                     "which the receptors respond"});
-    walk(o.noise, {.key = "noise", .meaning = "noise of the neuron model"});
-    walk(o.conduction_delay,
-         {.key = "conduction_delay", .meaning = "conduction delays along the nerve"});
+    walk_response(walk, o);
 }
 
 } // namespace shearwake

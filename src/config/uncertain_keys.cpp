@@ -29,10 +29,8 @@ struct DistributionPreset {
 };
 
 /// The reference ranges of Young's modulus of skin over 90 healthy volunteers by shear-wave
-/// elastography (Yang, Wang, Yan et al., "Determination of normal skin elasticity by using
-/// real-time shear wave elastography", J Ultrasound Med 2018): means and percentiles 2.5 and 97.5
-/// in kPa. The percentiles are symmetric about the means. Ours: the normal distribution with sd =
-/// (97.5th
+/// elastography (Yang et al., J Ultrasound Med 2018): means and percentiles 2.5 and 97.5 in kPa.
+/// The percentiles are symmetric about the means. Ours: the normal distribution with sd = (97.5th
 /// - 2.5th percentile) / (2 x 1.96), truncated to above 1 kPa; mu = E / 3; 1000 kg/m3.
 Distribution skin_of(double mean_kPa, double low_kPa, double high_kPa) {
     return {.shape = sampling::Normal{mean_kPa, (high_kPa - low_kPa) / 3.92},

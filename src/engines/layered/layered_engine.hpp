@@ -50,6 +50,8 @@ private:
         double evaluations = 0.0;
     };
     mutable std::optional<Tried> tried_;
+    /// Looks up or estimates it. Not collective.
+    double evaluations_per_frequency(const TransferKey& key, const TransferKey& stress) const;
     /// The second only for cases that request the stress.
     std::unique_ptr<TransferTable> table_, stress_table_;
     std::unique_ptr<fft::SlabTransform> slabs_;

@@ -85,6 +85,17 @@ std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
     return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
 }
 
+double LayeredEngine::evaluations_per_frequency(const TransferKey& key,
+                                                const TransferKey& stress) const {
+    TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
+    if (key.edges != DomainEdges::open) curves.nx = curves.ny = 0;
+    curves.time = {};
+    const double frequencies = std::floor(static_cast<double>(key.time.samples) / 2.0) + 1.0;
+    if (!tried_ || !(tried_->curves == curves))
+        tried_ = {curves, (evaluations(key) + evaluations(stress)) / frequencies};
+    return tried_->evaluations;
+}
+
 engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const Case c = solved_case(given);
     const auto& options = std::get<LayeredOptions>(c.solver);
@@ -123,16 +134,11 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
               {of_frame, depths * points * frames * (1.0 - far)},
               {of_far_frame, depths * points * frames * far}};
     if (!along_x) e.work.push_back({of_load, all_samples});
-    TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
-    if (!is_open) curves.nx = curves.ny = 0;
-    curves.time = {};
     const double frequencies = std::floor(samples / 2.0) + 1.0;
-    if (!tried_ || !(tried_->curves == curves))
-        tried_ = {curves,
-                  (evaluations(key) + evaluations(stress_key_of(c, options))) / frequencies};
-    e.shared = {{of_response, frequencies * tried_->evaluations *
-                                  static_cast<double>(c.scene().medium.layers.size())},
-                {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
+    e.shared = {
+        {of_response, frequencies * evaluations_per_frequency(key, stress_key_of(c, options)) *
+                          static_cast<double>(c.scene().medium.layers.size())},
+        {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
     const auto expand = [&](double table_B, double table_depths) {
         const double amount = table_depths * points * samples;
         if (is_kept(table_B))
