@@ -31,7 +31,7 @@ LIBRARIES = {
     "Random123::Random123": (r"Random123/.*", r"r123::\w+"),
     "xxhash::xxhash": (r"xxhash\.h", r"XXH\w+"),
     "Eigen3::Eigen": (r"Eigen/\w+", r"Eigen::\w+"),
-    "Boost::headers": (r"boost/.*\.hpp", r"boost::\w+"),
+    "Boost::headers": (r"boost/(random|math)/.*\.hpp", r"boost::\w+"),
     "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
     "nlohmann_json::nlohmann_json": (r"nlohmann/json(?:_fwd)?\.hpp", r"nlohmann::\w+"),
 }
