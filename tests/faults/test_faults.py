@@ -8,6 +8,7 @@ import signal
 import subprocess
 import time
 import unittest
+import unittest.mock
 
 import h5py
 import numpy
@@ -201,11 +202,15 @@ class Failing(FaultTest):
     def test_refused_memory_at_any_allocation_ends_one_case_without_deadlock(self):
         text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
         met = 0
-        # Fills the cache. Without it the calibration meets the refusals, and the cases meet none.
-        for ranks in (1, 2):
-            self.write_job(JOB)
+        # Its own cache, which no other program changes meanwhile, is filled first: a calibration would meet the
+        # refusals, and the cases none.
+        cache = unittest.mock.patch.dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"))
+        cache.start()
+        self.addCleanup(cache.stop)
+        for job, ranks, together in ((JOB, 1, 1), (JOB, 2, 2), (text, 2, 2), (text, 2, 1)):
+            self.write_job(job)
             shutil.rmtree(self.out, ignore_errors=True)
-            self.run_with(ranks)
+            self.assertEqual(self.run_with(ranks, ("--ranks-per-case", together)).returncode, 0)
         # The number of allocations before the first case depends on the contents of the cache.
         for job, ranks, together, at in ((text, 2, 2, 520), (text, 2, 2, 600), (text, 2, 2, 700),
                                          (text, 2, 2, 1000), (JOB, 2, 2, 160), (JOB, 2, 2, 250),
