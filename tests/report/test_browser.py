@@ -19,12 +19,9 @@ import browser  # noqa: E402
 from test_figures import grid  # noqa: E402
 from synthetic import AM, Folder, case_id, sweep  # noqa: E402
 
-COLUMN = """Array.from(document.querySelectorAll("table.sortable tbody tr"),
-    row => row.cells[{0}].textContent)"""
+COLUMN = 'Array.from(document.querySelectorAll("table.sortable tbody tr"), row => row.cells[{0}].textContent)'
 HEAD = 'document.querySelectorAll("table.sortable th button")[{0}]'
-INDEX = """Array.from(document.querySelectorAll("table.sortable th"),
-    head => head.textContent).indexOf("{0}")"""
-
+INDEX = 'Array.from(document.querySelectorAll("table.sortable th"), head => head.textContent).indexOf("{0}")'
 
 
 def need_chromium():

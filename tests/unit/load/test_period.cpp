@@ -46,7 +46,7 @@ TEST_CASE("the period of a load is the least common one of its parts", "[period]
     // There and back is one pass.
     const Travel line{Curve(Vec2{}, Vec2{5e-3, 0.0}), ConstantSpeed{1.0}, AtEnd::back_and_forth};
     CHECK(std::abs(period_ms(load_of({line})) - 10.0) < 1e-9);
-    // A depth of 0 is no modulation.
+    // A depth of 0 means that nothing is modulated.
     CHECK(std::abs(
               period_ms(load_of({circle(50.0)}, {SineGain{.frequency_Hz = 77.7, .depth = 0.0}})) -
               20.0) < 1e-9);
