@@ -4,6 +4,10 @@
 #include "engines/spectral/stepping/stepper.hpp"
 #include "support/spectral_cases.hpp"
 
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
 namespace shearwake::test {
 
 enum class Along { x, y };
@@ -41,6 +45,24 @@ void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {
         stepper.advance();
         f(stepper);
     }
+}
+
+/// Checks, in every `stride`-th step after the end of the load, that the energy of a lossless case
+/// of 14 ms equals the work of the load.
+inline void check_conserved_energy(const Case& c, double step_s, long stride) {
+    double after = 0.0, worst = 0.0, work = 0.0;
+    const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction
+    step_through(c, std::lround(14e-3 / step_s), [&](spectral::Stepper& stepper) {
+        if (stepper.step() < end) return;
+        if (stepper.step() > end && stepper.step() % stride != 0) return;
+        const spectral::EnergyBalance balance = stepper.energy();
+        if (stepper.step() == end) after = balance.energy_J, work = balance.work_J;
+        worst = std::max(worst, std::abs(balance.energy_J / after - 1.0));
+    });
+    CAPTURE(step_s, after, work, worst);
+    CHECK(after > 0.0);
+    CHECK(worst < 1e-8);                        // as without bodies
+    CHECK(after == Approx(work).epsilon(1e-8)); // the forces on the bodies do no work
 }
 
 } // namespace shearwake::test

@@ -142,19 +142,7 @@ TEST_CASE("energy of a lossless medium with a rigid body is conserved", "[verify
     SECTION("fixed") {
         c.scene().medium.bodies[0].fixed = true;
     }
-    double after = 0.0, worst = 0.0, work = 0.0;
-    const auto end = std::lround(2.2e-3 / step_s) + 2; // of the load and of its correction
-    step_through(c, std::lround(14e-3 / step_s), [&](spectral::Stepper& stepper) {
-        if (stepper.step() < end) return;
-        if (stepper.step() > end && stepper.step() % 7 != 0) return;
-        const spectral::EnergyBalance balance = stepper.energy();
-        if (stepper.step() == end) after = balance.energy_J, work = balance.work_J;
-        worst = std::max(worst, std::abs(balance.energy_J / after - 1.0));
-    });
-    CAPTURE(step_s, after, work, worst);
-    CHECK(after > 0.0);
-    CHECK(worst < 1e-8);                        // as without bodies
-    CHECK(after == Approx(work).epsilon(1e-8)); // the forces on the bodies do no work
+    test::check_conserved_energy(c, step_s, 7);
 }
 
 TEST_CASE("a rigid body along x is equivalent to one along y", "[verify]") {
