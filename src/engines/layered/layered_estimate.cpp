@@ -27,6 +27,10 @@ double reach_m(const TransferKey& key) {
     return key.spacing_m * std::hypot(key.nx / 2, key.ny / 2);
 }
 
+/// Of the interpolation of the loss: a hundredth of the imbalance that causes a warning, and above
+/// the rounding of StackResponse::loss.
+constexpr double tolerance_of_loss = 1e-8;
+
 /// Time of an evaluation of the loss divided by that of H.
 constexpr double time_of_loss = 5.0;
 
@@ -114,6 +118,7 @@ TransferKey loss_key_of(const Case& c, const LayeredOptions& options) {
     key.depths_m.clear();
     if (c.time.regime == Regime::periodic) key.depths_m.push_back(0.0);
     key.quantity = StackQuantity::loss;
+    key.tolerance = tolerance_of_loss;
     return key;
 }
 
