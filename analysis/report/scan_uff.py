@@ -242,7 +242,7 @@ def binary_function(first, lines):
         if is_mark(line):
             return function
         if line.strip():
-            raise BadScan("the end of a binary data set is not where its size says")
+            raise BadScan("the end of a binary data set does not match its size")
     raise BadScan("the file is truncated: a data set has no end")
 
 
