@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/placed_source.hpp"
 
+#include <cmath>
+
 namespace shearwake::pstd {
 
 template <class Real>
@@ -49,6 +51,7 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
     const Parts parts = parts_of(source_.field);
     const bool velocity = is_velocity(source_.field);
     for (std::size_t i = 0; i < places_.size(); ++i) {
+        if (std::isnan(values_[i])) continue;
         const Place& place = places_[i];
         const double value = values_[i] * place.scale, third = value / 3.0;
         auto& total = state.total[static_cast<std::size_t>(place.total)];
