@@ -104,8 +104,7 @@ void walk_rigidity(Walk& walk, B& body) {
           .in_text = body.rigid,
           .meaning = "whether the body is rigid; of its material only the density matters then. It "
                      "costs one additional solve per step, whatever its stiffness. Requires the "
-                     "engine `\"spectral\"`. A body that crosses the whole domain along x or y "
-                     "excludes rigid bodies that do not"});
+                     "engine `\"spectral\"`"});
     walk(body.fixed, {.key = "fixed",
                       .applies = body.rigid,
                       .only_with = "rigid = true",

@@ -39,13 +39,20 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
     planes_.emplace(field_.cells(), slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
     together(team, [&] { slab_bodies_.assemble(operator_, background_solve()); });
-    bodies_->assemble(operator_, background_solve());
+    bodies_->assemble(operator_, held_solve());
     assemble_box();
 }
 
 RigidBodies::Solve Stepper::background_solve() const {
     return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
         operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+    };
+}
+
+RigidBodies::Solve Stepper::held_solve() {
+    return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
+        operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+        slab_bodies_.hold(row, block, background_solve(), force);
     };
 }
 

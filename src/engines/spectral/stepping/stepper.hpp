@@ -134,8 +134,9 @@ private:
     template <class Use>
     void each_pencil(Use use);
     void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
-    /// B^-1 of a pencil, for the bodies.
+    /// B^-1 of a pencil, for the slabs; and with the slabs held, for the other bodies.
     RigidBodies::Solve background_solve() const;
+    RigidBodies::Solve held_solve();
     void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement);
     const Block* factor(std::ptrdiff_t pencil) const;
     const Block* pencil(const fft::AlignedVector<Block>& of, std::ptrdiff_t row,
