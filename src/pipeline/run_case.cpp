@@ -134,6 +134,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
             groups.push_back(std::move(group));
         if (!recorder.solver().sensors.empty())
             groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
+        facts.columns_in_samples = columns_in_samples(groups.front());
     });
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
