@@ -18,6 +18,10 @@ if(NOT SHEARWAKE_TEST_PYTHON)
         "one")
 endif()
 
+# Groups that take minutes start first, so that they do not run last and on their own.
+set(long_groups "mpi_tests on 5 ranks" "mpi_tests on 3 ranks" "mpi_tests on 8 ranks" "mpi_tests on 2 ranks"
+    tests/docs/test_blocks.py tests/faults/test_faults.py)
+
 # add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses about one core on average
 # and may run concurrently with any other group; groups that are ALONE use several cores and never run
 # concurrently with each other. There is no time limit: run_group.py ends groups that make no progress.
@@ -29,6 +33,9 @@ function(add_group name label verdicts beside)
         COMMAND ${SHEARWAKE_TEST_PYTHON} ${CMAKE_SOURCE_DIR}/scripts/run_group.py ${CMAKE_BINARY_DIR}
             ${verdicts} ${name} ${ARGN})
     set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 1000000)
+    if(name IN_LIST long_groups)
+        set_tests_properties(${name} PROPERTIES COST 100)
+    endif()
     if(beside STREQUAL "ALONE")
         set_tests_properties(${name} PROPERTIES RESOURCE_LOCK several_cores)
     endif()

@@ -21,7 +21,7 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
             words.emplace_back("--picture");
             words.push_back(arguments.picture.string());
         }
-        const int status = run_python_script("compare.py", words);
+        const int status = run_python_script("report/compare.py", words);
         if (status == static_cast<int>(ExitCode::usage))
             throw UsageError("the arguments cannot be compared");
         if (status != 0)

@@ -241,6 +241,12 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
         attributes.push_back({"solver_work_J", solver.work_J});
         attributes.push_back({"solver_energy_J", solver.energy_J});
     }
+    if (solver.period_energy) {
+        attributes.push_back({"period_work_J", solver.period_energy->work_J});
+        attributes.push_back({"period_absorbed_J", solver.period_energy->absorbed_in_layers_J});
+        attributes.push_back({"period_radiated_J", solver.period_energy->radiated_J});
+        attributes.push_back({"period_imbalance", solver.period_energy->imbalance()});
+    }
     attributes.push_back({"status", std::string("complete")});
     return attributes;
 }

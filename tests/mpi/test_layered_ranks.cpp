@@ -47,10 +47,9 @@ Case rigid_case(double azimuth_deg) {
 
 /// Largest difference of all frames, relative to the largest value of the frame.
 double worst_frame(const Case& c, const Comm& world) {
-    const Comm alone = world.split(world.rank());
-    test::FrameStore shared, single;
+    test::FrameStore shared;
     engines::make_engine(c.solver)->run(c, world, shared);
-    engines::make_engine(c.solver)->run(c, alone, single);
+    const test::FrameStore single = test::frames_of_root(c, world);
     double worst = 0.0;
     for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/placed_source.hpp"
 
+#include <cmath>
+
 namespace shearwake::pstd {
 
 template <class Real>
@@ -72,8 +74,12 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
     const bool velocity = is_velocity(source_.field);
     for (std::size_t i = 0; i < places_.size(); ++i) {
         Place& place = places_[i];
-        const double value = values_[i] * place.scale, third = value / 3.0;
         auto& total = state.total[static_cast<std::size_t>(place.total)];
+        if (std::isnan(values_[i])) {
+            place.before = static_cast<double>(total);
+            continue;
+        }
+        const double value = values_[i] * place.scale, third = value / 3.0;
         const Real was = total;
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
         double kept = 0.0; // sum of the other parts of a prescribed velocity
