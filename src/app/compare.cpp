@@ -23,7 +23,7 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
         }
         const int status = run_python_script("report/compare.py", words);
         if (status == static_cast<int>(ExitCode::usage))
-            throw UsageError("the two cannot be compared");
+            throw UsageError("the arguments cannot be compared");
         if (status != 0)
             throw UsageError(fmt::format("the comparison failed (exit {})", status),
                              ExitCode::environment);

@@ -125,6 +125,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const double solve_s = seconds_since(began) - before_solve_s;
 
     const CaseResults results = case_results(planned, recorder, team);
+    if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
