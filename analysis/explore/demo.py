@@ -18,7 +18,7 @@ from engine import Engine
 LARGEST_B = 5_000_000
 KEPT = ("time", "depth", "force", "focus_x", "focus_y", "eta")  # in addition to the surface
 NOTE = ("A demonstration with computed settings. shearwake explore computes any other setting on your machine. The frames of this "
-        "page have 8 bits per point.")
+        "page have steps of 1/1023 of the peak.")
 
 JOB = """\
 schema = 1
@@ -69,7 +69,7 @@ def job_of(preset, fwhm, modulation):
 
 
 def stored(title, job, message, arrays):
-    """One setting for the page: its header, and its arrays compressed, with the surface in 8 bits."""
+    """One setting for the page: its header, and its arrays compressed, with the surface in steps of 1/1023 of its peak."""
     header = {name: message[name] for name in ("case", "spacing_m", "fwhm_m", "foci_m", "surface_wave_m_s", "seconds", "warnings",
                                                "columns")}
     kept, parts, offset = [], [], 0
@@ -80,7 +80,7 @@ def stored(title, job, message, arrays):
         offset += count * kind.itemsize
         if array["name"] == "u_z":
             peak_m = float(np.abs(values).max())
-            parts.append(np.rint(127.0 * values / (peak_m or 1.0)).astype(np.int8).tobytes())
+            parts.append(np.rint(1023.0 * values / (peak_m or 1.0)).astype("<i2").tobytes())
         elif array["name"] in KEPT:
             parts.append(values.tobytes())
         else:

@@ -72,7 +72,7 @@ class EngineSource {
   stopSweep() { this.socket.send(JSON.stringify({type: "stop_sweep"})); }
 }
 
-// The demonstration holds a few results. Each has 8-bit frames, which its peak scales.
+// The demonstration holds a few results. The frames of each are steps of its peak.
 class StoredSource {
   constructor(receive) {
     this.receive = receive;
@@ -88,9 +88,9 @@ class StoredSource {
     const id = ++this.number, stored = CONFIGURATION.stored[settings.stored ?? 0];
     StoredSource.unpack(stored.data).then(bytes => {
       const header = structuredClone(stored.header), [frames, nx, ny] = header.arrays[0].shape, count = frames * nx * ny;
-      const levels = new Int8Array(bytes, 0, count), whole = new Uint8Array(4 * count + bytes.byteLength - count);
-      new Float32Array(whole.buffer, 0, count).set(Float32Array.from(levels, level => level * stored.peak_m / 127));
-      whole.set(new Uint8Array(bytes, count), 4 * count);
+      const levels = new Int16Array(bytes, 0, count), whole = new Uint8Array(2 * count + bytes.byteLength);
+      new Float32Array(whole.buffer, 0, count).set(Float32Array.from(levels, level => level * stored.peak_m / 1023));
+      whole.set(new Uint8Array(bytes, 2 * count), 4 * count);
       if (id === this.number) this.receive({...header, type: "result", id}, new Result(header, whole.buffer));
     });
     return id;
