@@ -107,8 +107,10 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
     fail_together(team, [&] {
         if (key_.quantity == StackQuantity::loss) {
             std::vector<RadialInterpolant> losses;
-            for (std::ptrdiff_t m = team.rank(); m < frequencies() && !stops; m += team.size()) {
+            for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
                 stops = checkpoints && checkpoints->stop_asked();
+                const std::ptrdiff_t m = first + team.rank();
+                if (stops || m >= frequencies()) continue;
                 const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
                 losses.push_back(fit_loss(response, key_.spacing_m, key_.tolerance));
             }

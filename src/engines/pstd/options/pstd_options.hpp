@@ -59,7 +59,7 @@ struct PstdOptions {
     bool operator==(const PstdOptions&) const = default;
 };
 
-/// The first part: the scheme, and what drives it.
+/// The first part: the scheme.
 template <class Walk, Is<PstdOptions> Options>
 void walk_scheme(Walk& walk, Options& o) {
     walk.key({.key = "study",
@@ -97,6 +97,11 @@ void walk_scheme(Walk& walk, Options& o) {
           .applies = o.top == PstdTop::fluid,
           .only_with = "top = \"fluid\"",
           .meaning = "c_p of the fluid, at most `c_p_over_c_s` times c_s of the uppermost layer"});
+}
+
+/// The second part: what drives the skin.
+template <class Walk, Is<PstdOptions> Options>
+void walk_drive(Walk& walk, Options& o) {
     walk(o.load,
          {.key = "load",
           .meaning = "`\"traction\"`: the load exerts pressure; `\"displacement\"`: it prescribes "
@@ -131,6 +136,7 @@ void walk_scheme(Walk& walk, Options& o) {
 template <class Walk, Is<PstdOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk_scheme(walk, o);
+    walk_drive(walk, o);
     walk(o.depth_m, {.key = "depth_mm",
                      .range = Range::above(0.0),
                      .in_text = o.depth_m > 0.0,
