@@ -107,11 +107,11 @@ def draw_reference(axes, sweep, group, column, figure, colour, line, labels, nam
 def reference_lines(axes, sweep, curves, column, figure):
     """Draws all references of a panel dashed and returns their labels for the right edge."""
     names = layout.reference_name(layout.all_references(sweep))
-    shared = len(layout.all_references(sweep)) == 1
+    colours = {group.label: colour for group, colour, _ in curves}
     labels = []
-    for group, colour, _ in curves[:1] if shared else curves:
-        own = style.INK if shared or len(curves) == 1 else colour
-        draw_reference(axes, sweep, group, column, figure, own, "--", labels, names)
+    for same in layout.by_reference(sweep, [group for group, _, _ in curves], column):
+        own = style.INK if len(same) > 1 or len(curves) == 1 else colours[same[0].label]
+        draw_reference(axes, sweep, same[0], column, figure, own, "--", labels, names)
     return labels if len(labels) <= 6 else []
 
 
