@@ -47,13 +47,17 @@ function(add_catch_group name label runner)
 endfunction()
 
 # Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle, since
-# other processes may use the cores: next to another program, two ranks took six times as long as one.
+# other processes may use the cores: next to another program, two ranks took six times as long as one. For the same
+# reason no other group runs beside them: next to two groups, three ranks took ten times as long as alone.
 function(add_mpi_group name label runner ranks)
     set(launch "")
     if(ranks GREATER 1)
         set(launch mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 -n ${ranks})
     endif()
     add_group(${name} ${label} catch ALONE ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+    if(ranks GREATER 1) # more than there are: nothing runs beside it
+        set_tests_properties(${name} PROPERTIES PROCESSORS 1000)
+    endif()
 endfunction()
 
 # Adds each tests/FOLDER/test_*.py as a group, with the folder as label.
