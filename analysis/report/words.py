@@ -126,6 +126,9 @@ def counted(count, noun):
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+OTHERS = "shearwake report --only ID[,ID] draws others"
+
+
 def some_of(count, every, noun):
     """'3 of 8 cases are drawn'; `noun` is in the singular."""
     return f"{count} of {counted(every, noun)} {'is' if count == 1 else 'are'} drawn"
