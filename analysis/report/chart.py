@@ -24,6 +24,18 @@ class Line:
 
 
 @dataclass
+class Mark:
+    """Something that a panel shows in addition to its lines: "band" (grey from x to `end`), "line" (dotted, vertical),
+    "tick" (short, on the x axis) or "dot" (at x, y)."""
+    kind: str
+    x: float
+    end: float = None
+    y: float = None
+    colour: object = "#222222"
+    case: str = ""  # id of the case with which it is hidden
+
+
+@dataclass
 class Chart:
     """One panel. Lines of one figure share the x axis, so that zooming one panel zooms all."""
     x_label: str
@@ -34,6 +46,7 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_limits: tuple = None
+    marks: list = field(default_factory=list)
 
 
 def rounded(values):
@@ -57,9 +70,13 @@ def line_data(line):
     return data | {"dashed": line.dashed, "points": line.points, "crossed": line.crossed}
 
 
+def mark_data(mark):
+    return {name: value for name, value in {**vars(mark), "colour": to_hex(mark.colour)}.items() if value not in (None, "")}
+
+
 def chart_data(chart):
     """A chart as JSON object for charts.js."""
     limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
     return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,
             "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits,
-            "lines": [line_data(line) for line in chart.lines]}
+            "marks": [mark_data(mark) for mark in chart.marks], "lines": [line_data(line) for line in chart.lines]}

@@ -114,10 +114,10 @@ def displacement_figure(sweep, folder):
         axes.set_title(title, loc="left", color="#555555")
     finish(figure, made[-1], sweep, curves, folder / "displacement.png")
     title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
-    words = {"focal_rms_um": f"Above: the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
-             "peak_um": "Below: the largest |u| within one period." if curves_module.is_steady(sweep) else
-             "Below: the largest |u| from the start of the run to the instant measure.at_ms."}
-    caption = " ".join(words[column] for column, _, _ in rows)
+    words = {"focal_rms_um": f"the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
+             "peak_um": "the largest |u| within one period." if curves_module.is_steady(sweep) else
+             "the largest |u| from the start of the run to the instant measure.at_ms."}
+    caption = " ".join(f"{title[:1].upper()}{title[1:]}: {words[column]}" for column, _, title in rows)
     if layout.all_references(sweep):
         caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
     columns = [row[0] for row in rows]

@@ -92,15 +92,13 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
     draw(figure, made, cases, places, colours, span)
     style.save(figure, folder / "traces.png")
-    text = ("Left: displacement u of the surface over time. Right: its one-sided amplitude spectrum over the complete "
-            "run, without the mean.")
-    if span:
-        text += f" Middle: the last {periods.LAST} periods of the modulation."
+    text = (f"Displacement u of {layout.plane_name(drawn)} over time, and its one-sided amplitude spectrum over the "
+            "complete run, without the mean.")
+    if any(c.is_reference for c in drawn):
+        text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
+    own = f"The pictures also show the last {periods.LAST} periods of the modulation, in the middle." if span else ""
     if len(places) < every:
         text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
-    total, shown = len(layout.ordinary(sweep)), len(layout.ordinary(some))
-    text += f" {some_of(shown, total, 'case')}." if shown < total else ""
     title = "Displacement and spectrum at every trace point"
     return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
-                   cases=[c.id for c in drawn])]
-
+                   of_picture=own, cases=[c.id for c in drawn])]
