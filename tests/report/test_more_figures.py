@@ -21,6 +21,7 @@ from synthetic import AM, Folder, case_id, sweep  # noqa: E402
 import chart  # noqa: E402
 import curve_chart  # noqa: E402
 import fig_drive  # noqa: E402
+import fig_measures  # noqa: E402
 import fig_medium  # noqa: E402
 import fig_profiles  # noqa: E402
 import fig_receptors  # noqa: E402
@@ -189,6 +190,12 @@ class FolderTest(unittest.TestCase):
             figures = self.draw(folder, module)
         self.assertEqual(len(panels), 2)
         return figures
+
+    def test_ratios_have_the_reference_as_a_dashed_line_at_1(self):
+        for figure in (f for f in self.draw(sweep(self.root), fig_measures) if f.name in ("gain", "strength")):
+            line, = (line for line in figure.charts[0].lines if line.dashed)
+            self.assertEqual((line.label, line.x, line.y), ("plain STM", [100.0, 200.0, 400.0], [1.0] * 3))
+            self.assertIn("the dashed line at 1", figure.caption)
 
     def test_captions_name_the_plane_that_is_measured(self):
         folder = sweep(self.root)
