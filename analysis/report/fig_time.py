@@ -32,8 +32,8 @@ MEASURES = [
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
      "needs": "ipr_abs",
-     "caption": "The area over which the displacement is spread. It increases while waves propagate away from "
-                "the path."},
+     "caption": "The area over which the displacement is spread.",
+     "transient": " It increases while waves propagate away from the path."},
     {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
@@ -171,7 +171,8 @@ def arrange(figure, titles, rows, columns):
 
 
 def add_key(figure, sweep, cases):
-    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")]
+    starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
     at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
     reference = layout.reference_name(layout.all_references(sweep))
     grey = [plt.Line2D([], [], color="#b0b0b0", linewidth=1.6, label=reference)]
@@ -246,6 +247,8 @@ def time_figure(sweep, folder, measure):
     style.save(figure, folder / (measure["name"] + ".png"))
     last = last_periods(figure, cases, measure, folder)
     marks = key_caption(sweep, cases, many) if measure is MEASURES[0] else ""  # once per page
+    if not all(layout.repeats(c) for c in cases):
+        marks = measure.get("transient", "") + marks
     some = len(layout.ordinary(sweep))
     marks += f" {some_of(some, every, 'case')}." if some < every else ""
     shown = [c.id for c in [*cases, *layout.all_references(sweep)]]
@@ -284,9 +287,12 @@ def span(values):
 def key_caption(sweep, cases, many):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
-    text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms). Dotted line: the "
-            f"instant of measure.at_ms ({span(at)} ms). The limits of the vertical axis follow from the settled "
-            "part; earlier values may exceed them.")
+    text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
+    if after[-1] > 0:
+        text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms).{text} The limits of "
+                "the vertical axis follow from the settled part; earlier values may exceed them.")
+    if all(layout.repeats(c) for c in cases):
+        text = f" One period of the load.{text}"
     if any(sweep.reference_of(c) for c in cases):
         name = layout.reference_name(layout.all_references(sweep))
         if not many:
