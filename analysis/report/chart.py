@@ -20,6 +20,7 @@ class Line:
     error: list = None  # half the length of an error bar per point
     dashed: bool = False
     points: bool = False
+    dots: bool = False     # points without a line: a spectrum that consists of lines
     crossed: bool = False  # crosses without a line: values that are not valid
 
 
@@ -60,14 +61,14 @@ def places(values):
 
 
 def line_data(line):
-    step = max(1, math.ceil(len(line.x) / MOST_POINTS))
+    step = 1 if line.dots else max(1, math.ceil(len(line.x) / MOST_POINTS))
     data = {"label": line.label, "x": places(line.x[::step]), "y": rounded(line.y[::step]),
             "colour": to_hex(line.colour)}
     if line.case:
         data["case"] = line.case
     if line.error is not None and np.isfinite(line.error).any():
         data["error"] = rounded(line.error[::step])
-    return data | {"dashed": line.dashed, "points": line.points, "crossed": line.crossed}
+    return data | {"dashed": line.dashed, "points": line.points, "dots": line.dots, "crossed": line.crossed}
 
 
 def mark_data(mark):

@@ -152,8 +152,8 @@ function drawPanel(holder, panel, output, key) {
   const spanGaps = !panel.lines.some(line => line.points);  // curves end where a reading is not valid
   const series = panel.lines.map(line => ({label: (line.crossed ? "\u00d7 " : "") + line.label, stroke: line.colour, width: 1.6,
     dash: line.dashed ? [6, 4] : undefined, spanGaps, show: !hiddenCases.has(line.case),
-    paths: line.crossed || (panel.x_names && !line.dashed) ? () => null : undefined,
-    points: {show: line.points && !line.crossed, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
+    paths: line.crossed || line.dots || (panel.x_names && !line.dashed) ? () => null : undefined,
+    points: {show: (line.points || line.dots) && !line.crossed, size: line.dots ? 5 : 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
   const plot = new uPlot({
     width: Math.max(260, holder.clientWidth), height: holder.clientWidth < 500 ? 260 : 320,
     series: [{label: panel.x_label, value: (p, v) => v === null ? "–" : name(v)}, ...series], axes: axes(panel),

@@ -244,7 +244,7 @@ def is_modulated(sweep):
 
 def is_steady(sweep):
     """Whether all cases are in the periodic regime."""
-    return all(c.setting("time", "regime", default="") == "periodic" for c in layout.ordinary(sweep))
+    return all(layout.repeats(c) for c in layout.ordinary(sweep))
 
 
 def region_words(sweep):

@@ -120,10 +120,11 @@ def displacement_figure(sweep, folder):
         axes.set_title(title, loc="left", color="#555555")
     finish(figure, made[-1], sweep, curves, folder / "displacement.png")
     title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
-    words = {"focal_rms_um": f"the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
-             "peak_um": "the largest |u| within one period." if curves_module.is_steady(sweep) else
-             "the largest |u| from the start of the run to the instant measure.at_ms."}
-    caption = " ".join(f"{title[:1].upper()}{title[1:]}: {words[column]}" for column, _, title in rows)
+    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(sweep)}.",
+             "peak_um": "largest |u| within one period." if curves_module.is_steady(sweep) else
+             "largest |u| from the start of the run to the instant measure.at_ms."}
+    starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
+    caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
     if layout.all_references(sweep):
         caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
     columns = [row[0] for row in rows]

@@ -33,8 +33,8 @@ MEASURES = [
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
      "needs": "ipr_abs",
-     "caption": "The area over which the displacement is spread. It increases while waves propagate away from "
-                "the path."},
+     "caption": "The area over which the displacement is spread.",
+     "transient": " It increases while waves propagate away from the path."},
     {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
@@ -173,7 +173,8 @@ def arrange(figure, titles, rows, columns):
 
 
 def add_key(figure, sweep, cases):
-    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")]
+    starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
     at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
     reference = layout.reference_name(layout.all_references(sweep))
     dashed = [plt.Line2D([], [], color="black", linewidth=0.9, linestyle=DASHED, label=reference)]
@@ -247,6 +248,8 @@ def time_figure(sweep, folder, measure):
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
     marks = key_caption(sweep, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
+    if not all(layout.repeats(c) for c in cases):
+        marks = measure.get("transient", "") + marks
     last = last_periods(figure, cases, measure, folder, marks)
     shown = [c.id for c in [*cases, *layout.all_references(sweep)]]
     made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
@@ -301,9 +304,12 @@ def span(values):
 def key_caption(sweep, cases):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
-    text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms). Dotted line: the "
-            f"instant of measure.at_ms ({span(at)} ms). The limits of the vertical axis follow from the settled "
-            "part; earlier values may exceed them.")
+    text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
+    if after[-1] > 0:
+        text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms).{text} The limits of "
+                "the vertical axis follow from the settled part; earlier values may exceed them.")
+    if all(layout.repeats(c) for c in cases):
+        text = f" One period of the load.{text}"
     if any(sweep.reference_of(c) for c in cases):
         text += f" Dashed: {layout.reference_name(layout.all_references(sweep))}."
     if sweep.x:

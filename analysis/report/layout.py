@@ -24,6 +24,11 @@ def ordinary(sweep):
     return [c for c in sweep.cases if c.whole and not c.is_reference]
 
 
+def repeats(case):
+    """Whether the load has always repeated (time.regime = "periodic")."""
+    return case.setting("time", "regime", default="") == "periodic"
+
+
 def is_numeric(sweep):
     values = [c.settings.get(sweep.x) for c in sweep.cases if not c.is_reference]
     return bool(sweep.x) and bool(values) and all(is_number(v) for v in values)
@@ -163,11 +168,13 @@ def settings_text(sweep, case):
 
 
 def displayed_key(sweep, key):
-    am, sm = "load.modulation.am_frequency_Hz", "load.modulation.sm_frequency_Hz"
-    if key not in (am, sm) or not {am, sm} <= set(sweep.swept_keys):
-        return key
-    same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
-    return "load.modulation.modulation_frequency_Hz" if same else key
+    """The key itself, or the common key of a frequency or a phase that AM and SM share."""
+    for what in ("frequency_Hz", "phase_deg"):
+        am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
+        if key in (am, sm) and {am, sm} <= set(sweep.swept_keys):
+            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
+            return f"load.modulation.modulation_{what}" if same else key
+    return key
 
 
 def axes(sweep):

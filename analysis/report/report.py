@@ -92,9 +92,12 @@ def attempt(name, problems, draw, *arguments):
 
 
 def shown_caption(sweep, figure, made):
-    """States how many cases the figures of a group show, unless they show all: each one by itself, or together if each
-    shows a single case."""
-    ids = {i for f in made for i in f.cases} if all(len(f.cases) == 1 for f in made) else set(figure.cases)
+    """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
+    of them if each shows a single case."""
+    alone = len(made) > 1 and all(len(f.cases) == 1 for f in made)
+    if alone and figure is not made[0]:
+        return ""
+    ids = {i for f in made for i in f.cases} if alone else set(figure.cases)
     every = layout.ordinary(sweep)
     count = sum(case.id in ids for case in every)
     return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""

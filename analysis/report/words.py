@@ -22,7 +22,7 @@ NAMES = {
     "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
     "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
     "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
-    "modulation_frequency": "modulation frequency", "focal_radius": "focal radius",
+    "modulation_frequency": "modulation frequency", "modulation_phase": "phase", "focal_radius": "focal radius",
     "focal_radius_fwhm": "focal radius in FWHM",
 }
 
