@@ -89,7 +89,8 @@ def case_data(sweep, case, limits, detail):
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
     path = wake.focus_at(case, case.series["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
-    return {"label": warnings_of.label(sweep, case, "player"), "times": [round(1e3 * s.t_s, 6) for s in shots],
+    period = round(1e3 * float(case.series["time"][-1]), 6) if layout.repeats(case) else None
+    return {"label": warnings_of.label(sweep, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -165,6 +166,8 @@ def caption(cases, data, detail):
             "focal disc. Dotted line: path of the focus. Choose "
             "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
             "rectangle to zoom. Values beyond the colour scale are clipped.")
+    if all(c["period"] for c in data["cases"]):
+        text += " The load repeats for ever: the pictures cover one period and start again."
     shown = max(len(c["times"]) for c in data["cases"])
     if shown < kept:
         text += f" The page contains {shown} of {counted(kept, 'frame')}."

@@ -338,6 +338,14 @@ class BrowserTest(unittest.TestCase):
                 self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
                 self.assertEqual(page.errors(), [])
 
+    def test_a_load_that_repeats_starts_again_after_its_period(self):
+        page = self.at_start(1280)
+        found = page.run("""(() => { const player = document.querySelector(".player").player, panel = player.panels[0];
+            panel.shown.times = [1, 2]; panel.shown.period = 2;
+            player.retime();
+            return [player.times, player.times.map((t, i) => { player.slider.value = i; return panel.frame(); })]; })()""")
+        self.assertEqual(found, [[1, 2, 3, 4], [0, 1, 0, 1]])  # the other panel shows 2 and 4 ms
+
     def test_pointing_at_the_surface_shows_u_in_both_panels(self):
         for width in (1280, 390):
             with self.subTest(width=width):
