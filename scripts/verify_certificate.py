@@ -4,12 +4,13 @@
 
 Usage: scripts/verify_certificate.py out/JOB.optimise
 
-For each case and strength s, the folder contains symmetric matrices N, D and F, a number eta, and weights mu >= 0
-and w >= 0. They prove that no envelope |e| <= 1 with e'Fe >= s^2 1'F1 has e'Ne / e'De >= eta, if
+For each case and strength s, the folder contains symmetric matrices N, D and F, the number S = 1'F1 of the load without
+modulation on the path of the job, a number eta, and weights mu >= 0 and w >= 0. They prove that no envelope |e| <= 1
+with e'Fe >= s^2 S has e'Ne / e'De >= eta, if
 
-    diag(w) - F - mu (N - eta D) is positive semidefinite, and sum w < s^2 1'F1:
+    diag(w) - F - mu (N - eta D) is positive semidefinite, and sum w < s^2 S:
 
-such an envelope would have e'Fe <= e'Fe + mu e'(N - eta D)e <= sum w e^2 <= sum w < s^2 1'F1. The script checks both
+such an envelope would have e'Fe <= e'Fe + mu e'(N - eta D)e <= sum w e^2 <= sum w < s^2 S. The script checks both
 conditions, that the found envelope satisfies its constraints, and that its eta is that of the quotient. Exit code 1 if
 anything fails.
 """
@@ -22,7 +23,7 @@ import numpy as np
 ROUNDING = 1e-12  # of eigenvalues, relative to the trace of F
 
 
-def problems(forms, optimum):
+def problems(forms, reference, optimum):
     """What is wrong with one optimum and its certificate."""
     N, D, F = (np.array(forms[name]) for name in ("numerator", "denominator", "focal"))
     bound, found = optimum["ceiling"], optimum["found"]
@@ -33,9 +34,9 @@ def problems(forms, optimum):
     least = np.linalg.eigvalsh(np.diag(w) - F - mu * (N - eta * D)).min()
     if least < -ROUNDING * np.trace(F):
         yield f"the matrix is not positive semidefinite: it has the eigenvalue {least:g}"
-    if w.sum() >= s**2 * F.sum():
-        yield f"the sum of the weights, {w.sum():g}, is not less than {s**2 * F.sum():g}"
-    if e.min() < 0 or e.max() > 1 or e @ F @ e < s**2 * F.sum() * (1 - 1e-12):
+    if w.sum() >= s**2 * reference:
+        yield f"the sum of the weights, {w.sum():g}, is not less than {s**2 * reference:g}"
+    if e.min() < 0 or e.max() > 1 or e @ F @ e < s**2 * reference * (1 - 1e-12):
         yield "the envelope does not satisfy its constraints"
     if abs(e @ N @ e / (e @ D @ e) - found["eta"]) > 1e-12:
         yield "the envelope has another eta"
@@ -47,8 +48,9 @@ def main(folder):
     failed = checked = 0
     for path in sorted((pathlib.Path(folder) / "optimise").glob("*.strength-*.json")):
         optimum = json.loads(path.read_text(encoding="utf-8"))
-        forms = json.loads((path.parent / f"{optimum['case']}.forms.json").read_text(encoding="utf-8"))
-        trouble = list(problems(forms, optimum))
+        forms, base = (json.loads((path.parent / f"{optimum[of]}.forms.json").read_text(encoding="utf-8"))
+                       for of in ("forms", "case"))
+        trouble = list(problems(forms, np.array(base["focal"]).sum(), optimum))
         print(f"{path.stem}: eta {optimum['found']['eta']:.4f}, no envelope reaches {optimum['ceiling']['eta']:.4f}: "
               f"{'; '.join(trouble) or 'verified'}")
         checked += 1

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/optimise_table.hpp"
 
+#include "optimise/waveform.hpp"
 #include "reduce/reduce.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -14,6 +15,7 @@
 namespace shearwake::app {
 namespace {
 
+using optimise::Optima;
 using optimise::OptimisedCase;
 using optimise::Optimum;
 
@@ -23,17 +25,40 @@ double degrees(double rad) {
     return 180.0 / std::numbers::pi * rad;
 }
 
-Reading reading(const std::map<std::string, Reading>& all, const Case& physics) {
+Reading reading(const Readings& all, const Case& physics) {
     const auto found = all.find(case_id(physics));
     return found == all.end() ? Reading{absent, absent} : found->second;
 }
 
 /// A row of the table without the settings of the case: column and value.
-using Row = std::vector<std::pair<std::string, double>>;
+using Row = std::vector<std::pair<std::string, reduce::Cell>>;
 
-Row row_of(const OptimisedCase& c, const Optimum& of, const optimise::BestSm& sm,
-           const optimise::ResultCases& cases, const std::map<std::string, Reading>& basis,
-           const std::map<std::string, Reading>& computed) {
+void add_motion(Row& row, const optimise::MovedCase& moved) {
+    const optimise::MotionChange& change = moved.change;
+    const bool swings = change.periods > 0;
+    for (const Mover& mover : moved.physics.scene().load.modulation.trajectory.parts) {
+        const auto* travel = std::get_if<Travel>(&mover);
+        if (!travel) continue;
+        const auto* motion = std::get_if<OscillatingSpeed>(&travel->motion);
+        const auto* constant = std::get_if<ConstantSpeed>(&travel->motion);
+        row.insert(
+            row.end(),
+            {{"optimum_size_1", change.size},
+             {"optimum_speed_m_s", motion     ? motion->mean_m_s
+                                   : constant ? constant->speed_m_s
+                                              : absent},
+             {"optimum_sm_frequency_Hz", motion && swings ? motion->frequency_Hz : absent},
+             {"optimum_sm_deviation_m_s", motion && swings ? motion->deviation_m_s : absent},
+             {"optimum_sm_phase_deg", motion && swings ? degrees(motion->phase_rad) : absent}});
+        return;
+    }
+}
+
+Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOptions& options,
+           const Readings& basis, const Readings& computed) {
+    const OptimisedCase& c = results.cases[i];
+    const Optimum& of = results.optima[i][s];
+    const optimise::ResultCases cases = results.results(i, s, options);
     const Reading unmodulated = reading(computed, cases.unmodulated);
     Row row = {{"strength_at_least_1", of.strength},
                {"eta_optimum_1", of.found.eta},
@@ -47,6 +72,7 @@ Row row_of(const OptimisedCase& c, const Optimum& of, const optimise::BestSm& sm
                {"am_frequency_Hz", of.am.frequency_Hz},
                {"am_depth_1", of.am.depth},
                {"am_phase_deg", degrees(of.am.phase_rad)}};
+    const optimise::BestSm& sm = results.sm[i][s];
     const optimise::SmCase* best = sm ? &c.sm[*sm] : nullptr;
     const Reading of_sm = best ? reading(basis, best->physics) : Reading{absent, absent};
     row.insert(row.end(),
@@ -55,32 +81,43 @@ Row row_of(const OptimisedCase& c, const Optimum& of, const optimise::BestSm& sm
                 {"sm_frequency_Hz", best ? best->frequency_Hz : absent},
                 {"sm_deviation_m_s", best ? best->deviation_m_s : absent},
                 {"sm_phase_deg", best ? degrees(best->phase_rad) : absent}});
+    if (options.over.size() > 1) add_motion(row, results.moved[i][s]);
     if (cases.exported) {
         const Reading exported = reading(computed, *cases.exported);
         row.insert(row.end(),
                    {{"eta_exported_1", exported.eta},
-                    {"strength_exported_1", exported.focal_rms_um / unmodulated.focal_rms_um}});
+                    {"strength_exported_1", exported.focal_rms_um / unmodulated.focal_rms_um},
+                    {"exported_loss_1", 1.0 - exported.eta / of.found.eta}});
     }
     return row;
 }
 
-reduce::Table table_of_rows(const std::vector<std::vector<Row>>& rows, const Optima& results) {
+/// A row with the case that it is about.
+struct CaseRow {
+    const OptimisedCase& of;
+    Row cells;
+};
+
+/// Writes a table as CSV and Markdown; returns the Markdown.
+std::string write_table(const std::filesystem::path& stem, const std::vector<CaseRow>& rows) {
     reduce::Table table;
     table.columns.emplace_back("case");
-    for (const Setting& setting : results.cases.front().base.settings)
+    for (const Setting& setting : rows.front().of.base.settings)
         table.columns.push_back(setting.key);
-    for (const auto& [column, value] : rows.front().front())
-        table.columns.push_back(column);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        for (const Row& row : rows[i]) {
-            std::vector<reduce::Cell> cells = {results.cases[i].base.id};
-            for (const Setting& setting : results.cases[i].base.settings)
-                std::visit([&](const auto& value) { cells.emplace_back(value); }, setting.value);
-            for (const auto& [column, value] : row)
-                cells.emplace_back(value);
-            table.rows.push_back(std::move(cells));
-        }
-    return table;
+    for (const auto& cell : rows.front().cells)
+        table.columns.push_back(cell.first);
+    for (const CaseRow& row : rows) {
+        std::vector<reduce::Cell> cells = {row.of.base.id};
+        for (const Setting& setting : row.of.base.settings)
+            std::visit([&](const auto& value) { cells.emplace_back(value); }, setting.value);
+        for (const auto& cell : row.cells)
+            cells.push_back(cell.second);
+        table.rows.push_back(std::move(cells));
+    }
+    storage::write_file(stem.string() + ".csv", reduce::csv(table));
+    const std::string text = reduce::markdown(table, table.columns);
+    storage::write_file(stem.string() + ".md", text);
+    return text;
 }
 
 void write_waveform(const std::filesystem::path& stem, const optimise::Waveform& waveform) {
@@ -90,15 +127,15 @@ void write_waveform(const std::filesystem::path& stem, const optimise::Waveform&
 
 } // namespace
 
-std::map<std::string, Reading> readings_of(const schedule::OutputFolder& folder) {
+Readings readings_of(const schedule::OutputFolder& folder, const std::string& maximised) {
     const reduce::Table table =
         reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
     const auto place = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(table.columns, name) -
                                         table.columns.begin());
     };
-    const std::size_t eta = place("eta_period_1"), rms = place("focal_rms_um");
-    std::map<std::string, Reading> readings;
+    const std::size_t eta = place(maximised), rms = place("focal_rms_um");
+    Readings readings;
     for (const auto& row : table.rows)
         readings[std::get<std::string>(row[0])] = {std::get<double>(row.at(eta)),
                                                    std::get<double>(row.at(rms))};
@@ -107,7 +144,7 @@ std::map<std::string, Reading> readings_of(const schedule::OutputFolder& folder)
 
 std::vector<std::vector<optimise::BestSm>> best_sm(const std::vector<OptimisedCase>& cases,
                                                    const std::vector<double>& strengths,
-                                                   const std::map<std::string, Reading>& basis) {
+                                                   const Readings& basis) {
     std::vector<std::vector<optimise::BestSm>> best(cases.size());
     for (std::size_t i = 0; i < cases.size(); ++i)
         for (const double strength : strengths) {
@@ -125,28 +162,38 @@ std::vector<std::vector<optimise::BestSm>> best_sm(const std::vector<OptimisedCa
     return best;
 }
 
-std::string write_optima(const schedule::OutputFolder& folder, const Optima& results,
-                         const OptimiseOptions& options,
-                         const std::map<std::string, Reading>& basis) {
-    const std::map<std::string, Reading> computed = readings_of(folder);
-    std::vector<std::vector<Row>> rows(results.cases.size());
+std::string write_optima(const Study& study, const Optima& results, const Readings& basis) {
+    const Readings computed = readings_of(study.folder, study.options.maximise);
+    std::vector<CaseRow> rows;
     for (std::size_t i = 0; i < results.cases.size(); ++i)
         for (std::size_t s = 0; s < results.optima[i].size(); ++s) {
             const OptimisedCase& c = results.cases[i];
             const Optimum& of = results.optima[i][s];
-            rows[i].push_back(row_of(c, of, results.sm[i][s],
-                                     optimise::result_cases(c, of, results.sm[i][s], options),
-                                     basis, computed));
-            if (const auto waveform = optimise::exported(c, of, options))
-                write_waveform(folder.optimise() /
-                                   fmt::format("{}.strength-{:g}", c.base.id, of.strength),
-                               *waveform);
+            rows.push_back({c, row_of(results, i, s, study.options, basis, computed)});
+            if (const auto waveform =
+                    optimise::exported(results.moved[i][s].knots, of, study.options))
+                write_waveform(study.files.stem(c, of.strength), *waveform);
         }
-    const reduce::Table table = table_of_rows(rows, results);
-    storage::write_file(folder.optimise() / "table.csv", reduce::csv(table));
-    const std::string text = reduce::markdown(table, table.columns);
-    storage::write_file(folder.optimise() / "table.md", text);
-    return text;
+    return write_table(study.files.root / "table", rows);
+}
+
+std::string write_robustness(const Study& study, const Optima& results,
+                             const std::vector<optimise::RobustCase>& cases) {
+    const Readings computed =
+        readings_of(schedule::OutputFolder{study.folder.robustness()}, study.options.maximise);
+    std::vector<CaseRow> rows;
+    for (const optimise::RobustCase& c : cases) {
+        const Reading found = reading(computed, c.found),
+                      unmodulated = reading(computed, c.unmodulated);
+        rows.push_back({results.cases[c.of],
+                        {{"strength_at_least_1", results.optima[c.of][c.strength].strength},
+                         {"difference", c.difference},
+                         {"eta_found_1", found.eta},
+                         {"eta_unmodulated_1", unmodulated.eta},
+                         {"found_over_unmodulated_1", found.eta / unmodulated.eta},
+                         {"strength_1", found.focal_rms_um / unmodulated.focal_rms_um}}});
+    }
+    return write_table(study.files.root / "robustness", rows);
 }
 
 } // namespace shearwake::app

@@ -5,7 +5,7 @@
 #include "config/expand.hpp"
 #include "config/listed_cases.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sections/read_fields.hpp"
+#include "config/sections/read_optimise.hpp"
 #include "config/study_keys.hpp"
 #include "config/table_options.hpp"
 #include "config/uncertain.hpp"
@@ -68,18 +68,6 @@ void read_identity(Reader reader, Plan& plan) {
     const bool given = reader.has("name") && reader.diagnostics().errors() == before;
     reader.finish();
     if (given) check_name(reader, plan.name);
-}
-
-std::optional<OptimiseOptions> read_optimise(Reader reader) {
-    if (reader.empty()) return std::nullopt;
-    OptimiseOptions options;
-    read_fields(reader, options);
-    if (options.strengths.empty())
-        reader.error("strength_at_least", "must contain at least one number");
-    if (reader.has("bits") && !reader.has("update_rate_Hz"))
-        reader.error("bits", "applies only with update_rate_Hz");
-    reader.finish();
-    return options;
 }
 
 Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const FileLoaders& files,

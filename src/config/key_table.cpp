@@ -262,7 +262,8 @@ std::string key_reference() {
     KeyTable table;
     const Case defaults;
     walk_fields(table, defaults);
-    walk_fields(table, OptimiseOptions{});
+    const OptimiseOptions optimise;
+    walk_fields(table, optimise);
     return preface + table.markdown();
 }
 

@@ -355,7 +355,8 @@ std::string job_schema() {
     SchemaWalk walk(root);
     const Case defaults;
     walk_fields(walk, defaults);
-    walk_fields(walk, OptimiseOptions{});
+    const OptimiseOptions optimise;
+    walk_fields(walk, optimise);
 
     Json& layer = root["properties"]["medium"]["properties"]["layer"]["items"];
     Json& loss = layer["properties"]["loss"];

@@ -45,8 +45,8 @@ double constraint(unsigned count, const double* values, double* gradient, void* 
     return search.squared_strength - squared_strength(search.forms, e);
 }
 
-/// The nearest envelope on the way to the unmodulated load that satisfies all constraints. eta does
-/// not depend on the scale, so the largest value is 1.
+/// The nearest envelope on the way to the unmodulated load that satisfies all constraints, if that
+/// load does. eta does not depend on the scale, so the largest value is 1.
 Eigen::VectorXd feasible(const Forms& forms, double squared, Eigen::VectorXd e) {
     const Eigen::VectorXd ones = Eigen::VectorXd::Ones(e.size());
     e = e.cwiseMax(0.0).cwiseMin(1.0);
@@ -73,6 +73,9 @@ Envelope measured(const Forms& forms, Eigen::VectorXd values) {
 
 Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start) {
     Search search{forms, strength * strength};
+    if (squared_strength(forms, Eigen::VectorXd::Ones(start.size())) <
+        search.squared_strength * (1.0 - 1e-12))
+        return {.values = Eigen::VectorXd::Ones(start.size())};
     const auto count = static_cast<unsigned>(start.size());
     const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> solver(
         nlopt_create(NLOPT_LD_SLSQP, count), nlopt_destroy);

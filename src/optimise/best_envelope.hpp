@@ -20,7 +20,8 @@ Envelope measured(const Forms& forms, Eigen::VectorXd values);
 
 /// Local search from one start for the largest eta with 0 <= e <= 1 and at least this strength
 /// (0 to 1), by sequential quadratic programming (SLSQP of NLopt). The result satisfies all
-/// constraints exactly and is at least as good as the start. Not collective.
+/// constraints exactly and is at least as good as the start. If the unmodulated load does not have
+/// this strength (on a path that is not that of the job), its eta is 0. Not collective.
 Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start);
 
 /// `count` different starts: the unmodulated load, sines of different frequencies and phases, and

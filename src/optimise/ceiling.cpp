@@ -114,12 +114,13 @@ bool is_valid(const Forms& forms, const Certificate& c, double rounding) {
     slack.diagonal() += c.weights;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(slack, Eigen::EigenvaluesOnly);
     return solver.eigenvalues().minCoeff() >= -rounding * forms.focal.trace() &&
-           c.weights.sum() < c.strength * c.strength * forms.focal.sum();
+           c.weights.sum() < c.strength * c.strength * forms.reference_energy();
 }
 
 Certificate ceiling(const Forms& forms, double strength) {
-    // Units in which the unmodulated load has a focal energy and a total energy of 1.
-    const double focal_unit = forms.focal.sum(), unit = forms.denominator.sum();
+    // Units in which the reference has a focal energy, and the unmodulated load a total energy,
+    // of 1.
+    const double focal_unit = forms.reference_energy(), unit = forms.denominator.sum();
     const MatrixXd focal = forms.focal / focal_unit;
     Certificate best{.strength = strength, .weights = {}};
     double reached = eta(forms, VectorXd::Ones(forms.knots())); // by the unmodulated load

@@ -7,7 +7,7 @@ namespace shearwake::optimise {
 
 /// A proof that no envelope with |e| <= 1 and at least this strength reaches `eta`: weights w >= 0
 /// and mu >= 0 with
-///     diag(w) - F - mu (N - eta D) positive semidefinite   and   sum w < strength^2 1' F 1.
+///     diag(w) - F - mu (N - eta D) positive semidefinite   and   sum w < strength^2 S.
 /// An envelope that reached eta would have e'Fe <= e'Fe + mu e'(N - eta D)e <= sum w e^2 <= sum w,
 /// which is less than the strength requires.
 struct Certificate {

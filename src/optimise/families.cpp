@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/families.hpp"
 
+#include "optimise/variation.hpp"
+
 #include <cmath>
 #include <numbers>
 

@@ -14,11 +14,11 @@ Eigen::VectorXd eta_gradient(const Forms& forms, const Eigen::VectorXd& envelope
 }
 
 double squared_strength(const Forms& forms, const Eigen::VectorXd& envelope) {
-    return envelope.dot(forms.focal * envelope) / forms.focal.sum();
+    return envelope.dot(forms.focal * envelope) / forms.reference_energy();
 }
 
 Eigen::VectorXd squared_strength_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
-    return 2.0 / forms.focal.sum() * (forms.focal * envelope);
+    return 2.0 / forms.reference_energy() * (forms.focal * envelope);
 }
 
 } // namespace shearwake::optimise

@@ -3,16 +3,17 @@
 
 #include "case/case.hpp"
 #include "optimise/forms.hpp"
+#include "optimise/quotient.hpp"
 
 #include <filesystem>
 #include <vector>
 
 namespace shearwake::optimise {
 
-/// The quadratic forms of eta_period_1 from the case files of all knots (knot_case()), which store
-/// every frame: sums over the frames of the window with its weights, and over the focal disc (N and
-/// F) or the measured region (D), with the weights of the measures. Exact, since the field is
-/// linear in the envelope. `c`: the case without envelope. Throws FileFailure. Not collective.
-Forms gram_forms(const Case& c, const std::vector<std::filesystem::path>& knot_files);
+/// The quadratic forms of a quotient from the case files of all knots (knot_case()), which store
+/// every frame: sums with the weights of the measures. Exact, since the field is linear in the
+/// envelope. `c`: the case without envelope. Throws FileFailure. Not collective.
+Forms gram_forms(const Case& c, const Quotient& quotient,
+                 const std::vector<std::filesystem::path>& knot_files);
 
 } // namespace shearwake::optimise

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/knots.hpp"
 
+#include "base/text.hpp"
 #include "measures/window.hpp"
+#include "optimise/quotient.hpp"
+#include "optimise/variation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +12,6 @@
 
 namespace shearwake::optimise {
 namespace {
-
-Travel* travel_at_constant_speed(Case& c) {
-    for (Mover& mover : c.scene().load.modulation.trajectory.parts)
-        if (auto* travel = std::get_if<Travel>(&mover);
-            travel && std::holds_alternative<ConstantSpeed>(travel->motion))
-            return travel;
-    return nullptr;
-}
 
 bool is_periodic(const Case& c) {
     return c.time.regime == Regime::periodic;
@@ -33,7 +28,7 @@ Knots knots_of(const Case& c, double interval_s) {
             .repeat = is_periodic(c)};
 }
 
-std::string why_not(const Case& c) {
+std::string why_not(const Case& c, const OptimiseOptions& options) {
     if (c.study()) return "a k-Wave study has sources of its own, which have no envelope";
     const Modulation& modulation = c.scene().load.modulation;
     if (!modulation.envelope.gains.empty())
@@ -42,7 +37,16 @@ std::string why_not(const Case& c) {
                            modulation.kind);
     const measures::PeriodWindow window = measures::period_window(
         c.measure, c.time, modulation_frequency_Hz(modulation), off_time_s(modulation.trajectory));
-    return window.reason;
+    if (!window.fits()) return window.reason;
+    if (!find_quotient(c, options.maximise))
+        return fmt::format("optimise.maximise must be {}, but is \"{}\"; shares of energy need "
+                           "measure.bands_Hz",
+                           quoted_list(quotients_of(c)), options.maximise);
+    if (options.over.size() > 1 && !has_speed(c))
+        return "optimise.over has more than \"envelope\", but no focus moves along a path at "
+               "constant "
+               "speed without rests";
+    return {};
 }
 
 Case with_envelope(Case c, const Knots& knots, const Eigen::VectorXd& values) {
@@ -57,8 +61,11 @@ Case knot_case(const Case& c, const Knots& knots, Eigen::Index knot) {
     Case alone = with_envelope(c, knots, Eigen::VectorXd::Unit(knots.count, knot));
     alone.measure.depths_m.resize(1);
     alone.measure.bands.clear();
-    alone.record = {
-        .traces_m = {}, .snapshots_s = {}, .frames = true, .volumes_s = {}, .volume_fields = {}};
+    alone.record = {.traces_m = {trace_m(c)},
+                    .snapshots_s = {},
+                    .frames = true,
+                    .volumes_s = {},
+                    .volume_fields = {}};
     alone.afferents.reset();
     return alone;
 }
@@ -68,25 +75,6 @@ double window_s(const Case& c) {
     const measures::PeriodWindow window = measures::period_window(
         c.measure, c.time, modulation_frequency_Hz(modulation), off_time_s(modulation.trajectory));
     return window.to_s - window.from_s;
-}
-
-Case with_oscillating_speed(Case c, double frequency_Hz, double deviation_m_s, double phase_rad) {
-    travel_at_constant_speed(c)->motion = OscillatingSpeed{.mean_m_s = speed_m_s(c),
-                                                           .deviation_m_s = deviation_m_s,
-                                                           .frequency_Hz = frequency_Hz,
-                                                           .phase_rad = phase_rad};
-    return c;
-}
-
-bool has_speed(const Case& c) {
-    Case copy = c;
-    const Travel* travel = travel_at_constant_speed(copy);
-    return travel && travel->corners == CornerPace{};
-}
-
-double speed_m_s(const Case& c) {
-    Case copy = c;
-    return std::get<ConstantSpeed>(travel_at_constant_speed(copy)->motion).speed_m_s;
 }
 
 } // namespace shearwake::optimise

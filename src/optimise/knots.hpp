@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "case/optimise_options.hpp"
 
 #include <Eigen/Dense>
 #include <string>
@@ -23,23 +24,17 @@ struct Knots {
 /// The knots of a case, about `interval_s` apart.
 Knots knots_of(const Case& c, double interval_s);
 
-/// The reason why the envelope of a case cannot be optimised; empty if it can.
-std::string why_not(const Case& c);
+/// The reason why the case cannot be optimised; empty if it can.
+std::string why_not(const Case& c, const OptimiseOptions& options);
 
 /// The case with this envelope, given by its values at the knots.
 Case with_envelope(Case c, const Knots& knots, const Eigen::VectorXd& values);
 
 /// The case whose envelope is 1 at one knot and 0 at all others, which stores every frame of the
-/// first depth and nothing else.
+/// first depth and the trace of the spectral columns, and nothing else.
 Case knot_case(const Case& c, const Knots& knots, Eigen::Index knot);
 
 /// The window of the measures over periods [s].
 double window_s(const Case& c);
-
-/// The same load with an oscillating speed, SM-STM. Only for a case with has_speed().
-Case with_oscillating_speed(Case c, double frequency_Hz, double deviation_m_s, double phase_rad);
-/// Whether the focus moves along a path at constant speed, and this speed.
-bool has_speed(const Case& c);
-double speed_m_s(const Case& c);
 
 } // namespace shearwake::optimise

@@ -69,7 +69,8 @@ std::string forms_text(const std::string& id, const Knots& knots, const Forms& f
                    {"repeat", knots.repeat}}},
                  {"numerator", json_of(forms.numerator)},
                  {"denominator", json_of(forms.denominator)},
-                 {"focal", json_of(forms.focal)}})
+                 {"focal", json_of(forms.focal)},
+                 {"reference", forms.reference_energy()}})
                .dump() +
            "\n";
 }
@@ -78,14 +79,23 @@ Forms read_forms(const std::string& text, const std::string& name) {
     return read(text, name, [](const Json& json) {
         return Forms{.numerator = matrix_of(json.at("numerator")),
                      .denominator = matrix_of(json.at("denominator")),
-                     .focal = matrix_of(json.at("focal"))};
+                     .focal = matrix_of(json.at("focal")),
+                     .reference = json.at("reference").get<double>()};
     });
 }
 
-std::string optimum_text(const std::string& id, const Optimum& optimum) {
+std::string optimum_text(const std::string& id, const std::string& forms_id,
+                         const Optimum& optimum) {
     return Json({{"schema", 1},
                  {"case", id},
+                 {"forms", forms_id},
                  {"strength_at_least", optimum.strength},
+                 {"motion",
+                  {{"size", optimum.change.size},
+                   {"speed", optimum.change.speed},
+                   {"periods", optimum.change.periods},
+                   {"sine", optimum.change.sine},
+                   {"cosine", optimum.change.cosine}}},
                  {"found", json_of(optimum.found)},
                  {"ceiling",
                   {{"eta", optimum.ceiling.eta},
@@ -103,9 +113,14 @@ std::string optimum_text(const std::string& id, const Optimum& optimum) {
 
 Optimum read_optimum(const std::string& text, const std::string& name) {
     return read(text, name, [](const Json& json) {
-        const Json &ceiling = json.at("ceiling"), &am = json.at("am");
+        const Json &ceiling = json.at("ceiling"), &am = json.at("am"), &motion = json.at("motion");
         const double strength = json.at("strength_at_least").get<double>();
         return Optimum{.strength = strength,
+                       .change = {.size = motion.at("size").get<double>(),
+                                  .speed = motion.at("speed").get<double>(),
+                                  .periods = motion.at("periods").get<int>(),
+                                  .sine = motion.at("sine").get<double>(),
+                                  .cosine = motion.at("cosine").get<double>()},
                        .found = envelope_of(json.at("found")),
                        .ceiling = {.strength = strength,
                                    .eta = ceiling.at("eta").get<double>(),

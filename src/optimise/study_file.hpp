@@ -12,7 +12,9 @@ namespace shearwake::optimise {
 /// message. Not collective.
 std::string forms_text(const std::string& id, const Knots& knots, const Forms& forms);
 Forms read_forms(const std::string& text, const std::string& name);
-std::string optimum_text(const std::string& id, const Optimum& optimum);
+/// `forms_id`: of the file with the forms of the motion of the optimum.
+std::string optimum_text(const std::string& id, const std::string& forms_id,
+                         const Optimum& optimum);
 Optimum read_optimum(const std::string& text, const std::string& name);
 
 } // namespace shearwake::optimise

@@ -48,6 +48,8 @@ struct OutputFolder {
     /// itself, and the folder of its forms, optima and tables.
     std::filesystem::path basis() const { return root / "basis"; }
     std::filesystem::path optimise() const { return root / "optimise"; }
+    /// The cases of the optima in other tissues, an output folder itself.
+    std::filesystem::path robustness() const { return root / "robustness"; }
     std::filesystem::path report() const { return root / "report"; }
     std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
     /// The checkpoints of a running case are this path with .A.h5 and .B.h5 appended.

@@ -51,6 +51,43 @@ TRANSIENT = (
     ('edges = "open"', ""), ("extent_mm = [48.0, 48.0]", "extent_mm = [96.0, 64.0]"),
     ('regime = "periodic"', "duration_ms = 5.0"), ("region_mm = [40.0, 40.0]", "settled_after_ms = 1.0"),
     ("update_rate_Hz = 3000.0\nbits = 6\n", ""))
+PLAIN = ("update_rate_Hz = 3000.0\nbits = 6\n", "")
+ONE = ("strength_at_least = [0.7, 0.9]", "strength_at_least = [0.8]")
+# Eight rows of jobs/speed-fwhm-modulation.toml, on its own domain.
+ROWS = """
+[job]
+name = "rows"
+[medium]
+base = "half-space"
+[[medium.layer]]
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 10.0 }
+[load.modulation]
+kind = "SM-STM"
+path = { shape = "line", from_mm = [-75.0, 0.0], to_mm = [85.0, 0.0] }
+speed_m_s = 7.0
+speed_deviation_m_s = 2.0
+sm_frequency_Hz = 200.0
+am_frequency_Hz = 200.0
+[domain]
+extent_mm = [300.0, 162.0]
+spacing_mm = 2.5
+[time]
+duration_ms = 14.0
+output_interval_us = 100.0
+[solver]
+engine = "layered"
+[measure]
+at_ms = 14.0
+settled_after_ms = 4.0
+[sweep]
+"load.modulation.speed_m_s" = [4.0, 7.0]
+"""
 
 
 class Optimise(ProgramTest):
@@ -134,11 +171,92 @@ class Optimise(ProgramTest):
         self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
                   "contains the optima of another job")
 
+    def check_one(self, *changes, column="eta_period_1"):
+        """The optimum of the changed job is reproduced; returns its row."""
+        self.job(PLAIN, ONE, ("starts = 4", f'starts = 4\nmaximise = "{column}"'), *changes)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        rows = self.rows()
+        self.check_rows(rows)
+        verified = self.verify()
+        self.assertEqual(verified.returncode, 0, verified.stdout)
+        return rows[0]
+
+    def test_two_foci_are_modulated_together(self):
+        self.check_one(("draw_frequency_Hz = 140.0", "draw_frequency_Hz = 140.0\nfoci_mm = [[-4.0, 0.0], [4.0, 0.0]]"))
+
+    def test_the_focus_of_an_array_is_modulated(self):
+        self.check_one(('{ shape = "gaussian", fwhm_mm = 6.0 }', '{ shape = "array", preset = "array-16x16", distance_mm = '
+                        '150.0, pressure_Pa_m = 3.4 }'), ("peak_Pa = 100.0\n", ""))
+
+    def test_the_sharpness_of_a_shape_is_maximised(self):
+        self.check_one(column="sharpness_1")
+
+    def test_the_share_of_a_band_at_the_depth_of_a_receptor_is_maximised(self):
+        row = self.check_one(("region_mm = [40.0, 40.0]", "region_mm = [40.0, 40.0]\nbands_Hz = [[200, 500]]\n"
+                              "depths_mm = [2.0]\n[record]\ntraces_mm = [[8.0, 0.0]]"), column="share_200_500_1")
+        self.assertGreater(row["eta_optimum_1"], 1.2 * row["eta_unmodulated_1"])
+
+    def test_speed_profile_speed_and_size_are_optimised_with_the_envelope(self):
+        self.job(PLAIN, ONE)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        envelope = self.rows()[0]["eta_optimum_1"]
+        self.job(PLAIN, ONE, ("starts = 4", 'starts = 4\nover = ["envelope", "speed-profile", "speed", "size"]\nrounds = 2\n'
+                              'factor_at_most = 1.2'))
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "moved", ranks=2)
+        [row] = self.rows("moved")
+        self.check_rows([row])
+        self.assertGreater(row["eta_optimum_1"], envelope)
+        self.assertEqual(self.verify("moved").returncode, 0)
+        self.assertTrue(1 / 1.2 - 1e-9 <= row["optimum_size_1"] <= 1.2 + 1e-9)
+
+    def test_an_optimum_is_computed_in_other_tissues(self):
+        self.job(PLAIN, ONE, ("starts = 4", "starts = 4\nrobust_to = 0.2"))
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        with open(self.folder / "out/best.optimise/optimise/robustness.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 10)
+        self.assertEqual({row["difference"] for row in rows if "," not in row["difference"]},
+                         {f"{what} {sign}20 %" for what in ("c_s", "viscosity", "speed") for sign in "+-"})
+        # The tissue with a higher c_s is that of a job with this c_s.
+        optimum = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json")).read_text())
+        values = ", ".join(repr(v) for v in optimum["found"]["values"])
+        knots = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.forms.json")).read_text())["knots"]
+        self.job(PLAIN, ("c_s_m_s = 5.0", "c_s_m_s = 6.0"), ("[domain]", '[[load.modulation.envelope]]\nshape = "samples"\n'
+                 f'interval_us = {1e6 * knots["interval_s"]!r}\nrepeat = true\nvalues = [{values}]\n[domain]'))
+        self.shearwake("run", "job.toml", "--out", "stiffer")
+        self.shearwake("reduce", "stiffer")
+        with open(self.folder / "stiffer/tables/best.csv", encoding="utf-8") as file:
+            [stiffer] = list(csv.DictReader(file))
+        [row] = [row for row in rows if row["difference"] == "c_s +20 %"]
+        self.assertAlmostEqual(float(row["eta_found_1"]), float(stiffer["eta_period_1"]), delta=1e-9)
+
+    def test_no_modulation_of_a_sweep_exceeds_the_bound_of_its_path_and_strength(self):
+        self.write_job("schema = 1\n" + ROWS + '"load.modulation.kind" = ["SM-STM", "AM-STM"]\n'
+                       'zip = [ { "load.modulation.am_frequency_Hz" = [100, 400], "load.modulation.sm_frequency_Hz" = [100, 400] } ]\n'
+                       '[table]\nx = "load.modulation.speed_m_s"\nreference = { kind = "STM" }\n')
+        self.shearwake("run", "job.toml", "--out", "rows", ranks=2)
+        self.shearwake("reduce", "rows")
+        # For AM-STM the path is that of plain STM; the envelope of SM-STM is constant on its own path.
+        self.write_job("schema = 1\n" + ROWS.replace('kind = "SM-STM"', 'kind = "STM"') +
+                       "[optimise]\nstrength_at_least = [0.5, 0.6, 0.7, 1.0]\nstarts = 2\nknot_us = 500.0\n")
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "plain", ranks=2)
+        self.write_job("schema = 1\n" + ROWS + '"load.modulation.sm_frequency_Hz" = [100, 400]\n'
+                       "[optimise]\nstrength_at_least = [1.0]\nstarts = 2\nknot_us = 1000.0\n")
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "sm", ranks=2)
+        compared = subprocess.run([sys.executable, ROOT / "scripts" / "compare_with_bounds.py", "rows/tables/rows.csv", "plain", "sm"],
+                                  capture_output=True, text=True, check=False, cwd=self.folder)
+        self.assertEqual(compared.returncode, 0, compared.stdout + compared.stderr)
+        self.says(compared.stdout, "10 rows: 0 exceed")
+
     def test_jobs_that_cannot_be_optimised_are_rejected(self):
         self.job((STEADY[STEADY.index("[optimise]"):], ""))
         self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has no table [optimise]")
         self.job(('kind = "STM"', 'kind = "AM-STM"\nam_frequency_Hz = 280.0'))
         self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has an envelope, which would be replaced")
+        self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "share_40_400_1"'))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1"', "bands_Hz")
+        self.job(("knot_us = 500.0", 'knot_us = 500.0\nover = ["speed"]'))
+        self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
         self.job(("knot_us = 500.0", "knots_us = 500.0"))
         self.says(self.shearwake("check", "job.toml", expect=3).said, "knot_us")
 

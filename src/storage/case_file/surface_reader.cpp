@@ -27,4 +27,12 @@ void SurfaceReader::read(std::size_t time, std::size_t depth, std::span<double> 
               "read a surface");
 }
 
+std::vector<double> read_first_trace(const std::filesystem::path& path) {
+    const h5::Id file = h5::open_file(path, h5::Access::read);
+    const h5::Id traces = h5::open_dataset(file.raw(), "traces/u_z");
+    std::vector<double> values = h5::read_all(traces);
+    values.resize(h5::shape(traces).at(1)); // trace, time
+    return values;
+}
+
 } // namespace shearwake::storage

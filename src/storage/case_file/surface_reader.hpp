@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <span>
+#include <vector>
 
 namespace shearwake::storage {
 
@@ -22,5 +23,9 @@ private:
     h5::Id file_, field_;
     std::vector<hsize_t> shape_; // time, depth, x, y
 };
+
+/// u_z(t) [m] of the first trace of a complete case file. Does not verify the checksum. Throws
+/// FileFailure. Not collective.
+std::vector<double> read_first_trace(const std::filesystem::path& path);
 
 } // namespace shearwake::storage

@@ -100,7 +100,8 @@ TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise]")
     VectorXd d = VectorXd::Ones(n);
     d.tail(n / 2).setConstant(4.0);
     const MatrixXd one = MatrixXd::Identity(n, n);
-    const Forms forms{.numerator = one, .denominator = d.asDiagonal(), .focal = one};
+    const Forms forms{
+        .numerator = one, .denominator = d.asDiagonal().toDenseMatrix(), .focal = one};
     const double s = GENERATE(0.8, 0.9, 1.0);
     const double known = 2.0 * s * s / (1.0 + 4.0 * (2.0 * s * s - 1.0));
     const Certificate bound = ceiling(forms, s);
@@ -138,7 +139,7 @@ TEST_CASE("forms and optima are read back exactly", "[optimise]") {
     optimum.found = best_envelope(forms, 0.8, starts(5, 3, 1));
     optimum.ceiling = ceiling(forms, 0.8);
     optimum.am = best_am(forms, knots, 0.8, {200.0});
-    const Optimum again = read_optimum(optimum_text("id", optimum), "file");
+    const Optimum again = read_optimum(optimum_text("id", "other", optimum), "file");
     CHECK(again.found.values == optimum.found.values);
     CHECK(again.ceiling.weights == optimum.ceiling.weights);
     CHECK(again.ceiling.mu == optimum.ceiling.mu);
