@@ -177,6 +177,40 @@ std::string write_optima(const Study& study, const Optima& results, const Readin
     return write_table(study.files.root / "table", rows);
 }
 
+namespace {
+
+/// Whether two cases differ in the tissue alone.
+bool differ_in_tissue(const Case& a, const Case& b) {
+    Case same = a;
+    same.scene().medium = b.scene().medium;
+    return !(a == b) && same == b;
+}
+
+/// The rows of the optimum of a case in the tissues of the other cases of the job, whose forms are
+/// known.
+void add_other_tissues(std::vector<CaseRow>& rows, const Study& study, const Optima& results,
+                       std::size_t i, std::size_t s) {
+    const Optimum& of = results.optima[i][s];
+    if (of.change != optimise::MotionChange{}) return;
+    for (std::size_t j = 0; j < results.cases.size(); ++j) {
+        const OptimisedCase& other = results.cases[j];
+        if (!differ_in_tissue(results.cases[i].base.physics, other.base.physics)) continue;
+        const optimise::Forms forms =
+            known_forms(study, optimise::moved_case(study.cases, j, {}).value());
+        const optimise::Envelope there = optimise::measured(forms, of.found.values);
+        const double unmodulated = optimise::unmodulated(forms).eta;
+        rows.push_back({results.cases[i],
+                        {{"strength_at_least_1", of.strength},
+                         {"difference", "tissue of " + other.base.id},
+                         {"eta_found_1", there.eta},
+                         {"eta_unmodulated_1", unmodulated},
+                         {"found_over_unmodulated_1", there.eta / unmodulated},
+                         {"strength_1", there.strength}}});
+    }
+}
+
+} // namespace
+
 std::string write_robustness(const Study& study, const Optima& results,
                              const std::vector<optimise::RobustCase>& cases) {
     const Readings computed =
@@ -193,6 +227,9 @@ std::string write_robustness(const Study& study, const Optima& results,
                          {"found_over_unmodulated_1", found.eta / unmodulated.eta},
                          {"strength_1", found.focal_rms_um / unmodulated.focal_rms_um}}});
     }
+    for (std::size_t i = 0; i < results.cases.size(); ++i)
+        for (std::size_t s = 0; s < results.optima[i].size(); ++s)
+            add_other_tissues(rows, study, results, i, s);
     return write_table(study.files.root / "robustness", rows);
 }
 

@@ -71,6 +71,10 @@ Envelope measured(const Forms& forms, Eigen::VectorXd values) {
     return envelope;
 }
 
+Envelope unmodulated(const Forms& forms) {
+    return measured(forms, Eigen::VectorXd::Ones(forms.knots()));
+}
+
 Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start) {
     Search search{forms, strength * strength};
     if (squared_strength(forms, Eigen::VectorXd::Ones(start.size())) <

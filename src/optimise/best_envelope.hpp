@@ -17,6 +17,7 @@ struct Envelope {
 
 /// The measures of an envelope.
 Envelope measured(const Forms& forms, Eigen::VectorXd values);
+Envelope unmodulated(const Forms& forms);
 
 /// Local search from one start for the largest eta with 0 <= e <= 1 and at least this strength
 /// (0 to 1), by sequential quadratic programming (SLSQP of NLopt). The result satisfies all

@@ -33,7 +33,7 @@ std::vector<double> am_frequencies_Hz(const Case& c, const Knots& knots,
 
 AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
                    const std::vector<double>& frequencies_Hz) {
-    AmEnvelope best{.envelope = measured(forms, Eigen::VectorXd::Ones(knots.count))};
+    AmEnvelope best{.envelope = unmodulated(forms)};
     for (const double frequency_Hz : frequencies_Hz)
         for (int d = 1; d <= depths; ++d)
             for (int p = 0; p < phases; ++p) {

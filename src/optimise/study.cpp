@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "optimise/quotient.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +17,12 @@ constexpr const char* strength_key = "optimise.strength_at_least";
 constexpr const char* part_key = "optimise.part";
 constexpr std::uint64_t seed = 1; // of the starts
 
+/// Only what the maximised measure and the strength need.
 Case without_record(Case c) {
     c.measure.depths_m.resize(1);
-    c.measure.bands.clear();
+    const Vec2 trace = trace_m(c);
     c.record = RecordOptions{};
+    c.record.traces_m = {trace};
     c.afferents.reset();
     return c;
 }
@@ -146,7 +149,7 @@ Optimum optimum(const OptimisedCase& c, const Forms& forms, const MotionChange& 
         best_am(forms, c.knots, strength, am_frequencies_Hz(c.base.physics, c.knots, options));
     result.found = best_for(moved, strength, options, {result.am.envelope.values});
     result.ceiling = ceiling(moved, strength);
-    result.eta_unmodulated = eta(forms, Eigen::VectorXd::Ones(c.knots.count));
+    result.eta_unmodulated = unmodulated(forms).eta;
     return result;
 }
 
