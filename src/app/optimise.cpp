@@ -109,26 +109,6 @@ Optima read_optima(const Study& study, const Comm& world) {
     return results;
 }
 
-/// The best SM-STM on every rank. Collective.
-void agree_on_sm(Optima& results, const Study& study, const Readings& basis, const Comm& world) {
-    std::vector<int> chosen; // -1: none
-    on_root(world, [&] {
-        for (const auto& of_case : best_sm(results.cases, study.options.strengths, basis))
-            for (const optimise::BestSm& sm : of_case)
-                chosen.push_back(sm ? static_cast<int>(*sm) : -1);
-    });
-    world.broadcast(chosen);
-    const std::size_t strengths = study.options.strengths.size();
-    for (std::size_t i = 0; i < results.cases.size(); ++i) {
-        results.sm.emplace_back();
-        for (std::size_t s = 0; s < strengths; ++s) {
-            const int number = chosen[i * strengths + s];
-            results.sm.back().push_back(
-                number < 0 ? std::nullopt : optimise::BestSm(static_cast<std::size_t>(number)));
-        }
-    }
-}
-
 /// Finds the optima, unless they are known, and all cases with which they are compared. Collective.
 ExitCode search(const Study& study, const Comm& world) {
     std::vector<std::vector<MotionChange>> motions;
@@ -148,7 +128,7 @@ ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world)
     Optima results = read_optima(study, world);
     Readings basis;
     on_root(world, [&] { basis = readings_of(study.basis(), study.options.maximise); });
-    agree_on_sm(results, study, basis, world);
+    results.sm = agreed_sm(study, world);
     const std::vector<optimise::RobustCase> robust = optimise::robust_cases(results, study.options);
     const schedule::OutputFolder robustness{study.folder.robustness()};
     if (!robust.empty())

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/optimise_study.hpp"
+#include "app/optimise_table.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -53,18 +54,27 @@ void evaluate(const Study& study, std::vector<MotionSearch>& searches, const Com
     }
 }
 
-/// Moves to the best of the tried motions, or halves the step if none is better.
-void advance(MotionSearch& search) {
-    if (search.tried.empty()) {
-        search.step *= 0.5;
-        return;
-    }
+/// The motions of a round: first that of the job, then that of the best SM-STM, then those around
+/// the best so far.
+std::vector<MotionChange> changes_of(const Study& study, const MotionSearch& search, int round,
+                                     const optimise::BestSm& sm) {
+    if (round == 0) return {MotionChange{}};
+    if (round > 1) return optimise::changes_around(search.best, search.step, study.options);
+    const bool swings = std::ranges::find(study.options.over, OptimisedPart::speed_profile) !=
+                        study.options.over.end();
+    const optimise::OptimisedCase& c = study.cases[search.of];
+    const auto motion =
+        swings && sm ? optimise::motion_of(c.sm[*sm], c.base.physics) : std::nullopt;
+    return motion ? std::vector{*motion} : std::vector<MotionChange>{};
+}
+
+/// Moves to the best of the tried motions, or halves the step if none around the best is better.
+void advance(MotionSearch& search, int round) {
     const auto best = std::ranges::max_element(search.reached);
-    const auto place = static_cast<std::size_t>(best - search.reached.begin());
-    if (*best > search.eta) {
+    if (best != search.reached.end() && *best > search.eta) {
         search.eta = *best;
-        search.best = search.tried[place].change;
-    } else {
+        search.best = search.tried[static_cast<std::size_t>(best - search.reached.begin())].change;
+    } else if (round > 1) {
         search.step *= 0.5;
     }
 }
@@ -77,18 +87,20 @@ ExitCode find_motions(const Study& study, std::vector<std::vector<MotionChange>>
     for (std::size_t i = 0; i < study.cases.size(); ++i)
         for (const double strength : study.options.strengths)
             searches.push_back({.of = i, .strength = strength});
-    // The first round tries the motion of the job alone.
-    const int rounds = study.options.over.size() > 1 ? study.options.rounds : 0;
+    const int rounds = study.options.over.size() > 1 ? 1 + study.options.rounds : 0;
+    const std::size_t strengths = study.options.strengths.size();
+    std::vector<std::vector<optimise::BestSm>> sm(study.cases.size(),
+                                                  std::vector<optimise::BestSm>(strengths));
     ExitCode code = ExitCode::done;
     for (int round = 0; round <= rounds && code == ExitCode::done; ++round) {
+        if (round == 1) sm = agreed_sm(study, world);
         std::vector<MovedCase> all;
-        for (MotionSearch& search : searches) {
+        for (std::size_t n = 0; n < searches.size(); ++n) {
+            MotionSearch& search = searches[n];
             search.tried.clear();
             if (search.is_done()) continue;
-            const std::vector<MotionChange> changes =
-                round == 0 ? std::vector{MotionChange{}}
-                           : optimise::changes_around(search.best, search.step, study.options);
-            for (const MotionChange& change : changes)
+            for (const MotionChange& change :
+                 changes_of(study, search, round, sm[search.of][n % strengths]))
                 if (auto moved = optimise::moved_case(study.cases, search.of, change))
                     search.tried.push_back(std::move(*moved));
             all.insert(all.end(), search.tried.begin(), search.tried.end());
@@ -98,7 +110,7 @@ ExitCode find_motions(const Study& study, std::vector<std::vector<MotionChange>>
         if (code != ExitCode::done || rounds == 0) continue;
         evaluate(study, searches, world);
         for (MotionSearch& search : searches)
-            advance(search);
+            advance(search, round);
     }
     best.assign(study.cases.size(), {});
     for (const MotionSearch& search : searches)

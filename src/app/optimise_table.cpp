@@ -2,6 +2,7 @@
 #include "app/optimise_table.hpp"
 
 #include "optimise/waveform.hpp"
+#include "parallel/agree.hpp"
 #include "reduce/reduce.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -120,6 +121,19 @@ std::string write_table(const std::filesystem::path& stem, const std::vector<Cas
     return text;
 }
 
+optimise::BestSm best_sm(const OptimisedCase& c, double strength, const Readings& basis) {
+    optimise::BestSm chosen;
+    double eta = 0.0;
+    const double unmodulated = reading(basis, c.plain).focal_rms_um;
+    for (std::size_t n = 0; n < c.sm.size(); ++n) {
+        const Reading sm = reading(basis, c.sm[n].physics);
+        if (!(sm.eta > eta) || !(sm.focal_rms_um >= strength * unmodulated)) continue;
+        chosen = n;
+        eta = sm.eta;
+    }
+    return chosen;
+}
+
 void write_waveform(const std::filesystem::path& stem, const optimise::Waveform& waveform) {
     storage::write_file(stem.string() + ".csv", optimise::csv_text(waveform));
     storage::write_file(stem.string() + ".toml", optimise::toml_text(waveform));
@@ -142,23 +156,22 @@ Readings readings_of(const schedule::OutputFolder& folder, const std::string& ma
     return readings;
 }
 
-std::vector<std::vector<optimise::BestSm>> best_sm(const std::vector<OptimisedCase>& cases,
-                                                   const std::vector<double>& strengths,
-                                                   const Readings& basis) {
-    std::vector<std::vector<optimise::BestSm>> best(cases.size());
-    for (std::size_t i = 0; i < cases.size(); ++i)
-        for (const double strength : strengths) {
-            optimise::BestSm chosen;
-            double eta = 0.0;
-            const double unmodulated = reading(basis, cases[i].plain).focal_rms_um;
-            for (std::size_t n = 0; n < cases[i].sm.size(); ++n) {
-                const Reading sm = reading(basis, cases[i].sm[n].physics);
-                if (!(sm.eta > eta) || !(sm.focal_rms_um >= strength * unmodulated)) continue;
-                chosen = n;
-                eta = sm.eta;
+std::vector<std::vector<optimise::BestSm>> agreed_sm(const Study& study, const Comm& world) {
+    const std::vector<double>& strengths = study.options.strengths;
+    std::vector<int> chosen; // -1: none
+    on_root(world, [&] {
+        const Readings basis = readings_of(study.basis(), study.options.maximise);
+        for (const OptimisedCase& c : study.cases)
+            for (const double strength : strengths) {
+                const optimise::BestSm sm = best_sm(c, strength, basis);
+                chosen.push_back(sm ? static_cast<int>(*sm) : -1);
             }
-            best[i].push_back(chosen);
-        }
+    });
+    world.broadcast(chosen);
+    std::vector<std::vector<optimise::BestSm>> best(study.cases.size());
+    for (std::size_t n = 0; n < chosen.size(); ++n)
+        best[n / strengths.size()].push_back(
+            chosen[n] < 0 ? std::nullopt : optimise::BestSm(static_cast<std::size_t>(chosen[n])));
     return best;
 }
 

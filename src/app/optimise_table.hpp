@@ -17,10 +17,9 @@ struct Reading {
 using Readings = std::map<std::string, Reading>;
 Readings readings_of(const schedule::OutputFolder& folder, const std::string& maximised);
 
-/// The best SM-STM of each case and strength by the results of the basis.
-std::vector<std::vector<optimise::BestSm>>
-best_sm(const std::vector<optimise::OptimisedCase>& cases, const std::vector<double>& strengths,
-        const Readings& basis);
+/// The best SM-STM of each case and strength by the results of the basis, on every rank:
+/// [case][strength]. Collective.
+std::vector<std::vector<optimise::BestSm>> agreed_sm(const Study& study, const Comm& world);
 
 /// Writes the table of the study as CSV and Markdown and the exported waveforms to the folder
 /// `optimise`, and returns the Markdown. Throws UsageError (environment). Not collective.

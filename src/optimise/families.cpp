@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/families.hpp"
 
-#include "optimise/variation.hpp"
-
 #include <cmath>
 #include <numbers>
 
@@ -48,6 +46,15 @@ AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
                     best = std::move(am);
             }
     return best;
+}
+
+std::optional<MotionChange> motion_of(const SmCase& sm, const Case& c) {
+    const double periods = sm.frequency_Hz * window_s(c);
+    if (std::abs(periods - std::round(periods)) > 1e-6) return std::nullopt;
+    const double deviation = sm.deviation_m_s / speed_m_s(c);
+    return MotionChange{.periods = static_cast<int>(std::lround(periods)),
+                        .sine = deviation * std::cos(sm.phase_rad),
+                        .cosine = deviation * std::sin(sm.phase_rad)};
 }
 
 std::vector<SmCase> sm_cases(const Case& c, const OptimiseOptions& options) {

@@ -4,6 +4,7 @@
 #include "case/optimise_options.hpp"
 #include "optimise/best_envelope.hpp"
 #include "optimise/knots.hpp"
+#include "optimise/variation.hpp"
 
 #include <optional>
 #include <vector>
@@ -31,6 +32,10 @@ struct SmCase {
     double frequency_Hz = 0.0, deviation_m_s = 0.0, phase_rad = 0.0;
     Case physics;
 };
+/// Its motion, relative to that of the case; none if it has no whole number of periods in the
+/// window of the measures.
+std::optional<MotionChange> motion_of(const SmCase& sm, const Case& c);
+
 /// The SM-STM cases with which an optimum is compared; none without a constant speed along a path.
 std::vector<SmCase> sm_cases(const Case& c, const OptimiseOptions& options);
 

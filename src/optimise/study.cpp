@@ -207,17 +207,17 @@ Plan final_plan(const Plan& plan, const Optima& optima, const OptimiseOptions& o
 std::vector<RobustCase> robust_cases(const Optima& optima, const OptimiseOptions& options) {
     std::vector<RobustCase> cases;
     if (!(options.robust_to > 0.0)) return cases;
+    // Consecutive cases have the same tissue, so that they share its transfer functions.
     for (std::size_t i = 0; i < optima.cases.size(); ++i)
-        for (std::size_t s = 0; s < optima.optima[i].size(); ++s) {
-            const ResultCases results = optima.results(i, s, options);
-            for (const Difference& difference : differences_by(options.robust_to)) {
+        for (const Difference& difference : differences_by(options.robust_to))
+            for (std::size_t s = 0; s < optima.optima[i].size(); ++s) {
+                const ResultCases results = optima.results(i, s, options);
                 const auto found = with_difference(without_record(results.found), difference);
                 const auto unmodulated =
                     with_difference(without_record(results.unmodulated), difference);
                 if (found && unmodulated)
                     cases.push_back({i, s, difference.name, *found, *unmodulated});
             }
-        }
     return cases;
 }
 
