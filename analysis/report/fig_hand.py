@@ -153,7 +153,7 @@ def places_figure(sweep, case, afferents, folder, name):
     pins = chosen_pins(afferents)
     figure, made = plt.subplots(len(pins), 1, sharex=True, sharey=True, squeeze=False,
                                 layout="constrained",
-                                figsize=(style.WIDTH_in, 0.7 + 1.25 * len(pins)))
+                                figsize=(style.WIDTH_in, max(2.6, 0.7 + 1.25 * len(pins))))  # room for the vertical label
     used = set()
     for axes, pin in zip(made[:, 0], pins):
         near = np.hypot(*(afferents.patch - afferents.pins_on_patch[pin]).T) < NEAR_mm

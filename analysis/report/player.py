@@ -41,8 +41,7 @@ class Detail:
 
 def cases_of(sweep):
     """All cases with a recorded surface, those of the figures first and references last."""
-    references = [c for c in layout.all_references(sweep)]
-    return [c for c in [*layout.ordinary(sweep), *references] if len(load.surface_times(c))]
+    return [c for c in [*layout.ordinary(sweep), *layout.motions(layout.all_references(sweep))] if len(load.surface_times(c))]
 
 
 def first_shown(sweep, cases):
@@ -51,9 +50,9 @@ def first_shown(sweep, cases):
         value = case.value("eta_period_1")
         return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
     best = max(cases, key=rank)
-    other = sweep.reference_of(best)
-    if other not in cases or other is best:
-        other = next((c for c in cases if c is not best), best)
+    own = sweep.reference_of(best)
+    others = [c for c in cases if c is not best]
+    other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
     return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [sweep.by_id(c)]]
 
 
@@ -162,7 +161,7 @@ def controls(data, last):
 
 def caption(cases, data, detail):
     kept = max(len(load.surface_times(c)) for c in cases)
-    text = (f"Displacement of the surface seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
+    text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
             "focal disc. Dotted line: path of the focus. Choose "
             "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
             "rectangle to zoom. Values beyond the colour scale are clipped.")

@@ -54,6 +54,11 @@ struct ReduceArguments {
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
 
+struct ReportArguments {
+    std::filesystem::path folder;
+    std::vector<std::string> only; // ids of the cases with a panel or a line; empty: some or all
+};
+
 /// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.
 struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
@@ -116,7 +121,7 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
 ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world);
 /// Compares two cases or sweeps by a script of analysis/report.
 ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
-ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode report_command(const ReportArguments& arguments, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
