@@ -70,7 +70,6 @@ def draw_front(axes, rows):
                       label=label if name == "optimum" else f"best {label}", linestyle="-" if name == "optimum" else "none")
     axes.plot([1.0], [rows[0]["eta_unmodulated_1"]], color=COLOURS["unmodulated"], marker="s", linestyle="none",
               label="unmodulated")
-    axes.set_ylim(bottom=0.0)
     axes.set_title(title_of(rows[0]), loc="left", color="#555555")
 
 
@@ -81,13 +80,14 @@ def finish(figure, made, x, y):
     for axes in made[::2]:
         axes.set_ylabel(y)
     handles = {text: handle for axes in made for handle, text in zip(*axes.get_legend_handles_labels())}
-    figure.legend(handles.values(), handles.keys(), loc="outside upper left", ncols=min(5, len(handles)))
+    style.legend_strip(figure, list(handles.values()))
 
 
 def front(sweep, folder, table):
     figure, made = panels(len(table), 2.2)
     for axes, rows in zip(made, table.values()):
         draw_front(axes, rows)
+    made[0].set_ylim(bottom=0.0)  # of all panels
     finish(figure, made, "strength (1)", maximised(sweep))
     style.save(figure, folder / "optimise_front.png")
     return Figure("optimise_front", f"The largest {maximised(sweep)} for a given strength",
@@ -166,7 +166,7 @@ def energy(sweep, folder, table):
         axes.set_ylabel(label)
         axes.set_ylim(bottom=0.0)
     made[-1].set_xlabel("t (ms)")
-    figure.legend(*made[0].get_legend_handles_labels(), loc="outside upper left", ncols=4)
+    style.legend_strip(figure, made[0].get_legend_handles_labels()[0])
     style.save(figure, folder / "optimise_energy.png")
     return [Figure("optimise_energy", "Energy at the focus and in the wake",
                    f"Force, sum of u² over the focal disc, and sum of u² over the rest of the measured region, for {title_of(rows[0])} "

@@ -6,6 +6,7 @@
 #include "optimise/quotient.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -38,6 +39,16 @@ void must_repeat(const Case& c, const std::vector<double>& frequencies_Hz, const
                                          key, frequency_Hz, 1e3 * c.time.duration_s()),
                              ExitCode::bad_job);
     }
+}
+
+constexpr std::array modulation_names = {"unmodulated", "optimum", "AM-STM", "SM-STM", "exported"};
+
+/// The case with the modulation of this number; null if there is none.
+const Case* of_kind(const ResultCases& cases, std::size_t kind) {
+    const std::array<const Case*, modulation_names.size()> all = {
+        &cases.unmodulated, &cases.found, &cases.am, cases.sm ? &*cases.sm : nullptr,
+        cases.exported ? &*cases.exported : nullptr};
+    return all.at(kind);
 }
 
 /// Adds a case unless the plan contains it.
@@ -185,22 +196,20 @@ Plan final_plan(const Plan& plan, const Optima& optima, const OptimiseOptions& o
     final.swept_keys.insert(final.swept_keys.end(), {strength_key, modulation_key});
     final.table = {.x = strength_key, .series = plan.swept_keys};
     final.table.series.emplace_back(modulation_key);
-    for (std::size_t i = 0; i < optima.cases.size(); ++i)
-        for (std::size_t s = 0; s < optima.optima[i].size(); ++s) {
-            const double strength = optima.optima[i][s].strength;
-            const ResultCases results = optima.results(i, s, options);
-            const std::string reference = case_id(results.unmodulated);
-            const auto put = [&](const Case& physics, const char* name) {
-                add(final, optima.cases[i], physics,
-                    {{strength_key, strength}, {modulation_key, std::string(name)}}, reference);
-            };
-            add(final, optima.cases[i], results.unmodulated,
-                {{strength_key, strength}, {modulation_key, std::string("unmodulated")}});
-            put(results.found, "optimum");
-            put(results.am, "AM-STM");
-            if (results.sm) put(*results.sm, "SM-STM");
-            if (results.exported) put(*results.exported, "exported");
-        }
+    for (std::size_t i = 0; i < optima.cases.size(); ++i) {
+        std::vector<ResultCases> results;
+        for (std::size_t s = 0; s < optima.optima[i].size(); ++s)
+            results.push_back(optima.results(i, s, options));
+        const std::string reference = case_id(results.front().unmodulated);
+        // Consecutive cases have the same time samples, so that they share transfer functions.
+        for (std::size_t kind = 0; kind < modulation_names.size(); ++kind)
+            for (std::size_t s = 0; s < results.size(); ++s)
+                if (const Case* physics = of_kind(results[s], kind))
+                    add(final, optima.cases[i], *physics,
+                        {{strength_key, optima.optima[i][s].strength},
+                         {modulation_key, std::string(modulation_names[kind])}},
+                        reference);
+    }
     return final;
 }
 
