@@ -18,6 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 using optimise::MovedCase;
 
+constexpr double most_of_knots_B = 2e9; // on the disk at the same time
+
 /// Removes a plan with other cases. Not collective.
 void prepare_plan(const schedule::OutputFolder& folder, const Plan& plan) {
     storage::make_directory(folder.run_lock().parent_path());
@@ -40,6 +42,26 @@ void write_forms(const Study& study, const MovedCase& c) {
         optimise::forms_text(c.id, c.knots, optimise::gram_forms(c.physics, quotient, knots)));
     for (const fs::path& knot : knots)
         fs::remove(knot);
+}
+
+/// The cases in groups whose knots need a limited space on the disk. At least one group: without
+/// cases, only those with which the optima are compared are computed.
+std::vector<std::vector<MovedCase>> batches_of(const std::vector<MovedCase>& cases) {
+    std::vector<std::vector<MovedCase>> batches(1);
+    double used_B = 0.0;
+    for (const MovedCase& c : cases) {
+        const double needed_B = 8.0 * static_cast<double>(c.physics.domain.nx) *
+                                static_cast<double>(c.physics.domain.ny) *
+                                static_cast<double>(c.physics.time.frames) *
+                                static_cast<double>(c.knots.count);
+        if (!batches.back().empty() && used_B + needed_B > most_of_knots_B) {
+            batches.emplace_back();
+            used_B = 0.0;
+        }
+        batches.back().push_back(c);
+        used_B += needed_B;
+    }
+    return batches;
 }
 
 } // namespace
@@ -72,14 +94,17 @@ ExitCode compute_forms(const Study& study, const std::vector<MovedCase>& cases, 
     std::vector<MovedCase> needed;
     for (std::size_t i = 0; i < cases.size(); ++i)
         if (known[i] == 0) needed.push_back(cases[i]);
-    const ExitCode code = run_plan(study, optimise::basis_plan(study.job.plan, study.cases, needed),
-                                   study.basis(), world);
-    if (code != ExitCode::done) return code;
-    together(world, [&] {
-        const auto ranks = static_cast<std::size_t>(world.size());
-        for (auto i = static_cast<std::size_t>(world.rank()); i < needed.size(); i += ranks)
-            write_forms(study, needed[i]);
-    });
+    ExitCode code = ExitCode::done;
+    for (const std::vector<MovedCase>& batch : batches_of(needed)) {
+        code = run_plan(study, optimise::basis_plan(study.job.plan, study.cases, batch),
+                        study.basis(), world);
+        if (code != ExitCode::done) return code;
+        together(world, [&] {
+            const auto ranks = static_cast<std::size_t>(world.size());
+            for (auto i = static_cast<std::size_t>(world.rank()); i < batch.size(); i += ranks)
+                write_forms(study, batch[i]);
+        });
+    }
     return code;
 }
 
