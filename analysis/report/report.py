@@ -23,6 +23,7 @@ import fig_intensity
 import fig_measures
 import fig_medium
 import fig_multiples
+import fig_optimise
 import fig_profiles
 import fig_receptors
 import fig_spectra
@@ -53,7 +54,7 @@ def of_all(sweep):
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
     if sweep.uncertain:
         return [("samples", fig_uncertain.figures)]
-    return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+    return [("optima", fig_optimise.figures), ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
 

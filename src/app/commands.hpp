@@ -64,6 +64,10 @@ struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
 };
 
+/// Arguments of `run`, of which `out` is the folder of the optima (default: out/<job
+/// name>.optimise).
+struct OptimiseArguments : schedule::RunArguments {};
+
 struct CompareArguments {
     std::filesystem::path first, second; // case files or output folders
     std::filesystem::path picture;       // empty: none
@@ -112,6 +116,9 @@ ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world);
 /// Computes refined cases in the subfolder `converge` and estimates the errors of all columns.
 ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world);
+/// Computes the best envelope of each case of a job with [optimise], an upper bound with its
+/// certificate, and the cases of the result.
+ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world);
 /// Compares two cases or sweeps by a script of analysis/report.
 ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
 ExitCode report_command(const ReportArguments& arguments, const Comm& world);

@@ -217,6 +217,7 @@ void add_result_commands(CLI::App& app, Action& action) {
     add_diff(app, action);
     add_compare(app, action);
     add_converge(app, action);
+    add_optimise(app, action);
     add_show(app, action);
     add_respond(app, action);
     add_bench(app, action);

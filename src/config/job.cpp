@@ -5,6 +5,7 @@
 #include "config/expand.hpp"
 #include "config/listed_cases.hpp"
 #include "config/sections/read_case.hpp"
+#include "config/sections/read_optimise.hpp"
 #include "config/study_keys.hpp"
 #include "config/table_options.hpp"
 #include "config/uncertain.hpp"
@@ -70,7 +71,7 @@ void read_identity(Reader reader, Plan& plan) {
 }
 
 Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const FileLoaders& files,
-               DiagnosticList& diagnostics) {
+               std::optional<OptimiseOptions>& optimise, DiagnosticList& diagnostics) {
     Plan plan;
     Reader root(tree, "", diagnostics);
     check_schema(root, tree->at);
@@ -81,6 +82,7 @@ Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const F
     const TableSection table = read_table(root.optional_table("table"), sweep);
     if (const NodePtr node = root.node("uncertain"))
         plan.uncertain = read_uncertain(node, sweep, files, diagnostics);
+    optimise = read_optimise(root.optional_table("optimise"));
     root.finish();
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
@@ -122,7 +124,8 @@ Job read_job(std::string_view text, const std::string& file_name,
     DiagnosticList diagnostics;
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
     if (const NodePtr tree = parse(text, file_name, overrides, diagnostics))
-        job.plan = read_plan(tree, overrides, {load_map, load_text, load_study}, diagnostics);
+        job.plan = read_plan(tree, overrides, {load_map, load_text, load_study}, job.optimise,
+                             diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;

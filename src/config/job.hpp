@@ -2,11 +2,13 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "case/optimise_options.hpp"
 #include "case/plan.hpp"
 #include "config/document/diagnostic.hpp"
 #include "config/files/text_loader.hpp"
 #include "config/override.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,7 +20,8 @@ namespace shearwake::config {
 struct Job {
     std::string text; // verbatim
     Plan plan;
-    std::vector<Diagnostic> diagnostics; // warnings
+    std::vector<Diagnostic> diagnostics;                    // warnings
+    std::optional<OptimiseOptions> optimise = std::nullopt; // if the job has [optimise]
 };
 
 /// Thrown for a job with errors. `what` contains all diagnostics, one per line.

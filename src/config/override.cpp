@@ -72,7 +72,8 @@ bool is_full(const Path& path) {
     const auto tables = case_tables();
     const std::string& first = path.front().key;
     return first == "schema" || first == "job" || first == "sweep" || first == "uncertain" ||
-           first == "table" || std::ranges::find(tables, first) != tables.end();
+           first == "table" || first == "optimise" ||
+           std::ranges::find(tables, first) != tables.end();
 }
 
 } // namespace
