@@ -91,6 +91,13 @@ struct RespondArguments {
     bool gives_radius() const;
 };
 
+struct ExploreArguments {
+    int port = 0;  // 0: any free port
+    int ranks = 1; // of the engine
+    bool opens_browser = true;
+    std::filesystem::path folder; // of sweeps that the page starts; empty: "out"
+};
+
 ExitCode check_command(const CheckArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 /// Computes one case of a job, without its sweep, and prints the values of its table.
@@ -108,6 +115,8 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
+/// Opens a page on which settings are changed and their surfaces are computed at once.
+ExitCode explore_command(const ExploreArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls the function of its command.

@@ -62,6 +62,8 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
         if (!std::isnan(value.get<double>()))
             fmt::print("{} = {:.9g}\n", column, value.get<double>());
     fmt::print("results: {}\n", folder.root.string());
+    if (const std::string note = cell(table, "note"); !note.empty())
+        fmt::print(stderr, "{}\n", note);
 }
 
 } // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
-#include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/afferent_estimate.hpp"
 
@@ -88,14 +87,17 @@ double resident_memory_B() {
 }
 
 double memory_needed_B(const Case& c, int ranks) {
+    return memory_needed_B(c, ranks, *engines::make_engine(c.solver));
+}
+
+double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
     // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
     // and another plane for the sharpness.
     double recorder = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) recorder += plane / ranks; // transposed for the file
-    return engines::make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder +
-           afferents_memory_B(c, ranks);
+    return engine.estimate(c, ranks).memory_per_rank_B + recorder + afferents_memory_B(c, ranks);
 }
 
 } // namespace shearwake::pipeline

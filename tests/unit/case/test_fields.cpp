@@ -234,7 +234,7 @@ std::vector<Case> samples() {
     third.afferents =
         AfferentOptions{.places = HandAfferents{"fingertip", 2}, .input = StressInput{}};
     Case fourth = third;
-    fourth.solver = PstdOptions{};
+    fourth.solver = PstdOptions{.load = PstdLoad::velocity};
     fourth.afferents.reset();
     Case study = fourth;
     study.problem = GridStudy{std::make_shared<const StudyData>(), fourth.scene()};
