@@ -92,7 +92,7 @@ std::vector<double> interpolation_errors(const std::vector<double>& x, const Cur
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const double h = x[i + 1] - x[i];
         for (std::size_t node = i == 0 ? 0 : i - 1; node <= std::min(i + 2, x.size() - 1); ++node)
-            errors[i] = std::fmax(errors[i], h * h / 8.0 * curved[node]);
+            errors[i] = std::fmax(errors[i], h * h / 2.0 * curved[node]);
     }
     return errors;
 }

@@ -13,9 +13,12 @@ namespace shearwake::adapt {
 using Curve = std::vector<double>;
 
 /// An estimate of the largest error of linear interpolation in each interval of the ascending
-/// points `x`, h^2 / 8 |f''|: the largest second divided difference at both ends and at the next
-/// point beyond each, because a curve can have an inflection point at an end. Points without a
-/// value are left out; NaN where fewer than three values are nearby. Size: one less than `x`.
+/// points `x`, h^2 / 2 |f''|: the largest second divided difference at both ends and at the next
+/// point beyond each, because a curve can have an inflection point at an end. With points that are
+/// uniformly spaced this is the distance of a point from the line through its neighbours. It is the
+/// error if the slope changes abruptly in the middle of the interval, and four times that of a
+/// parabola. Points without a value are left out; NaN where fewer than three values are nearby.
+/// Size: one less than `x`.
 std::vector<double> interpolation_errors(const std::vector<double>& x, const Curve& curve);
 
 /// The points to add to the ascending points `x` in the next round, ascending. None: the axis has

@@ -64,18 +64,23 @@ AxisPoints points_of(const Plan& plan) {
     return sorted;
 }
 
-/// What the results of a round ask for: points to add, otherwise what was found.
+/// What the results of a round ask for: points to add, otherwise what was found. Another shard may
+/// have begun the next round before; its cases are then computed first.
 struct Round {
+    bool has_ended = true;
     AxisPoints next;
     std::vector<std::string> sentences;
 };
 
-Round evaluated(const schedule::OutputFolder& folder) {
+/// Evaluates the results of a plan in a folder, which other shards may extend at any time.
+Round evaluated(const schedule::OutputFolder& folder, const Plan& plan, const OtherShards& others) {
+    const storage::PlanIndex index = storage::read_plan(folder.plan());
     const reduce::Table table =
         reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
-    Round round;
-    for (const reduce::AdaptiveState& state :
-         reduce::adaptive_states(storage::read_plan(folder.plan()), table).axes) {
+    // Plans only grow: if this is still the plan of the run, both of them belong to it.
+    Round round{.has_ended = !others.is_extended(plan), .next = {}, .sentences = {}};
+    if (!round.has_ended) return round;
+    for (const reduce::AdaptiveState& state : reduce::adaptive_states(index, table).axes) {
         if (!state.next.empty()) round.next[state.axis.key] = state.next;
         round.sentences.insert(round.sentences.end(), state.sentences.begin(),
                                state.sentences.end());
@@ -116,10 +121,11 @@ public:
                 code == ExitCode::done ||
                 (code == ExitCode::some_cases_failed && !arguments_.fail_fast);
             if (!may_continue || !arguments_.only.empty()) return code;
-            if (!others_are_done()) return ExitCode::stopped_early;
-            Round round;
-            on_root(world_, [&] { round = evaluated(folder_); });
-            round.next = shared(round.next, world_);
+            const OtherShards::Outcome others = others_ended();
+            if (!others.reason.empty()) return ExitCode::stopped_early;
+            if (others.is_extended) continue;
+            const Round round = result_of_round();
+            if (!round.has_ended) continue;
             if (round.next.empty()) {
                 conclude(round);
                 return code;
@@ -127,6 +133,7 @@ public:
             if (world_.is_root() && !arguments_.quiet)
                 fmt::print("adding {}\n", counts_text(round.next));
             add(round.next, points_);
+            round_.retry_failed = false; // once per run, not in each round
         }
     }
 
@@ -156,17 +163,25 @@ private:
         return shared(points, world_);
     }
 
-    /// Waits for the cases of other shards. Returns whether all cases have ended; otherwise prints
-    /// why the run ends. Collective.
-    bool others_are_done() {
-        if (arguments_.shard.empty()) return true;
-        std::string reason;
-        on_root(world_, [&] { reason = shards_->wait(job_.plan); });
-        reason = world_.broadcast(std::move(reason));
-        if (reason.empty()) return true;
-        if (world_.is_root())
-            fmt::print("{}\nnext: {}\n", reason, schedule::run_command_line(arguments_));
-        return false;
+    /// Waits for the cases of other shards, and prints why the run ends before. Collective.
+    OtherShards::Outcome others_ended() {
+        if (arguments_.shard.empty()) return {};
+        OtherShards::Outcome outcome;
+        on_root(world_, [&] { outcome = shards_->wait(job_.plan); });
+        outcome.is_extended = world_.broadcast(outcome.is_extended ? 1L : 0L) != 0;
+        outcome.reason = world_.broadcast(std::move(outcome.reason));
+        if (world_.is_root() && !outcome.reason.empty())
+            fmt::print("{}\nnext: {}\n", outcome.reason, schedule::run_command_line(arguments_));
+        return outcome;
+    }
+
+    /// Collective; the sentences are on rank 0.
+    Round result_of_round() const {
+        Round round;
+        on_root(world_, [&] { round = evaluated(folder_, job_.plan, *shards_); });
+        round.has_ended = world_.broadcast(round.has_ended ? 1L : 0L) != 0;
+        round.next = shared(round.next, world_);
+        return round;
     }
 
     void conclude(const Round& round) const {

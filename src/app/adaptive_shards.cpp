@@ -67,24 +67,29 @@ bool OtherShards::is_extended(const Plan& plan) const {
     return storage::read_plan(folder_.plan()).cases.size() > plan.cases.size();
 }
 
-std::string OtherShards::wait(const Plan& plan) const {
-    if (part_.empty()) return "";
+OtherShards::Outcome OtherShards::wait(const Plan& plan) const {
+    if (part_.empty()) return {};
     while (true) {
         // The locks are read first: a shard may complete its cases and end in between.
         const bool is_any_present = is_any_running(presence_prefix);
         const std::size_t open = open_cases(plan).size();
-        if (is_extended(plan)) return "";
+        if (is_extended(plan)) return {.is_extended = true, .reason = ""};
         // Nobody may compute while the plan is extended.
-        if (open == 0 && !is_any_running("")) return "";
+        if (open == 0 && !is_any_running("")) return {};
         if (open > 0 && !is_any_present)
-            return fmt::format("{} cases of other shards are not complete; the points of the next "
-                               "round follow from them: run the other shards at the same time, or "
-                               "rerun this command after them",
-                               open);
+            return {.is_extended = false,
+                    .reason = fmt::format(
+                        "{} cases of other shards are not complete; the points of the next round "
+                        "follow from them: run the other shards at the same time, or rerun this "
+                        "command after them",
+                        open)};
         std::error_code none;
         if (schedule::stop_requested() || std::filesystem::exists(folder_.stop_file(), none))
-            return "stopped early, all computed results are saved";
-        if (deadline_.left_s() <= 0.0) return "the time limit is reached, all results are saved";
+            return {.is_extended = false,
+                    .reason = "stopped early, all computed results are saved"};
+        if (deadline_.left_s() <= 0.0)
+            return {.is_extended = false,
+                    .reason = "the time limit is reached, all results are saved"};
         std::this_thread::sleep_for(between_looks);
     }
 }

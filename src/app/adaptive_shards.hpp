@@ -20,15 +20,23 @@ public:
     OtherShards(schedule::OutputFolder folder, const schedule::RunArguments& arguments,
                 const schedule::Deadline& deadline);
 
+    /// How a wait has ended.
+    struct Outcome {
+        bool is_extended = false; // another shard has extended the plan
+        /// Why the shard does not wait any longer: a request to stop, the time limit, or open cases
+        /// of shards that are not running; otherwise empty.
+        std::string reason;
+    };
+
     /// Waits until all cases of the plan have ended, or another shard has extended the plan.
-    /// Returns an empty text, or why it does not wait any longer: a request to stop, the time
-    /// limit, or open cases of shards that are not running.
-    std::string wait(const Plan& plan) const;
+    Outcome wait(const Plan& plan) const;
+
+    /// Whether the plan in the folder has more cases.
+    bool is_extended(const Plan& plan) const;
 
 private:
     std::vector<std::size_t> open_cases(const Plan& plan) const;
     bool is_any_running(const std::string& prefix) const;
-    bool is_extended(const Plan& plan) const;
 
     schedule::OutputFolder folder_;
     std::string part_; // empty: not in shards

@@ -118,13 +118,12 @@ class Adaptive(ProgramTest):
         expected = self.tables_of(self.folder / "whole")
         shards = [self.start("run", "job.toml", "--shard", f"{k}/2", "--out", "together") for k in (1, 2)]
         said = [shard.communicate()[0] for shard in shards]
-        # The first to end may have seen the other one only before it began.
-        for k, shard in enumerate(shards):
-            if shard.returncode == 75:
-                self.says(said[k], "cases of other shards are not complete")
-                self.shearwake("run", "job.toml", "--shard", f"{k + 1}/2", "--out", "together")
-            else:
-                self.assertEqual(shard.returncode, 0, said[k])
+        # If one shard ends its cases before the other has begun, it cannot know that this will compute its own.
+        for k in range(60):
+            if all(shard.returncode == 0 for shard in shards):
+                break
+            shards[k % 2] = self.shearwake("run", "job.toml", "--shard", f"{k % 2 + 1}/2", "--out", "together", expect=None)
+            self.assertIn(shards[k % 2].returncode, (0, 75), said)
         self.assertEqual(self.tables_of(self.folder / "together"), expected)
 
         out = self.folder / "turn"
@@ -140,7 +139,7 @@ class Adaptive(ProgramTest):
     def test_extrema_are_searched_in_two_dimensions(self):
         search = ("{{ find = \"maximum\", in = [{}], column = \"eta_period_1\", tolerance = {}, initial = 5 }}")
         self.write_job(changed(*PLAIN, (SWEEP, f"'{SPEED}' = {search.format('3, 12', 0.6)}\n"
-                                               f"'load.modulation.speed_m_s' = {search.format('4, 8', 0.5)}"),
+                                               f"'load.modulation.speed_m_s' = {search.format('4, 7', 0.5)}"),
                                ('reference = { kind = "STM" }\n', "")))
         self.says(self.shearwake("plan", "job.toml").said, "25 cases", "about 9 for one curve", "about 7 for one curve")
         said = self.shearwake("run", "job.toml", ranks=2).said
@@ -157,12 +156,12 @@ class Adaptive(ProgramTest):
 
     def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
         self.write_job(changed(*PLAIN, (SWEEP, f"'{SPEED}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
-                                               f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [400, 500]")))
+                                               f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))
         said = self.shearwake("run", "job.toml", ranks=2).said
         self.shearwake("reduce", self.out)
         rows = adaptive(self.out)
         ratios = {f: [(float(row[SPEED]), float(row["eta_period_over_reference_1"]) - 1.0) for row in table(self.out)
-                      if row["reference"] != "yes" and float(row[FREQUENCY]) == f] for f in (400, 500)}
+                      if row["reference"] != "yes" and float(row[FREQUENCY]) == f] for f in (500, 1000)}
         for frequency, points in ratios.items():
             points.sort()
             changes = [(a[0], b[0]) for a, b in zip(points, points[1:]) if (a[1] < 0) != (b[1] < 0)]

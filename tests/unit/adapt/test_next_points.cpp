@@ -57,9 +57,25 @@ TEST_CASE("a refined curve stays within its tolerance of a fine grid", "[adapt]"
                 std::lerp(100.0, 800.0, static_cast<double>(i) / static_cast<double>(fine));
             CHECK(std::abs(interpolated(x, f, at) - f(at)) < 0.002);
         }
-    // Uniform spacing needs max |f''| h^2 / 8 = tolerance: |f''| = 0.15 / 25^2 / 10.4 at the bend.
-    const double uniform = 700.0 / std::sqrt(8.0 * 0.002 / (0.15 / 625.0 / 10.4));
+    // Uniform spacing with the same estimate needs max |f''| h^2 / 2 = tolerance, with |f''| = 0.15
+    // / 25^2 / 10.4 at the bend.
+    const double uniform = 700.0 / std::sqrt(2.0 * 0.002 / (0.15 / 625.0 / 10.4));
     CHECK(static_cast<double>(x.size()) < uniform);
+}
+
+TEST_CASE("a curve with an abrupt change of its slope stays within the tolerance", "[adapt]") {
+    const AdaptiveAxis axis{
+        .key = "k", .first = 0.0, .last = 1.0, .tolerance = 0.002, .smallest_step = 1e-3};
+    for (double corner = 0.2; corner < 0.8; corner += 0.017) {
+        const Function f = [corner](double t) { return 0.2 * std::abs(t - corner) + 0.1 * t; };
+        const std::vector<double> x = points_of(axis, {f});
+        double worst = 0.0;
+        for (double at = 0.0; at <= 1.0; at += 0.001)
+            worst = std::max(worst, std::abs(interpolated(x, f, at) - f(at)));
+        INFO("corner at " << corner);
+        CHECK(worst < 0.002);
+        CHECK(x.size() < 40);
+    }
 }
 
 TEST_CASE("extrema are found to the tolerance with few points", "[adapt]") {
@@ -141,10 +157,10 @@ TEST_CASE("the estimated error bounds that of a parabola and ignores missing poi
         curve.push_back(3.0 * at * at);
     const std::vector<double> errors = adapt::interpolation_errors(x, curve);
     REQUIRE(errors.size() == 4);
-    CHECK(errors[0] == Approx(0.75)); // h^2 / 8 * 6
-    CHECK(errors[2] == Approx(3.0));
+    CHECK(errors[0] == Approx(3.0)); // h^2 / 2 * 6
+    CHECK(errors[2] == Approx(12.0));
     curve[1] = std::nan("");
-    CHECK(adapt::interpolation_errors(x, curve)[2] == Approx(3.0));
+    CHECK(adapt::interpolation_errors(x, curve)[2] == Approx(12.0));
     curve[3] = std::nan("");
     curve[4] = std::nan("");
     CHECK(std::isnan(adapt::interpolation_errors(x, curve)[0]));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/adaptive_tables.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -59,15 +60,15 @@ double number(const reduce::Table& table, std::size_t row, const std::string& co
 } // namespace
 
 TEST_CASE("an interval is divided if any curve of the other axes requires it", "[reduce][adapt]") {
-    const Grid grid({axis("x", Goal::refine, 0.3)}, five, {0.0, 1.0},
+    const Grid grid({axis("x", Goal::refine, 1.2)}, five, {0.0, 1.0},
                     [](double x, double y) { return y * x * x; });
     const reduce::AdaptiveStates states = grid.states();
     REQUIRE(states.axes.size() == 1);
-    CHECK(states.axes[0].next.empty()); // the error of x^2 is 0.25
+    CHECK(states.axes[0].next.empty()); // the estimate for x^2 is 1
     CHECK(states.table.rows.size() == 8);
-    CHECK(number(states.table, 7, "estimated_error") == Approx(0.25));
+    CHECK(number(states.table, 7, "estimated_error") == Approx(1.0));
     CHECK(number(states.table, 0, "estimated_error") == 0.0);
-    const Grid steep({axis("x", Goal::refine, 0.3)}, five, {0.0, 2.0},
+    const Grid steep({axis("x", Goal::refine, 1.2)}, five, {0.0, 2.0},
                      [](double x, double y) { return y * x * x; });
     CHECK(steep.states().axes[0].next.size() == 4);
 }
@@ -86,6 +87,48 @@ TEST_CASE("axes that search the same extremum follow the best curve only", "[red
     CHECK(number(states.table, 0, "value") == hill(3.0, 2.0));
     const Grid lines({axis("x", Goal::maximum, 0.1)}, five, {0.0, 4.0}, hill);
     CHECK(lines.states().table.rows.size() == 2); // one per value of y
+}
+
+TEST_CASE("two refined axes keep bilinear interpolation within both tolerances",
+          "[reduce][adapt]") {
+    const Surface ridge = [](double x, double y) {
+        return std::exp(-std::pow(x - 0.5 * y - 1.0, 2)) + 0.02 * y * y;
+    };
+    std::vector<double> x = five, y = five;
+    const auto add = [](std::vector<double>& to, const std::vector<double>& more) {
+        to.insert(to.end(), more.begin(), more.end());
+        std::ranges::sort(to);
+    };
+    const double tolerance = 0.01;
+    for (bool grows = true; grows;) {
+        const Grid grid({axis("x", Goal::refine, tolerance), axis("y", Goal::refine, tolerance)}, x,
+                        y, ridge);
+        const reduce::AdaptiveStates states = grid.states();
+        add(x, states.axes[0].next);
+        add(y, states.axes[1].next);
+        grows = !states.axes[0].next.empty() || !states.axes[1].next.empty();
+        REQUIRE(x.size() * y.size() < 3000);
+    }
+    const auto place = [](const std::vector<double>& points, double at) {
+        const auto above = std::ranges::upper_bound(points, at) - points.begin();
+        return static_cast<std::size_t>(
+            std::clamp<std::ptrdiff_t>(above, 1, std::ssize(points) - 1));
+    };
+    double worst = 0.0;
+    for (double at_x = 0.0; at_x <= 4.0; at_x += 0.0371)
+        for (double at_y = 0.0; at_y <= 4.0; at_y += 0.0413) {
+            const std::size_t i = place(x, at_x), j = place(y, at_y);
+            const double s = (at_x - x[i - 1]) / (x[i] - x[i - 1]);
+            const auto along = [&](double fixed) {
+                return std::lerp(ridge(x[i - 1], fixed), ridge(x[i], fixed), s);
+            };
+            const double found =
+                std::lerp(along(y[j - 1]), along(y[j]), (at_y - y[j - 1]) / (y[j] - y[j - 1]));
+            worst = std::max(worst, std::abs(found - ridge(at_x, at_y)));
+        }
+    CHECK(worst < 2.0 * tolerance); // the sum of the errors of both axes
+    CHECK(worst > 0.1 * tolerance);
+    CHECK(x.size() > five.size());
 }
 
 TEST_CASE("crossings are those with the level or with the reference", "[reduce][adapt]") {
