@@ -14,6 +14,7 @@ import sys
 import traceback
 from pathlib import Path
 
+import fig_adaptive
 import fig_afferents
 import fig_drive
 import fig_frequency
@@ -52,9 +53,10 @@ DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 def of_all(sweep):
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
+    first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
     if sweep.uncertain:
-        return [("samples", fig_uncertain.figures)]
-    return [("optima", fig_optimise.figures), ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+        return [*first, ("samples", fig_uncertain.figures)]
+    return [*first, ("optima", fig_optimise.figures), ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
 

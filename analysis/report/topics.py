@@ -8,6 +8,7 @@ STRENGTH = ("displacement", "strength", "heat_focal_rms_um", "heat_focal_rms_ove
 TOPICS = [
     ("The best modulation", ("optimise_",)),
     ("Uncertainty and sensitivity", ("uncertain_",)),
+    ("Adaptive axes", ("adaptive",)),
     ("Snapshots and profiles", ("surface", "profiles", "intensity")),
     ("Efficiency and strength", ("gain", "strength", "displacement", "heat_eta", "heat_focal", "multiples_eta",
                                  "multiples_focal", "eta")),

@@ -13,8 +13,9 @@
 namespace shearwake::app {
 
 /// Each command has one function, in a file named after the command. The exceptions are `run`,
-/// which is run_sweep in schedule/, and `bench`, which is bench_command in bench/. All functions
-/// are collective over the world; commands that only read or draw do their work on rank 0.
+/// which is adaptive_run in this folder, and `bench`, which is bench_command in bench/. All
+/// functions are collective over the world; commands that only read or draw do their work on rank
+/// 0.
 
 struct CheckArguments : schedule::JobArguments {
     bool json = false;

@@ -49,7 +49,7 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
                                          path.string(), path.string()),
                              ExitCode::some_cases_failed);
         fmt::print("table: {}\n       {}\n", written.csv.string(), written.markdown.string());
-        for (const auto& file : {written.statistics, written.sensitivity})
+        for (const auto& file : {written.statistics, written.sensitivity, written.adaptive})
             if (!file.empty()) fmt::print("       {}\n", file.string());
         fmt::print("next: shearwake report {}\n", path.string());
     });

@@ -336,8 +336,8 @@ void add_job_tables(Json& root) {
                          {"list", {{"type", "string"}}}}},
                        {"additionalProperties", {{"type", {"array", "object"}}}},
                        {"description",
-                        "keys in full, each with a list of values or one of linspace, logspace "
-                        "and range"}};
+                        "keys in full, each with a list of values or one of linspace, logspace, "
+                        "range, refine and find"}};
     Json table = object();
     table["properties"] = {
         {"x", text}, {"series", list_of(text)}, {"reference", {{"type", "object"}}}};

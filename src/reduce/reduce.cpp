@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "measures/measure_table.hpp"
+#include "reduce/adaptive_tables.hpp"
 #include "reduce/errors.hpp"
 #include "reduce/uncertain_tables.hpp"
 #include "storage/case_file/case_index.hpp"
@@ -290,6 +291,10 @@ ReducedTables reduce(const ReduceInput& input) {
     storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
 
     if (plan.uncertain) write_uncertain(plan, plain, input.tables, written);
+    if (!plan.adaptive.empty()) {
+        written.adaptive = input.tables / (plan.name + ".adaptive.csv");
+        storage::write_file(written.adaptive, csv(adaptive_states(plan, plain).table));
+    }
 
     std::vector<std::string> columns = {"id", "reference"};
     columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());
