@@ -278,6 +278,9 @@ def marker_caption(sweep, rows, period, instant):
     if layout.all_references(sweep):
         sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}, "
                          "evaluated in the same way.")
+        found = layout.groups(sweep)
+        if 1 < len(layout.by_reference(sweep, found, rows[0])) < len(found):
+            sentences.append(" A line that belongs to several curves has the colour of the first of them.")
     missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
     if missing:
         every = counted(len(layout.ordinary(sweep)), "case")

@@ -190,7 +190,7 @@ def player(sweep):
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1
     panel = ('<div class="player-panel"><select aria-label="case"></select><p class="chosen"></p><canvas role="img" '
-             'aria-label="the surface seen from above"></canvas><output></output></div>')
+             f'aria-label="{layout.plane_name(cases)} seen from above"></canvas><output></output></div>')
     return (
         f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
         f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'

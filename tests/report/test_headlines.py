@@ -15,6 +15,7 @@ from synthetic import AM, FWHM, Folder, Page, case_id
 
 import curve_chart
 import fig_drive
+import fig_measures
 import fig_profiles
 import fig_spectra
 import fig_surface
@@ -240,6 +241,23 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual(labels(sweep), ["plain STM"])
         sweep.reference_of(sweep.cases[0]).scalars["eta_period_1"] = 0.3
         self.assertEqual(len(labels(sweep)), 2)
+
+    def test_a_reference_of_several_curves_is_one_line_in_the_colour_of_the_first(self):
+        kind = "load.modulation.am_depth"
+        folder = Folder(self.root, series=[FWHM, kind], swept=[AM, FWHM, kind])
+        for width in (2.0, 3.0):
+            for depth in (0.5, 1.0):
+                for f in (100.0, 200.0):
+                    folder.add({AM: f, FWHM: width, kind: depth}, case_id(9 if width < 2.5 else 10))
+        for width, eta in ((2.0, 0.2), (3.0, 0.3)):
+            folder.add({FWHM: width}, is_reference=True, kind="STM", strength=width, scalars={"eta_period_1": eta})
+        sweep = load.load(folder.save())
+        lines = curve_chart.curve_chart(sweep, "eta", "eta_period_1", "eta").lines
+        dashed = [(line.label.replace("\N{NO-BREAK SPACE}", " "), line.colour) for line in lines if line.dashed]
+        self.assertEqual(dashed, [("plain STM, focus FWHM 2 mm", lines[0].colour), ("plain STM, focus FWHM 3 mm", lines[2].colour)])
+        (Path(self.root) / "report").mkdir()
+        eta = fig_measures.figures(sweep, Path(self.root) / "report")[0]
+        self.assertIn("A line that belongs to several curves has the colour of the first of them.", eta.caption)
 
     def test_references_with_equal_fields_appear_once(self):
         sweep = self.with_own_references(widths=(2.0, 3.0), equal=True)
