@@ -88,6 +88,14 @@ class AfferentsTest(unittest.TestCase):
                  if f.name.startswith("hand")]
         self.assertEqual(["Red crosses" in hand.caption for hand in hands], [True, False])
 
+    def test_rates_of_an_endless_loop_refer_to_all_counted_periods(self):
+        self.add(100.0, [3, 0, 2, 0, 1])
+        endless = self.folder.add({AM: 200.0}, scalars={"receptor_periods_1": 12.0})
+        add_afferents(self.folder.file(endless), [3, 0, 2, 0, 1])
+        once, loop = (fig_hand.duration_ms(case) for case in load.load(self.folder.save()).cases)
+        self.assertAlmostEqual(once, 40.0)
+        self.assertAlmostEqual(loop, 480.0)
+
     def test_a_raster_starts_with_the_nearest_afferent(self):
         identity = self.add(100.0, [3, 1, 2, 0, 1])
         held = fig_hand.Afferents(case_of_file(self.folder.file(identity)))
