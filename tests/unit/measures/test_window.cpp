@@ -103,7 +103,7 @@ TEST_CASE("a sliding window is the mean over all windows of one period", "[windo
     double worst = 0.0;
     for (std::size_t n = 0; n < mean.size(); ++n)
         worst = std::max(worst, std::abs(scale * mean[n] - weights[n]));
-    CHECK(worst < 1e-4);
+    CHECK(worst < 1e-5);
 }
 
 TEST_CASE("a sliding window is continuous where another period fits", "[window]") {
