@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables that the program writes beside the table of cases: statistics, sensitivity, adaptive axes and optima."""
+"""The tables that the program writes in addition to that of the cases: statistics, sensitivity, adaptive axes and optima."""
 from __future__ import annotations
 
 import csv
