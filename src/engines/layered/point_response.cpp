@@ -25,13 +25,25 @@ double pass_rad_m(double spacing_m) {
     return pi / (spacing_m * std::pow(10.0 * std::numbers::ln10, 1.0 / exponent));
 }
 
+/// cos z with one exponential; std::cos(z) calls cosh and sinh. |z| is moderate here.
+Complex cosine(Complex z) {
+    const double growing = 0.5 * std::exp(z.imag()), falling = 0.25 / growing;
+    return {(falling + growing) * std::cos(z.real()), (falling - growing) * std::sin(z.real())};
+}
+
 /// The mean of cos(z cos(theta)) over the angles of a trapezoidal rule of 64 points, which is exact
 /// to J_64(z).
 Complex near_j0(Complex z) {
-    constexpr int quarter = 16;
+    constexpr std::size_t quarter = 16;
+    static const std::array<double, quarter> nodes = [] {
+        std::array<double, quarter> found;
+        for (std::size_t j = 0; j < quarter; ++j)
+            found[j] = std::cos(0.5 * pi * (static_cast<double>(j) + 0.5) / quarter);
+        return found;
+    }();
     Complex sum = 0.0;
-    for (int j = 0; j < quarter; ++j)
-        sum += std::cos(z * std::cos(0.5 * pi * (j + 0.5) / quarter));
+    for (const double node : nodes)
+        sum += cosine(z * node);
     return sum / static_cast<double>(quarter);
 }
 
