@@ -144,7 +144,7 @@ ExitCode code_of(const WorkResult& result, const Selection& selection) {
 
 /// Records the end of the run, prints the closing message on rank 0 and returns the exit code.
 /// Collective.
-ExitCode concluded(const OutputFolder& folder, const Plan& plan, const Selection& selection,
+ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Selection& selection,
                    const WorkResult& result, const RunArguments& arguments, const Comm& world) {
     const ExitCode code = code_of(result, selection);
     const char* how = code == ExitCode::stopped_early ? "stopped"
@@ -153,9 +153,11 @@ ExitCode concluded(const OutputFolder& folder, const Plan& plan, const Selection
     const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
     on_root(world, [&] {
         storage::Journal(folder.journal(part_name(arguments))).run_ended(how, result.times);
-        if (arguments.quiet && code == ExitCode::done) return;
-        fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
-                   closing_message(folder, plan, selection, result, ending, arguments));
+        if (arguments.json)
+            fmt::print("{}", closing_document(folder, job, selection, result, ending, arguments));
+        else if (!arguments.quiet || code != ExitCode::done)
+            fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
+                       closing_message(folder, job.plan, selection, result, ending, arguments));
     });
     return code;
 }
@@ -294,7 +296,10 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
                                                     : arguments.out};
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
                                                           : Progress::Style::automatic,
-                      {world.is_root() ? arguments.log_json : "", folder.root.string(), part});
+                      {.lines = world.is_root() ? arguments.log_json : "",
+                       .state = world.is_root() ? folder.progress(part) : "",
+                       .folder = folder.root.string(),
+                       .part = part});
     const auto say = [&](const std::string& text) {
         if (world.is_root() && !arguments.quiet) progress.say(text);
     };
@@ -318,7 +323,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     if (!costs) {
         WorkResult none;
         none.asked_to_stop = true;
-        return concluded(folder, job.plan, selection, none, arguments, world);
+        return concluded(folder, job, selection, none, arguments, world);
     }
     calibrate_for(*costs, world.size(), world, say, stop_requested);
     const OrderedWork work = ordered(cases, selection, *costs);
@@ -343,7 +348,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     progress.finish();
 
     on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
-    return concluded(folder, job.plan, selection, result, arguments, world);
+    return concluded(folder, job, selection, result, arguments, world);
 }
 
 } // namespace shearwake::schedule

@@ -208,6 +208,28 @@ class Sweep(ProgramTest):
         self.assertTrue(all(0.0 <= share <= 1.0 for share in partial()), partial())
         self.assertEqual(partial()[-1], 0.0)  # no case is running
 
+    def test_status_states_progress_and_remaining_time_of_the_first_case(self):
+        # A layered case of about a minute, which is killed after some seconds.
+        self.write_job(without_reference(
+            (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ("duration_ms = 4.0", "duration_ms = 40.0"),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [384.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("frames = true", "")))
+        run = self.start("run", "job.toml", "--force")
+
+        def status():
+            done = self.shearwake("status", self.out, "--json", expect=None)
+            return json.loads(done.stdout) if done.returncode == 0 else {"partial": 0.0}
+
+        self.wait_for(lambda: status()["partial"] > 0.0, "progress of the first case")
+        found = status()
+        self.assertEqual((found["done"], found["running"], found["state"]), (0, 1, "running"))
+        self.assertGreater(found["seconds_left"], 0.0)
+        self.says(self.shearwake("status", self.out).said, "remaining: about", "the running case is", "% complete")
+        os.killpg(run.pid, signal.SIGKILL)  # which leaves the record of the progress
+        run.wait()
+        killed = status()
+        self.assertEqual((killed["partial"], killed["seconds_left"], killed["state"]), (0.0, None, "stopped"))
+
     def test_plan_distinguishes_swept_keys_that_end_in_the_same_word(self):
         body = ('[[medium.body]]\nshape = "ellipsoid"\nsemi_axes_mm = [5.0, 5.0, 3.0]\ncenter_mm = [0.0, 0.0, 10.0]\n'
                 'c_s_m_s = 6.0\n\n[load]\n')
