@@ -81,7 +81,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
         r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
     }
     if (window.fits())
-        r.period = period_sums(depth.frames, window_weights(time, window.from_s, window.to_s));
+        r.period = period_sums(depth.frames,
+                               window_weights(time, window.from_s, window.to_s, window.edge_s));
     r.period_note = window.reason;
     return r;
 }

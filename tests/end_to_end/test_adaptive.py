@@ -201,10 +201,24 @@ class Adaptive(ProgramTest):
         self.says(self.shearwake("check", "job.toml", expect=3).said, "is adaptive")
         self.assertFalse(self.out.exists())
 
+    def test_sliding_windows_have_no_jumps_along_the_frequency(self):
+        axis = f"'{FREQUENCY}' = {{ refine = [400, 1000], column = \"eta_period_1\", tolerance = 0.005 }}"
+        self.write_job(changed(*PLAIN[:2], (SWEEP, axis), ('reference = { kind = "STM" }\n', "")))
+        self.says(self.shearwake("run", "job.toml").said, "intervals exceed the tolerance because of the limits")
+        said = self.shearwake("run", "job.toml", "-S", "measure.window='sliding'", "--out", "sliding").said
+        self.assertNotIn("exceed the tolerance", said)
+        self.assertLess(len(plan(self.folder / "sliding")["cases"]), len(plan(self.out)["cases"]))
+
     def test_the_job_searches_the_gain_with_a_tenth_of_a_grid(self):
-        document = json.loads(self.shearwake("plan", ROOT / "jobs" / "adaptive-gain.toml", "--json").stdout)
-        axis, = document["adaptive"]
-        self.assertEqual((axis["goal"], axis["tolerance"]), ("maximum", 1.0))
+        self.shearwake("run", ROOT / "jobs" / "adaptive-gain.toml", "--out", "gain", "--quiet", ranks=2)
+        self.assertLess(len(plan(self.folder / "gain")["cases"]), 71)  # a grid has 701 and the reference
+        self.shearwake("reduce", "gain")
+        with open(self.folder / "gain" / "tables" / "adaptive-gain.adaptive.csv", newline="", encoding="utf-8") as file:
+            row, = csv.DictReader(file)
+        self.assertEqual(row["within_tolerance"], "yes")
+        # The grid with a spacing of 1 Hz has its maximum of 1.046408 at 147 Hz.
+        self.assertLessEqual(abs(float(row["location"]) - 147.0), 1.0)
+        self.assertAlmostEqual(float(row["value"]), 1.0464, delta=1e-4)
 
 
 if __name__ == "__main__":

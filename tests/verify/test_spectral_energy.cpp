@@ -130,7 +130,7 @@ Case compressible_case(double c_p_m_s, double step_s) {
     c.scene().medium.layers = {layer};
     c.domain = {16, 12, 2e-3, 0.0};
     c.time = {30, 200e-6};
-    c.solver = SpectralOptions{.time_step_s = step_s, .residual = 1e-10, .longest_element_m = 4e-3};
+    c.solver = SpectralOptions{.time_step_s = step_s, .longest_element_m = 4e-3, .residual = 1e-10};
     return c;
 }
 

@@ -70,7 +70,10 @@ class Explorer {
   }
   sketch() {
     this.play(false);
-    this.report("Draw the path on the surface with the pointer. Escape cancels.");
+    this.report("Draw the path on the surface with the pointer, or move the probe with the arrow keys, add points with Enter and end with "
+      + "the space bar. Escape cancels.");
+    document.querySelector("header").scrollIntoView();
+    this.overlay.canvas.focus({preventScroll: true});
     drawByHand(this.overlay, () => this.draw(), points => {
       if (points) this.settings.drawn = points; else if (!this.settings.drawn) this.settings.path = "line";
       this.play(true);
@@ -100,6 +103,10 @@ class Explorer {
     if (message.type === "open") { this.change(); return; }
     if (message.type === "closed") { this.active = undefined; this.report("The connection to the engine is closed.", true); return; }
     if (message.type === "sweep") { this.sweeps.receive(message); return; }
+    if (message.type === "error" && message.id !== undefined && message.id === this.sweeps.number) {
+      this.sweeps.receive({...message, state: "failed"});
+      return;
+    }
     const active = this.active;
     if (active && message.id !== active.id) return;  // of an older request
     this.active = undefined;

@@ -71,7 +71,7 @@ TEST_CASE("an optimum satisfies its constraints and lies between its starts and 
     const double strength = GENERATE(0.5, 0.8, 1.0);
     const Forms forms = forms_with_memory(24, GENERATE(3.0, 12.0));
     const std::vector<VectorXd> from = starts(24, 8, 1);
-    const Envelope best = best_envelope(forms, strength, from);
+    const optimise::Envelope best = best_envelope(forms, strength, from);
     CHECK(best.values.minCoeff() >= 0.0);
     CHECK(best.values.maxCoeff() <= 1.0);
     CHECK(best.strength >= strength * (1.0 - 1e-14));
