@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/closing_message.hpp"
 
-#include "base/json_document.hpp"
 #include "base/text.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "pipeline/provenance.hpp"
@@ -147,9 +146,9 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
     return text;
 }
 
-std::string closing_document(const OutputFolder& folder, const config::Job& job,
-                             const Selection& selection, const WorkResult& result, Ending ending,
-                             const RunArguments& arguments) {
+nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
+                                        const Selection& selection, const WorkResult& result,
+                                        Ending ending, const RunArguments& arguments) {
     using Json = nlohmann::ordered_json;
     const storage::JournalContents journal = storage::read_journals(folder.root);
     Json failed = Json::array();
@@ -165,22 +164,22 @@ std::string closing_document(const OutputFolder& folder, const config::Job& job,
     }
     const long not_started =
         static_cast<long>(selection.work.size()) - result.done - result.failed - result.elsewhere;
-    return json_document("run",
-                         {{"job", arguments.job.string()},
-                          {"name", job.plan.name},
-                          {"folder", folder.root.string()},
-                          {"state", ending == Ending::stopped ? "stopped" : "finished"},
-                          {"cases", selection.total},
-                          {"computed", result.done},
-                          {"already_complete", selection.whole},
-                          {"failed", result.failed + selection.failed_before},
-                          {"by_other_runs", result.elsewhere},
-                          {"not_selected", selection.not_selected},
-                          {"not_completed", std::max(0L, not_started)},
-                          {"failed_cases", failed},
-                          {"not_valid_cases", not_valid_cases(folder, job.plan)},
-                          {"diagnostics", config::json_of(job.diagnostics)},
-                          {"next", next_step(folder, job.plan, selection, ending, arguments)}});
+    return {{"job", arguments.job.string()},
+            {"name", job.plan.name},
+            {"folder", folder.root.string()},
+            {"state", ending == Ending::stopped ? "stopped" : "finished"},
+            {"cases", selection.total},
+            {"computed", result.done},
+            {"already_complete", selection.whole},
+            {"failed", result.failed + selection.failed_before},
+            {"by_other_runs", result.elsewhere},
+            {"not_selected", selection.not_selected},
+            {"not_completed", std::max(0L, not_started)},
+            {"failed_cases", failed},
+            {"not_valid_cases", not_valid_cases(folder, job.plan)},
+            {"diagnostics", config::json_of(job.diagnostics)},
+            {"adaptive", Json::array()}, // adaptive_run adds sentences
+            {"next", next_step(folder, job.plan, selection, ending, arguments)}};
 }
 
 } // namespace shearwake::schedule

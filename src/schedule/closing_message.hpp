@@ -9,6 +9,7 @@
 #include "schedule/worker.hpp"
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,9 +29,9 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
                             const Selection& selection, const WorkResult& result, Ending ending,
                             const RunArguments& arguments);
 
-/// The same as a JSON document. Reads the folder. Not collective.
-std::string closing_document(const OutputFolder& folder, const config::Job& job,
-                             const Selection& selection, const WorkResult& result, Ending ending,
-                             const RunArguments& arguments);
+/// The same as the members of a JSON document. Reads the folder. Not collective.
+nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
+                                        const Selection& selection, const WorkResult& result,
+                                        Ending ending, const RunArguments& arguments);
 
 } // namespace shearwake::schedule

@@ -53,7 +53,7 @@ class Json(ProgramTest):
         self.assertEqual(self.document("check", "--quite", expect=2)["errors"], 1)
 
     def test_a_run_its_tables_and_its_report_are_described(self):
-        self.write_job()
+        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", "")))  # with few figures
         part = self.document("run", "job.toml", "--shard", "1/2", "--quiet")
         self.assertEqual((part["cases"], part["computed"], part["not_selected"], part["state"]), (4, 2, 2, "finished"))
         self.says(part["next"], "run the other shards")
@@ -146,7 +146,7 @@ class Json(ProgramTest):
         self.assertEqual((failed["status"], failed["valid"]), ("failed", False))
         self.assertNotEqual(failed["note"], "")
         self.assertIsNone(failed["values"]["eta_period_over_reference_1"])
-        self.says(self.errors("evaluate", "job.toml", "--set", "load.peak=1", expect=3)[0], "did you mean peak_Pa?")
+        self.says(self.errors("evaluate", "job.toml", "--set", "load.peak=1", expect=3)[0], "the unit of peak is Pa: use peak_Pa")
 
     def test_bench_lists_measurements(self):
         for arguments in (("spectral", "--grid", "32x24x9", "--steps", 2), ("pstd", "--grid", "16x12x10", "--steps", 2)):

@@ -83,13 +83,13 @@ class Stops(FaultTest):
 
 
 class LargeCase(FaultTest):
-    """A case of engine layered, which writes no checkpoints, that takes minutes."""
+    """A case of engine layered, which writes no checkpoints, that takes a minute."""
 
     def setUp(self):
         super().setUp()
         self.write_job(without_reference(
             ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [768.0, 768.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [320.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
             ("output_interval_us = 100.0", "output_interval_us = 5.0")))
 
     def assert_stops(self, ranks, after_s):
@@ -107,7 +107,7 @@ class LargeCase(FaultTest):
         self.assert_nothing_left(self.out)
 
     def test_a_stop_request_is_honoured_in_each_phase(self):
-        for ranks, after_s in ((1, 0.0), (1, 8.0), (2, 8.0)):
+        for ranks, after_s in ((1, 0.0), (1, 4.0), (2, 4.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
                 self.assert_stops(ranks, after_s)
 
