@@ -154,7 +154,8 @@ def legend_rows(curves):
 
 def panels(count, curves, height_in=2.35):
     """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
-    top, bottom, between = 0.3 + 0.25 * legend_rows(curves), 0.62, 0.42
+    rows = legend_rows(curves)
+    top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
     figure = plt.figure(figsize=(style.WIDTH_in, total))
     made = []

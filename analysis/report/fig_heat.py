@@ -41,7 +41,7 @@ HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
 
 
 def measure_label(sweep, column):
-    """The label of an axis with this column, in lines that fit beside a low panel; the name of the column if it has no
+    """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
     other one."""
     reference = layout.reference_name(layout.all_references(sweep))
     found = next((label for name, _, label in MEASURES if name == column), column)

@@ -117,8 +117,7 @@ public:
 
     ExitCode run() {
         const ExitCode code = all_rounds();
-        if (world_.is_root() && arguments_.json)
-            fmt::print("{}", json_document("run", document_));
+        if (world_.is_root() && arguments_.json) fmt::print("{}", json_document("run", document_));
         return code;
     }
 

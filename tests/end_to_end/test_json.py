@@ -5,7 +5,7 @@ import unittest
 
 import jsonschema
 
-from program import JOB, ROOT, ProgramTest, case_files, changed, plan_ids
+from program import JOB, ROOT, UNRECORDED, ProgramTest, case_files, changed, plan_ids
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
 PAGE = (ROOT / "docs" / "reference" / "json-output.md").read_text(encoding="utf-8")
@@ -53,7 +53,7 @@ class Json(ProgramTest):
         self.assertEqual(self.document("check", "--quite", expect=2)["errors"], 1)
 
     def test_a_run_its_tables_and_its_report_are_described(self):
-        self.write_job(changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", "")))  # with few figures
+        self.write_job(UNRECORDED)
         part = self.document("run", "job.toml", "--shard", "1/2", "--quiet")
         self.assertEqual((part["cases"], part["computed"], part["not_selected"], part["state"]), (4, 2, 2, "finished"))
         self.says(part["next"], "run the other shards")

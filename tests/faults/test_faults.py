@@ -18,12 +18,13 @@ from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids,
     without_reference
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
+SOME = LONG.replace("1000, 12]", "1000, 75]")
 MANY = LONG.replace("1000, 12]", "1000, 150]")
 
 
 class Stops(FaultTest):
     def test_a_stop_file_stops_runs_until_it_is_removed(self):
-        self.write_job(MANY)
+        self.write_job(SOME)
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         (self.out / "STOP").touch()
@@ -31,13 +32,13 @@ class Stops(FaultTest):
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
-        self.assertLess(there, 150, "it was too fast to be stopped")
+        self.assertLess(there, 75, "it was too fast to be stopped")
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
         self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
         self.says(self.shearwake("status", self.out).said, "STOP stops all runs", "remove it")
         (self.out / "STOP").unlink()
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
-        self.assertEqual(len(started(self.out)), 150)
+        self.assertEqual(len(started(self.out)), 75)
 
     def test_a_stop_request_ends_the_choice_of_time_steps(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
