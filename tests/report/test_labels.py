@@ -14,6 +14,7 @@ import fig_frequency
 import fig_heat
 import fig_measures
 import fig_medium
+import fig_surface
 import layout
 import load
 import style
@@ -88,6 +89,15 @@ class LabelsTest(unittest.TestCase):
         self.assertIn("\n", wrapped)
         for line in wrapped.replace("\u00a0", " ").splitlines():
             self.assertFalse(line.endswith(("=", "body")) or line.startswith(("=", "1")), wrapped)
+
+    def test_ticks_of_a_scale_that_follows_the_root_do_not_touch(self):
+        for end in (1e-3, 0.97, 3.3, 7.0, 45.0):
+            with mock.patch.object(fig_surface, "scale", max):  # the largest value of a snapshot
+                _, norm = fig_surface.colour_scale([[end], [0.1 * end]])
+            places = [float(norm(value)) for value in fig_surface.root_ticks(end, norm)]
+            self.assertGreaterEqual(len(places), 3)
+            # The bar is 4.3 in long; six characters of 9 pt are 0.38 in wide.
+            self.assertGreater(min(b - a for a, b in zip(places, places[1:])), 0.38 / 4.3)
 
     def test_a_uniform_medium_has_a_text_instead_of_a_scale(self):
         figure, (bar, plane) = plt.subplots(2)
