@@ -11,6 +11,7 @@ import sample
 import style
 import words
 from figure import Figure
+from package import read_sensitivity, read_statistics
 
 COLUMNS = ("eta_period_1", "eta_period_over_reference_1", "focal_rms_um", "focal_rms_over_reference_1")
 TITLES = {"first_order": "first order", "total": "total", "mu_star": "µ*", "sigma": "σ"}
@@ -116,7 +117,7 @@ def probabilities(sweep, folder, rows):
 
 
 def indices(sweep, folder):
-    rows = [row for row in sample.read(sweep, "sensitivity") if not math.isnan(row["value"])]
+    rows = [row for row in read_sensitivity(sweep.folder, sweep.name) if not math.isnan(row["value"])]
     column = next((c for c in COLUMNS if any(row["column"] == c for row in rows)), None)
     if column is None:
         return []
@@ -197,6 +198,6 @@ def scatter(sweep, folder):
 
 
 def figures(sweep, folder):
-    rows = sample.read(sweep, "statistics")
+    rows = read_statistics(sweep.folder, sweep.name)
     return [*bands(sweep, folder, rows), *probabilities(sweep, folder, rows), *indices(sweep, folder),
             *scatter(sweep, folder)]
