@@ -191,22 +191,25 @@ class Sweep(ProgramTest):
             self.assertNotIn(sign, lines)
 
     def test_progress_within_a_case_is_reported(self):
-        # Far more steps than are computed before the run is stopped; a line is written every ten seconds.
+        # Far more steps than are computed before the run is stopped. The log and the record that `status` reads have the
+        # same content, which is recorded first after two and ten seconds.
         self.write_job(without_reference(
             (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "pstd"'),
             ("duration_ms = 4.0", "duration_ms = 4000.0"), ("frames = true", "")))
         log = self.folder / "log.jsonl"
 
-        def partial():
-            return [line["partial"] for line in map(json.loads, log.read_text(encoding="utf-8").splitlines())] \
-                if log.exists() else []
+        def partial(path):
+            return [line["partial"] for line in map(json.loads, path.read_text(encoding="utf-8").splitlines())] \
+                if path.exists() else []
 
         run = self.start("run", "job.toml", "--force", "--log-json", log.name)
-        self.wait_for(lambda: any(partial()), "progress within a case")
+        self.wait_for(lambda: any(partial(self.out / "progress.json")), "progress within a case")
+        shares = partial(self.out / "progress.json")
         os.kill(run.pid, signal.SIGTERM)
         run.communicate()
-        self.assertTrue(all(0.0 <= share <= 1.0 for share in partial()), partial())
-        self.assertEqual(partial()[-1], 0.0)  # no case is running
+        shares += partial(log)
+        self.assertTrue(all(0.0 <= share <= 1.0 for share in shares), shares)
+        self.assertEqual(shares[-1], 0.0)  # no case is running
 
     def test_status_states_progress_and_remaining_time_of_the_first_case(self):
         # A layered case of about a minute, which is killed after some seconds.
