@@ -30,10 +30,25 @@ void CaseProgress::expect(Stage stage, double units, double seconds) {
     part.expected_s += seconds;
 }
 
-double CaseProgress::Part::left_s() const {
+bool CaseProgress::Part::is_measured() const {
+    return done > 0.0 && measured_s >= measurable_s;
+}
+
+double CaseProgress::Part::left_s(double slowness) const {
     if (done >= units) return 0.0;
-    const double unit_s = measured_s >= measurable_s ? measured_s / done : expected_s / units;
+    const double unit_s = is_measured() ? measured_s / done : slowness * expected_s / units;
     return (units - done) * unit_s;
+}
+
+double CaseProgress::slowness() const {
+    double measured_s = 0.0, expected_s = 0.0;
+    for (const Stage stage : {Stage::radial, Stage::expansion, Stage::samples, Stage::frames}) {
+        const Part& part = parts_.at(static_cast<std::size_t>(stage));
+        if (!part.is_measured() || part.units <= 0.0) continue;
+        measured_s += part.measured_s;
+        expected_s += part.expected_s * std::min(1.0, part.done / part.units);
+    }
+    return expected_s > 0.0 ? measured_s / expected_s : 1.0;
 }
 
 void CaseProgress::did(Stage stage, double units) {
@@ -44,8 +59,9 @@ void CaseProgress::did(Stage stage, double units) {
     part.done += units;
     last_s_ = now_s;
     double left_s = 0.0;
+    const double slow = slowness();
     for (const Part& each : parts_)
-        left_s += each.left_s();
+        left_s += each.left_s(slow);
     const double elapsed_s = now_s - began_s_;
     if (elapsed_s > 0.0) share_ = std::max(share_, elapsed_s / (elapsed_s + left_s));
     checkpoints_->progressed(share_);

@@ -13,8 +13,9 @@ using Clock_s = std::function<double()>;
 Clock_s steady_clock_s();
 
 /// Reports the share of a case that is complete: elapsed time divided by the sum of elapsed and
-/// remaining time. The remaining time of a stage follows from its measured rate, and from an
-/// expected one until the stage has taken a while. Without checkpoints it reports nothing.
+/// remaining time. The remaining time of a stage follows from its measured rate, and until the
+/// stage has taken a while from the expected one, corrected by the other stages. Without
+/// checkpoints it reports nothing.
 class CaseProgress {
 public:
     enum class Stage { response, radial, expansion, samples, frames };
@@ -35,8 +36,12 @@ public:
 private:
     struct Part {
         double units = 0.0, expected_s = 0.0, done = 0.0, measured_s = 0.0;
-        double left_s() const;
+        bool is_measured() const;
+        double left_s(double slowness) const;
     };
+    /// Measured time relative to the expected time of the stages whose work is known in advance,
+    /// which excludes the evaluations of H.
+    double slowness() const;
 
     engines::Checkpoints* checkpoints_;
     Clock_s clock_;

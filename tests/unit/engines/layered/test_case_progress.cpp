@@ -49,6 +49,24 @@ TEST_CASE("the share of a layered case is its elapsed time over its total time",
     CHECK(std::ranges::is_sorted(listener.shares));
 }
 
+TEST_CASE("stages that have not begun are expected to be as slow as the stages before them",
+          "[layered]") {
+    Listener listener;
+    double now_s = 0.0;
+    layered::CaseProgress progress(&listener, [&] { return now_s; });
+    progress.expect(Stage::radial, 10.0, 10.0);
+    progress.expect(Stage::samples, 10.0, 30.0);
+    now_s = 4.0;
+    progress.did(Stage::radial, 2.0);
+    CHECK(listener.shares.back() == Approx(4.0 / (20.0 + 60.0))); // all take twice as long
+    now_s = 20.0;
+    progress.did(Stage::radial, 8.0);
+    CHECK(listener.shares.back() == Approx(20.0 / (20.0 + 60.0)));
+    now_s = 26.0;
+    progress.did(Stage::samples, 5.0); // whose own rate counts
+    CHECK(listener.shares.back() == Approx(26.0 / 32.0));
+}
+
 TEST_CASE("the share of a layered case does not decrease when a stage becomes slower",
           "[layered]") {
     Listener listener;
