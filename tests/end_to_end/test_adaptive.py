@@ -12,8 +12,7 @@ from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_id
 
 SPEED, FREQUENCY = "medium.layer[1].c_s_m_s", "load.modulation.am_frequency_Hz"
 PLAIN = (("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
-         ("fwhm_mm = 4.5", "fwhm_mm = 6.0"),
-         ("spacing_mm = 1.5", 'spacing_mm = 2.0\nedges = "open"'),  # otherwise waves return, and readings are not valid
+         ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),  # otherwise waves return, and readings are not valid
          ('x = "load.modulation.am_frequency_Hz"\n', f"x = '{SPEED}'\n"))
 # The focus moves at 7 m/s, so the curve bends where the shear waves become faster than the focus.
 REFINE = f"'{SPEED}' = {{ refine = [3, 12], column = \"eta_period_1\", tolerance = 0.002 }}"
@@ -157,7 +156,7 @@ class Adaptive(ProgramTest):
 
     def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
         self.write_job(changed(*PLAIN, (SWEEP, f"'{SPEED}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
-                                               f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))
+                                               f"tolerance = 0.2 }}\n\"{FREQUENCY}\" = [500, 1000]")))
         said = self.shearwake("run", "job.toml", ranks=2).said
         self.shearwake("reduce", self.out)
         rows = adaptive(self.out)
@@ -171,7 +170,7 @@ class Adaptive(ProgramTest):
             if not changes:
                 self.says(said, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
             for low, high in changes:
-                self.assertLessEqual(high - low, 0.05 + 1e-9)
+                self.assertLessEqual(high - low, 0.2 + 1e-9)
         self.assertTrue(rows, "the curves never cross the reference")
         self.shearwake("report", self.out)
 
