@@ -27,7 +27,7 @@ class Afferents(ProgramTest):
         return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
 
     def test_spikes_with_noise_do_not_depend_on_the_number_of_ranks(self):
-        self.write_job(with_afferents((SWEEP, '"load.modulation.am_frequency_Hz" = [500]')))
+        self.write_job(with_afferents((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         trains = {}
         for ranks in (1, 2, 3, 5):
             folder = f"out/{ranks}"
