@@ -171,7 +171,7 @@ class Adaptive(ProgramTest):
             if not changes:
                 self.says(said, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
             for low, high in changes:
-                self.assertLessEqual(high - low, 0.2 + 1e-9)
+                self.assertLessEqual(high - low, 0.05 + 1e-9)
         self.assertTrue(rows, "the curves never cross the reference")
         self.shearwake("report", self.out)
 
