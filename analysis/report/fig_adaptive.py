@@ -5,6 +5,7 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_heat
 import layout
 import style
 from figure import Figure
@@ -59,7 +60,7 @@ def draw_axis(axes, sweep, axis, rows):
                          if key in case.settings and (reference := sweep.reference_of(case)))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
     axes.set_xlabel(layout.axis_label(sweep, key))
-    axes.set_ylabel(column)
+    axes.set_ylabel(fig_heat.measure_label(sweep, column))
     if 1 < len(shown) <= style.DIRECT_LABELS:
         axes.legend()
     return len(shown), len(made)

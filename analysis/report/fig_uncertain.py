@@ -5,6 +5,7 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_heat
 import layout
 import sample
 import style
@@ -88,7 +89,7 @@ def bands(sweep, folder, rows):
     for axes, column in zip(made[:, 0], columns):
         draw_curves(axes, sweep, sample.by_place(sweep, rows, column), "q50",
                     (("q05", "value"), ("q95", "value")), (("q50", "low_95"), ("q50", "high_95")))
-        axes.set_ylabel(column)
+        axes.set_ylabel(fig_heat.measure_label(sweep, column))
     style.save(figure, folder / "uncertain_bands.png")
     return [Figure("uncertain_bands", "Median and spread over the samples",
                    "Points: median over the samples. Light band or thin line: from the 5 % to the 95 % quantile, which "
@@ -182,7 +183,7 @@ def scatter(sweep, folder):
         axes.set_xlabel(words.axis_label(key))
     for axes in list(made.flat)[len(keys):]:
         axes.set_visible(False)
-    made[0, 0].set_ylabel(column)
+    made[0, 0].set_ylabel(fig_heat.measure_label(sweep, column))
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
     style.save(figure, folder / "uncertain_scatter.png")

@@ -27,6 +27,7 @@ bool is_ours(const std::string& name) {
                                   "tables", "converge", "converge.json", "converge.md",
                                   "basis",  "optimise", "robustness"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
+    if (name.starts_with("progress.") && name.ends_with(".json")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
 }
 

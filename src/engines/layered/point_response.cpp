@@ -110,11 +110,20 @@ PointRule point_rule(double spacing_m, double reach_m) {
 
 PointResponse::PointResponse(double spacing_m, double reach_m)
     : rule_(point_rule(spacing_m, reach_m)), step_m_(spacing_m / radii_per_spacing),
-      radii_(static_cast<std::size_t>(std::ceil(reach_m / step_m_)) + interpolated) {}
+      radii_(table_radii(spacing_m, reach_m)) {}
 
-std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns) const {
+std::size_t table_radii(double spacing_m, double reach_m) {
+    const double step_m = spacing_m / radii_per_spacing;
+    return static_cast<std::size_t>(std::ceil(reach_m / step_m)) + interpolated;
+}
+
+std::size_t radial_blocks(double spacing_m, double reach_m) {
+    return (table_radii(spacing_m, reach_m) + radii_together - 1) / radii_together;
+}
+
+std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns,
+                                           const std::function<void()>& block_done) const {
     using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic>;
-    constexpr std::size_t together = 256; // radii, which limits the memory
     const auto nodes = static_cast<Eigen::Index>(rule_.k_rad_m.size());
     Matrix weighted(nodes, static_cast<Eigen::Index>(columns));
     for (Eigen::Index c = 0; c < weighted.cols(); ++c)
@@ -123,8 +132,8 @@ std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size
                              rule_.weight[static_cast<std::size_t>(i)];
     std::vector<Complex> tables(columns * radii_);
     Matrix bessel;
-    for (std::size_t first = 0; first < radii_; first += together) {
-        const std::size_t count = std::min(together, radii_ - first);
+    for (std::size_t first = 0; first < radii_; first += radii_together) {
+        const std::size_t count = std::min(radii_together, radii_ - first);
         bessel.resize(static_cast<Eigen::Index>(count), nodes);
         for (Eigen::Index i = 0; i < nodes; ++i)
             for (Eigen::Index r = 0; r < bessel.rows(); ++r)
@@ -136,6 +145,7 @@ std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size
             for (std::size_t r = 0; r < count; ++r)
                 tables[c * radii_ + first + r] =
                     part(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+        if (block_done) block_done();
     }
     return tables;
 }
