@@ -24,7 +24,8 @@ namespace {
 bool is_ours(const std::string& name) {
     constexpr std::array names = {"cases",  "job.toml", "plan.json",     "STOP",
                                   "slurm",  "failed",   "checkpoints",   "locks",
-                                  "tables", "converge", "converge.json", "converge.md"};
+                                  "tables", "converge", "converge.json", "converge.md",
+                                  "basis",  "optimise", "robustness"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
 }
