@@ -139,7 +139,8 @@ std::vector<PointEstimate> points_of_element(const Setting& s, std::size_t eleme
 }
 
 bool lambda_varies(const PointEstimate& p) {
-    return p.greatest.lambda_Pa > one_lambda * p.least.lambda_Pa;
+    return implicit_lambda_Pa(p.greatest.lambda_Pa) >
+           one_lambda * implicit_lambda_Pa(p.least.lambda_Pa);
 }
 
 /// Widens the extent to the grid points within the bounds of an inclusion.
@@ -192,9 +193,11 @@ void add_contrast(const Setting& s, const PointEstimate& p, double kappa_rad_m, 
     const double shear = (stable(greatest.mu_Pa) - stable(least.mu_Pa) +
                           0.5 * (greatest.viscosity_Pa_s - least.viscosity_Pa_s) / s.step_s) /
                          (stable(least.mu_Pa) + 0.5 * least.viscosity_Pa_s / s.step_s + bears);
-    all.stiffness =
-        std::max({all.stiffness, shear, greatest.density_kg_m3 / least.density_kg_m3 - 1.0,
-                  lambda ? greatest.lambda_Pa / least.lambda_Pa - 1.0 : 0.0});
+    const double least_lambda_Pa = implicit_lambda_Pa(least.lambda_Pa);
+    all.stiffness = std::max(
+        {all.stiffness, shear, greatest.density_kg_m3 / least.density_kg_m3 - 1.0,
+         lambda ? (greatest.lambda_Pa - least_lambda_Pa) / (least_lambda_Pa + 2.0 * least.mu_Pa)
+                : 0.0});
 }
 
 void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Contrast& all) {
