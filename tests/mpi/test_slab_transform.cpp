@@ -11,8 +11,9 @@ using namespace shearwake;
 namespace {
 
 /// Extents that are not divisible, odd extents, and fewer rows than ranks.
-using Grid = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
-const auto grids = {Grid{14, 10}, Grid{30, 18}, Grid{9, 7}, Grid{4, 2}, Grid{2, 6}};
+using PlaneSize = std::pair<std::ptrdiff_t, std::ptrdiff_t>;
+const auto grids = {PlaneSize{14, 10}, PlaneSize{30, 18}, PlaneSize{9, 7}, PlaneSize{4, 2},
+                    PlaneSize{2, 6}};
 
 /// Pseudo-random numbers that depend on the position in the grid, not on the rank.
 double noise(std::ptrdiff_t i, std::ptrdiff_t j) {
@@ -167,8 +168,9 @@ TEST_CASE("forward and backward transforms are adjoint", "[mpi]") {
 }
 
 TEST_CASE("transform of runs equals that of a plane with zeros elsewhere", "[mpi]") {
-    const auto [nx, ny] = GENERATE(values(grids), Grid{66, 18}); // the last one: eight rows at once
-    const bool is_window = GENERATE(true, false); // the runs of all ranks end before the row
+    const auto [nx, ny] =
+        GENERATE(values(grids), PlaneSize{66, 18}); // the last one: eight rows at once
+    const bool is_window = GENERATE(true, false);   // the runs of all ranks end before the row
     const Comm world = Comm::world();
     const fft::SlabTransform transform(nx, ny, world);
     const fft::SlabShare& share = transform.share();

@@ -106,29 +106,6 @@ public:
     }
     /// The displacement [m] of the solid at offsets from the centre due to forces at the markers.
     std::vector<Vec3> field(const std::vector<double>& forces, const std::vector<Vec3>& offsets) {
-        const fft::AlignedVector<Block> all = response(forces);
-        std::vector<Vec3> displacements;
-        for (const Vec3& offset : offsets)
-            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
-                                                    centre() + offset,
-                                                    [](double, double) { return 1.0; }));
-        return displacements;
-    }
-    /// The stress sigma_zz [Pa] of the incompressible solid at offsets from the centre.
-    std::vector<double> vertical_stress(const std::vector<double>& forces,
-                                        const std::vector<Vec3>& offsets) {
-        const fft::AlignedVector<Block> all = response(forces);
-        std::vector<double> stresses;
-        for (const Vec3& offset : offsets)
-            stresses.push_back(vertical_stress_at(case_.domain, mesh_, *vectors_, all.data(),
-                                                  centre() + offset, incompressible * solid_mu_Pa,
-                                                  solid_mu_Pa));
-        return stresses;
-    }
-
-private:
-    /// The pencils of the displacement due to forces at the markers.
-    fft::AlignedVector<Block> response(const std::vector<double>& forces) {
         bodies_->exert(forces);
         const std::ptrdiff_t size = operator_->unknowns() * spectral::parts;
         fft::AlignedVector<Block> all(static_cast<std::size_t>(vectors_->pencils() * size));
@@ -141,8 +118,15 @@ private:
                 solve(row, block, pencil);
             }
         }
-        return all;
+        std::vector<Vec3> displacements;
+        for (const Vec3& offset : offsets)
+            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
+                                                    centre() + offset,
+                                                    [](double, double) { return 1.0; }));
+        return displacements;
     }
+
+private:
     Vec3 centre() const { return case_.scene().medium.bodies[0].centre_m; }
     void solve(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) const {
         operator_->solve_implicit(factors_.data() +

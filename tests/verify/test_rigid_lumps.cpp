@@ -33,15 +33,16 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
         Body light = body;
         light.centre_m = {7.4e-3, -6.9e-3, 5e-3};
         light.density_kg_m3 = 300.0;
-        Body empty = body; // almost without mass: the tissue around it has enough
-        empty.centre_m = {-7.1e-3, 7.6e-3, 6.5e-3};
-        empty.density_kg_m3 = 1.0;
         Body fixed = with_shape(body, Box{{5e-3, 6e-3, 4e-3}});
         fixed.centre_m = {7e-3, 7e-3, 5e-3};
         fixed.fixed = true;
-        c.scene().medium.bodies = {dense, light, empty, fixed};
+        c.scene().medium.bodies = {dense, light, fixed};
+    }
+    SECTION("free and almost without mass: the tissue around it has enough") {
+        c.scene().medium.bodies[0].density_kg_m3 = 1.0;
     }
     SECTION("next to a body across the domain and a complete layer") {
+        if (step_s == 50e-6) return; // between the others
         Body bone =
             with_shape(c.scene().medium.bodies[0], Cylinder{.radius_m = 1.4e-3, .azimuth_deg = 90});
         bone.centre_m = {-11e-3, 0.0, 5e-3};
@@ -51,7 +52,7 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
         c.scene().medium.bodies.insert(c.scene().medium.bodies.begin(), {slab, bone});
     }
     SECTION("next to an elastic body, with iterations") {
-        if (step_s < 200e-6) return; // many steps, while the long one iterates most
+        if (step_s != 200e-6) return; // many steps, while the long one iterates most
         c.scene().medium.bodies.push_back(test::elastic_neighbour());
         std::get<SpectralOptions>(c.solver).residual = 1e-12; // its error accumulates
     }
