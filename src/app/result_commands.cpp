@@ -159,6 +159,8 @@ void add_bench(CLI::App& app, Action& action) {
         ->check(CLI::Range(1.0, 1e6));
     command->add_flag("--rigid", arguments->rigid,
                       "spectral: a rigid cylinder of 5 mm radius instead of the body");
+    command->add_flag("--lump", arguments->lump,
+                      "spectral: a rigid ellipsoid of 12 x 10 x 6 mm instead of the body");
     command
         ->add_option("--sponge", arguments->sponge_mm,
                      "spectral: absorbing margin, mm (default 0: none)")

@@ -24,6 +24,7 @@ struct BenchArguments {
     bool json = false; // print a document instead of text
     // `spectral`:
     bool rigid = false; // a rigid cylinder instead of the body
+    bool lump = false;  // a rigid ellipsoid instead of the body
 };
 
 /// The command `bench`. Collective.

@@ -48,10 +48,80 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team,
         begin_ = end_ == begin_ ? runs.front().row : std::min(begin_, runs.front().row);
         end_ = std::max(end_, runs.back().row + 1);
     }
-    const std::vector<long> all = team.all_gather(std::vector<long>{
-        layout.x_start + begin_, layout.x_start + end_, mine_.ky_start, mine_.ky_count});
-    for (std::size_t at = 0; at < all.size(); at += 4)
+    long first = slabs.ny(), last = 0; // range of y with runs
+    for (const std::vector<RowRun>& runs : sheets_)
+        for (const RowRun& run : runs) {
+            first = std::min<long>(first, run.begin);
+            last = std::max<long>(last, run.end);
+        }
+    const std::vector<long> all =
+        team.all_gather(std::vector<long>{layout.x_start + begin_, layout.x_start + end_,
+                                          mine_.ky_start, mine_.ky_count, first, last});
+    for (std::size_t at = 0; at < all.size(); at += 6) {
         shares_.push_back({all[at], all[at + 1], all[at + 2], all[at + 3]});
+        first = std::min(first, all[at + 4]);
+        last = std::max(last, all[at + 5]);
+    }
+    // The same on all ranks, so that their number does not affect the result.
+    if (RowWindow::pays(slabs.ny(), last - first))
+        window_ = std::make_unique<RowWindow>(slabs.ny(), first, last - first);
+}
+
+RunTransform::Rows RunTransform::rows_at(std::ptrdiff_t i) const {
+    return {i, std::min(window_ ? window_rows : width, end_ - i)};
+}
+
+/// Transforms rows to their modes, in the buffer of modes_of().
+void RunTransform::transform(Rows rows, Rest& runs, const double* values) const {
+    if (!window_) {
+        for (std::ptrdiff_t r = 0; r < rows.count; ++r)
+            transform_row(rows.first + r, runs, values, slabs_.work_->line(r));
+        return;
+    }
+    window_->clear_rows();
+    for (; !runs.empty() && runs.front().row < rows.first + rows.count; runs = runs.subspan(1)) {
+        const RowRun& run = runs.front();
+        double* to = window_->point(run.begin) + run.row - rows.first;
+        for (std::ptrdiff_t j = 0; j < run.end - run.begin; ++j)
+            to[j * window_rows] = values[run.offset + static_cast<std::size_t>(j)];
+    }
+    window_->to_modes();
+}
+
+void RunTransform::untransform(Rows rows, Rest& runs, double* values) const {
+    if (!window_) {
+        for (std::ptrdiff_t r = 0; r < rows.count; ++r)
+            untransform_row(rows.first + r, runs, slabs_.work_->line(r), values);
+        return;
+    }
+    window_->to_rows();
+    for (; !runs.empty() && runs.front().row < rows.first + rows.count; runs = runs.subspan(1)) {
+        const RowRun& run = runs.front();
+        const double* from = window_->point(run.begin) + run.row - rows.first;
+        for (std::ptrdiff_t j = 0; j < run.end - run.begin; ++j)
+            values[run.offset + static_cast<std::size_t>(j)] = from[j * window_rows];
+    }
+}
+
+/// Copies the modes of some ky of the transformed rows to columns, and back.
+void RunTransform::put_columns(Rows rows, const Share& to, Complex* columns,
+                               std::ptrdiff_t pitch) const {
+    SlabTransform::Work& w = *slabs_.work_;
+    if (!window_)
+        return rows_to_columns(w.line(0) + to.ky_start, w.pitch, rows.count, to.ky_count, columns,
+                               pitch);
+    for (std::ptrdiff_t k = 0; k < to.ky_count; ++k)
+        std::copy_n(window_->mode(to.ky_start + k), rows.count, columns + k * pitch);
+}
+
+void RunTransform::take_columns(Rows rows, const Share& from, const Complex* columns,
+                                std::ptrdiff_t pitch) const {
+    SlabTransform::Work& w = *slabs_.work_;
+    if (!window_)
+        return columns_to_rows(columns, pitch, rows.count, from.ky_count, w.line(0) + from.ky_start,
+                               w.pitch);
+    for (std::ptrdiff_t k = 0; k < from.ky_count; ++k)
+        std::copy_n(columns + k * pitch, rows.count, window_->mode(from.ky_start + k));
 }
 
 void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
@@ -116,7 +186,6 @@ RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
 }
 
 void RunTransform::to_lines(const double* values, std::span<const Plane> all, double* lines) const {
-    SlabTransform::Work& w = *slabs_.work_;
     const std::ptrdiff_t planes = std::ssize(all);
     const std::ptrdiff_t rows = end_ - begin_;
     const Parcels parcel = parcels(planes);
@@ -125,21 +194,18 @@ void RunTransform::to_lines(const double* values, std::span<const Plane> all, do
         const double* of_plane = values + plane.first;
         Complex* here = reinterpret_cast<Complex*>(lines + p * lines_reals_);
         Rest rest = sheets_[plane.sheet];
-        for (std::ptrdiff_t i = begin_; i < end_; i += width) {
-            const std::ptrdiff_t count = std::min(width, end_ - i);
-            for (std::ptrdiff_t r = 0; r < count; ++r)
-                transform_row(i + r, rest, of_plane, w.line(r));
+        for (Rows now = rows_at(begin_); now.count > 0; now = rows_at(now.first + now.count)) {
+            transform(now, rest, of_plane);
+            const std::ptrdiff_t at = now.first - begin_;
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
                 const Share& to = shares_[rank];
-                const Complex* modes = w.line(0) + to.ky_start;
                 if (rank == me_)
-                    rows_to_columns(modes, w.pitch, count, to.ky_count,
-                                    here + to.x_begin + i - begin_, layout_.pitch);
+                    put_columns(now, to, here + to.x_begin + at, layout_.pitch);
                 else
-                    rows_to_columns(modes, w.pitch, count, to.ky_count,
-                                    parcel.rows.data() + parcel.of_rows_at[rank] +
-                                        p * to.ky_count * rows + i - begin_,
-                                    rows);
+                    put_columns(now, to,
+                                parcel.rows.data() + parcel.of_rows_at[rank] +
+                                    p * to.ky_count * rows + at,
+                                rows);
             }
         }
     }
@@ -169,7 +235,6 @@ void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Comple
 void RunTransform::to_values(const double* lines, std::span<const Plane> all,
                              double* values) const {
     const std::ptrdiff_t planes = std::ssize(all);
-    SlabTransform::Work& w = *slabs_.work_;
     const std::ptrdiff_t rows = end_ - begin_;
     const Parcels parcel = parcels(planes);
     const auto of_plane = [&](std::ptrdiff_t p) {
@@ -189,21 +254,19 @@ void RunTransform::to_values(const double* lines, std::span<const Plane> all,
         const Plane& plane = all[static_cast<std::size_t>(p)];
         double* to_plane = values + plane.first;
         Rest rest = sheets_[plane.sheet];
-        for (std::ptrdiff_t i = begin_; i < end_; i += width) {
-            const std::ptrdiff_t count = std::min(width, end_ - i);
+        for (Rows now = rows_at(begin_); now.count > 0; now = rows_at(now.first + now.count)) {
+            const std::ptrdiff_t at = now.first - begin_;
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
                 const Share& from = shares_[rank];
-                Complex* modes = w.line(0) + from.ky_start;
                 if (rank == me_)
-                    columns_to_rows(of_plane(p) + from.x_begin + i - begin_, layout_.pitch, count,
-                                    from.ky_count, modes, w.pitch);
+                    take_columns(now, from, of_plane(p) + from.x_begin + at, layout_.pitch);
                 else
-                    columns_to_rows(parcel.rows.data() + parcel.of_rows_at[rank] +
-                                        p * from.ky_count * rows + i - begin_,
-                                    rows, count, from.ky_count, modes, w.pitch);
+                    take_columns(now, from,
+                                 parcel.rows.data() + parcel.of_rows_at[rank] +
+                                     p * from.ky_count * rows + at,
+                                 rows);
             }
-            for (std::ptrdiff_t r = 0; r < count; ++r)
-                untransform_row(i + r, rest, w.line(r), to_plane);
+            untransform(now, rest, to_plane);
         }
     }
 }

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "fft/row_window.hpp"
 #include "fft/slab_transform.hpp"
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,7 +20,8 @@ struct RowRun {
 /// The y part of the transform of planes that are zero outside of some runs of their rows, or are
 /// needed only there. to_lines() transforms the values of the runs to lines over x, one line per ky
 /// of this rank (SlabTransform transforms these along x); to_values() is the way back. Only the
-/// rows between the first and the last row with runs of each rank are transformed and sent. The
+/// rows between the first and the last row with runs of each rank are transformed and sent, by
+/// FFTs, or by sums if the runs of all ranks occupy a short window of y (RowWindow). The
 /// buffers are those of the SlabTransform, which must outlive this object.
 class RunTransform {
 public:
@@ -81,6 +84,18 @@ private:
     void fill_line(const Parcels& parcels, std::ptrdiff_t which, std::complex<double>* line) const;
     /// Runs that have not been processed yet, in ascending order.
     using Rest = std::span<const RowRun>;
+    /// Rows that are transformed together.
+    struct Rows {
+        std::ptrdiff_t first, count;
+    };
+    /// The rows from i on; none at the end.
+    Rows rows_at(std::ptrdiff_t i) const;
+    void transform(Rows rows, Rest& runs, const double* values) const;
+    void untransform(Rows rows, Rest& runs, double* values) const;
+    void put_columns(Rows rows, const Share& to, std::complex<double>* columns,
+                     std::ptrdiff_t pitch) const;
+    void take_columns(Rows rows, const Share& from, const std::complex<double>* columns,
+                      std::ptrdiff_t pitch) const;
     void transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
                        std::complex<double>* modes) const;
     void untransform_row(std::ptrdiff_t row, Rest& runs, std::complex<double>* modes,
@@ -95,6 +110,7 @@ private:
     Lines mine_;
     std::size_t me_;
     std::ptrdiff_t lines_reals_;
+    std::unique_ptr<RowWindow> window_; // if the runs occupy a short window of y
 };
 
 } // namespace shearwake::fft

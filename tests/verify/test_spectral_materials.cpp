@@ -47,29 +47,39 @@ Kind bone() {
     return {"bone", body, 0.0};
 }
 
+/// As narrow as the body and the path allow.
+Case tissue(double viscosity_Pa_s) {
+    Case c = test::small_tissue(viscosity_Pa_s);
+    c.domain.nx = 20;
+    c.domain.ny = 16;
+    std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path = {{-9.5e-3, 0.0},
+                                                                            {9.5e-3, 0.0}};
+    return c;
+}
+
 Case with_body(Case c, const Kind& kind) {
     c.solver = SpectralOptions{};
     c.scene().medium.bodies = {kind.body};
     return c;
 }
 
-/// With a residual so small that only the time error remains, which is a sixteenth of that at 25
-/// us.
+/// With a residual of a hundredth of the limits, so that only the time error remains. The scheme is
+/// of second order or better in the step, so that it is at most a ninth of the error at 25 us.
 Case reference(Case c) {
-    std::get<SpectralOptions>(c.solver).residual = 1e-6;
-    return test::with_step(c, 6.25e-6);
+    std::get<SpectralOptions>(c.solver).residual = 1e-4;
+    return test::with_step(c, 25e-6 / 3.0);
 }
 
-void check_stable(const Kind& kind, double step_s) {
+void check_stable(const Kind& kind, double step_s, std::ptrdiff_t frame_count) {
     // Without losses nothing hides a growing mode. After 3 ms the load has ended, so that the
     // energy does not increase; the motion spreads over domain and depth.
-    Case c = with_body(test::small_tissue(0.0), kind);
-    c.time.frames = 140;
+    Case c = with_body(tissue(0.0), kind);
+    c.time.frames = frame_count;
     const auto frames = test::frames_of(test::with_step(c, step_s));
     double while_pressed = 0.0, at_the_end = 0.0;
     for (std::ptrdiff_t n = 0; n < 30; ++n)
         while_pressed = test::worse(while_pressed, test::largest(frames.at(n)));
-    for (std::ptrdiff_t n = 110; n < 140; ++n)
+    for (std::ptrdiff_t n = frame_count - 30; n < frame_count; ++n)
         at_the_end = test::worse(at_the_end, test::largest(frames.at(n)));
     CAPTURE(kind.name, step_s, while_pressed, at_the_end);
     CHECK(while_pressed < 60e-9); // the focus alone causes 34 nm
@@ -85,32 +95,34 @@ bool changes_shear(const Kind& kind) {
 
 TEST_CASE("error with bodies of any material is within its limit at 25 us", "[verify]") {
     const Kind kind = kinds()[GENERATE(range(std::size_t{0}, std::size_t{10}))];
-    const Case c = with_body(test::small_tissue(), kind);
+    const Case c = with_body(tissue(0.5), kind);
     const auto fine = test::last_frame(reference(c));
-    const double difference = test::relative_l2(test::last_frame(test::with_step(c, 25e-6)), fine);
-    Case without = test::with_step(c, 25e-6);
-    without.scene().medium.bodies.clear();
-    const double seen = test::relative_l2(test::last_frame(without), fine);
-    CAPTURE(kind.name, difference, seen);
-    CHECK(difference < kind.limit);
+    const double error =
+        9.0 / 8.0 * test::relative_l2(test::last_frame(test::with_step(c, 25e-6)), fine);
+    static const auto without =
+        test::last_frame(test::with_step(tissue(0.5), 25e-6)); // of all kinds
+    const double seen = test::relative_l2(without, fine);
+    CAPTURE(kind.name, error, seen);
+    CHECK(error < kind.limit);
     // The body affects the field by more than the error. c_p hardly affects shear and has a
     // separate test.
-    if (changes_shear(kind)) CHECK(seen > 10.0 * difference);
+    if (changes_shear(kind)) CHECK(seen > 10.0 * error);
 }
 
 TEST_CASE("field with bodies of any material is stable for 14 ms", "[verify]") {
-    check_stable(GENERATE(from_range(kinds())), 50e-6);
+    check_stable(GENERATE(from_range(kinds())), 50e-6, 140);
 }
 
-TEST_CASE("field with extreme bodies is stable for 14 ms with half the step", "[verify]") {
+TEST_CASE("field with extreme bodies is stable for as many steps of half the length", "[verify]") {
+    // The 280 steps of 14 ms at 50 us: what makes a scheme unstable grows with the number of steps.
     const std::string name = GENERATE("100 times stiffer", "half as dense");
     const auto kind = std::ranges::find(kinds(), name, &Kind::name);
     REQUIRE(kind != kinds().end());
-    check_stable(*kind, 25e-6);
+    check_stable(*kind, 25e-6, 70);
 }
 
 TEST_CASE("field with bone is stable for 14 ms", "[verify]") {
-    check_stable(bone(), 50e-6);
+    check_stable(bone(), 50e-6, 140);
 }
 
 TEST_CASE("mean surface displacement reflects the compressibility of a body", "[verify]") {
@@ -133,7 +145,7 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     const auto mean_at = [&](double step_s) {
         return test::mean(test::last_frame(test::with_step(c, step_s)));
     };
-    const double usual = mean_at(25e-6), fine = mean_at(3.125e-6);
+    const double usual = mean_at(25e-6), fine = mean_at(6.25e-6);
     CAPTURE(c_p_m_s, usual, fine);
     CHECK(usual == Approx(fine).epsilon(0.01)); // required; observed 1e-3
     const double without = compression_m(7e-3, 1500.0);

@@ -109,9 +109,12 @@ std::vector<std::string> rigid_notes(const Case& given) {
                 stiffness_contrast(body, c.scene().medium),
                 std::get<SpectralOptions>(c.solver).rigid_above);
         const std::string held = held_by(body, c.scene().medium, c.domain);
-        notes.push_back(fmt::format("medium.body[{}] is rigid{} and {}: one additional background "
-                                    "solve per step, no cap on its stiffness",
-                                    i + 1, why, held.empty() ? "moves with its mass" : held));
+        notes.push_back(
+            fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
+                        held.empty() ? "moves with its mass" : held,
+                        is_below_rigid_layer(body, c.scene().medium, c.domain)
+                            ? "no effect on the field"
+                            : "one additional background solve per step, no cap on its stiffness"));
     }
     return notes;
 }

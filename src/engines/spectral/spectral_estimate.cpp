@@ -78,8 +78,8 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const double factors_B = pencil_lanes * factor_entries(mesh) * sizeof(Block);
     const double plane_B =
         2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * up(modes_y, ranks));
-    const double arrays = (v.iterations > 0.0 ? 7.0 : 4.0) * v.components + 3.0 +
-                          (v.iterations > 0.0 ? v.components / 3.0 : 0.0); // implicit moduli
+    const double arrays = ((v.iterations > 0.0 ? 7.0 : 4.0) + (v.box ? 1.0 : 0.0)) * v.components +
+                          3.0 + (v.iterations > 0.0 ? v.components / 3.0 : 0.0); // implicit moduli
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
     const double sponge_B = sponge_values_of(sponge, levels) * sizeof(double) /
                             std::min<double>(ranks, static_cast<double>(sponge.ny));
@@ -87,8 +87,10 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
                                      [](VolumeField f) { return f != VolumeField::u; });
     const double felt = ReceptorStress::planes(c, mesh);
     Memory memory;
-    memory.stepper_B = factors_B + 2.0 * displacement_B + strain_planes_B(v, nx, ny, ranks) +
-                       box_B(v, ranks) + sponge_B + arrays * v.fullest_cells * sizeof(double);
+    // With a box, the next step is predicted.
+    memory.stepper_B = factors_B + (v.box ? 3.0 : 2.0) * displacement_B +
+                       strain_planes_B(v, nx, ny, ranks) + box_B(v, ranks) + sponge_B +
+                       arrays * v.fullest_cells * sizeof(double);
     memory.all_B = engines::program_B + map_bytes(c.scene().medium) +
                    std::max(memory.stepper_B, sampled_B) + (ranks > 1 ? 3.0 : 2.0) * plane_B +
                    (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0) +

@@ -9,11 +9,11 @@ namespace shearwake::spectral {
 
 InsideBodies::InsideBodies(const Case& c, const fft::SlabShare& share)
     : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {
-    // Complete layers are at rest and have no motion.
+    // Complete layers, and bodies below them, are at rest and have no motion.
     std::size_t moving = 0;
     for (const Body& body : bodies_)
-        motion_.push_back(endless_along(body, c.domain) == Endless::both ? std::nullopt
-                                                                         : std::optional(moving++));
+        motion_.push_back(has_markers(body, c.scene().medium, c.domain) ? std::optional(moving++)
+                                                                        : std::nullopt);
 }
 
 template <class Use>

@@ -90,11 +90,11 @@ bool decouples(const std::vector<Body>& moving, const Domain& domain) {
     });
 }
 
-/// The rigid bodies that are not complete layers.
+/// The rigid bodies with markers.
 std::vector<Body> moving_bodies(const Case& c) {
     std::vector<Body> bodies = rigid_bodies(c);
     std::erase_if(bodies,
-                  [&](const Body& body) { return endless_along(body, c.domain) == Endless::both; });
+                  [&](const Body& body) { return !has_markers(body, c.scene().medium, c.domain); });
     return bodies;
 }
 
@@ -179,10 +179,24 @@ Case without_rigid_bodies(Case c) {
     return c;
 }
 
+bool is_below_rigid_layer(const Body& body, const Medium& medium, const Domain& domain) {
+    return std::any_of(medium.bodies.begin(), medium.bodies.end(), [&](const Body& other) {
+        return other.rigid && endless_along(other, domain) == Endless::both &&
+               bounds(other).high_m.z <= bounds(body).low_m.z * (1.0 + 1e-9);
+    });
+}
+
+bool has_markers(const Body& body, const Medium& medium, const Domain& domain) {
+    return endless_along(body, domain) != Endless::both &&
+           !is_below_rigid_layer(body, medium, domain);
+}
+
 std::string held_by(const Body& body, const Medium& medium, const Domain& domain) {
     if (body.fixed) return "fixed";
     // The tissue below is nearly incompressible and ends at the same edges.
     if (endless_along(body, domain) == Endless::both) return "held because it is a complete layer";
+    if (is_below_rigid_layer(body, medium, domain))
+        return "at rest because it lies below a rigid layer";
     if (medium.base != Base::rigid) return "";
     const double base_m = depths(medium, medium.layers.size() - 1).bottom_m;
     return bounds(body).high_m.z >= base_m * (1.0 - 1e-9) ? "held by the rigid base" : "";

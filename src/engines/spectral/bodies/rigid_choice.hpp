@@ -25,7 +25,12 @@ Case with_rigid_bodies(Case c);
 
 /// The bodies that are marked as rigid. Not collective.
 std::vector<Body> rigid_bodies(const Case& c);
-/// Those of them that are not complete layers: the first list contains them if all cross the domain
+/// Whether a body lies below a rigid body that is a complete layer. No load reaches it. Not
+/// collective.
+bool is_below_rigid_layer(const Body& body, const Medium& medium, const Domain& domain);
+/// Whether a rigid body is neither a complete layer nor below one. Not collective.
+bool has_markers(const Body& body, const Medium& medium, const Domain& domain);
+/// The rigid bodies with markers: the first list contains them if all cross the domain
 /// along the same axis, so that each wavenumber along it is constrained by itself, the second one
 /// otherwise. Not collective.
 std::vector<Body> section_bodies(const Case& c);

@@ -28,7 +28,7 @@ Background background_of(const DepthMesh& mesh, const Medium& medium) {
         const Layer& layer = medium.layers[mesh.layers[e]];
         for (int i = 0; i <= mesh.degree; ++i) {
             b.density_kg_m3.push_back(layer.density_kg_m3);
-            b.lambda_Pa.push_back(lambda_of(layer));
+            b.lambda_Pa.push_back(implicit_lambda_Pa(lambda_of(layer)));
             b.mu_accurate_Pa.push_back(static_shear_modulus(layer));
             b.mu_stable_Pa.push_back(static_shear_modulus(layer));
             b.viscosity_Pa_s.push_back(viscosity_of(layer));

@@ -9,6 +9,13 @@
 
 namespace shearwake::spectral {
 
+/// The compressional stiffness that the implicit operator contains. A negative lambda is treated
+/// explicitly: otherwise the operator of a background with the least lambda and the least mu of a
+/// plane could be indefinite. Explicit, it increases the energy of the scheme.
+inline double implicit_lambda_Pa(double lambda_Pa) {
+    return lambda_Pa > 0.0 ? lambda_Pa : 0.0;
+}
+
 /// Coefficients of the implicit operator at every node of every element ([element * nodes + node]),
 /// laterally constant. The matrix is
 ///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),

@@ -75,7 +75,7 @@ constexpr double stable_share = 0.98;
 [[gnu::always_inline]] inline double held_modulus_Pa(double k2, double vertical, double inertia,
                                                      double lambda_Pa) {
     const double both = k2 + vertical, paid_Pa = (stabilising_lambda - 0.25) * lambda_Pa;
-    if (lambda_Pa <= 0.0) return 0.5 * inertia / both + paid_Pa;
+    if (!(lambda_Pa > 0.0)) return 0.5 * inertia / both;
     const double less = k2 < vertical ? k2 : vertical;
     const double apart = 2.0 * (both - 2.0 * less) / both;
     const double shear = both + 4.0 * vertical * k2 / both;

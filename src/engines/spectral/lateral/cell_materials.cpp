@@ -34,7 +34,11 @@ CappedMaterials::CappedMaterials(const Case& c, const Material& layer)
                        greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope)) {}
 
 Material CappedMaterials::operator()(Material m) const {
-    m.mu_Pa = std::min(m.mu_Pa, most_mu_Pa_);
+    if (m.mu_Pa > most_mu_Pa_) {
+        // With a negative lambda, so that the bulk modulus remains positive.
+        if (m.lambda_Pa < 0.0) m.lambda_Pa *= most_mu_Pa_ / m.mu_Pa;
+        m.mu_Pa = most_mu_Pa_;
+    }
     const double less_Pa_s = layer_viscosity_Pa_s_ - m.viscosity_Pa_s;
     if (less_Pa_s > 0.0 && omega_rad_s_ * less_Pa_s < unseen_loss * m.mu_Pa)
         m.viscosity_Pa_s = layer_viscosity_Pa_s_;

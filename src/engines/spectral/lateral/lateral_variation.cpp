@@ -49,7 +49,7 @@ struct Gathered {
 
 bool differs(const Material& a, const Material& b) {
     return std::abs(a.mu_Pa - b.mu_Pa) > 1e-12 * b.mu_Pa ||
-           std::abs(a.lambda_Pa - b.lambda_Pa) > 1e-12 * b.lambda_Pa ||
+           std::abs(a.lambda_Pa - b.lambda_Pa) > 1e-12 * std::abs(b.lambda_Pa) ||
            std::abs(a.density_kg_m3 - b.density_kg_m3) > 1e-12 * b.density_kg_m3 ||
            std::abs(a.viscosity_Pa_s - b.viscosity_Pa_s) > 1e-12 * b.viscosity_Pa_s;
 }
@@ -109,15 +109,19 @@ Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh,
         const std::size_t at = point_of(mesh, g.where);
         variety.density |= greatest.density_kg_m3 > least.density_kg_m3 * (1.0 + 1e-9);
         variety.viscosity |= greatest.viscosity_Pa_s > least.viscosity_Pa_s;
-        variety.lambda |= greatest.lambda_Pa > one_lambda * least.lambda_Pa;
+        variety.lambda |= implicit_lambda_Pa(greatest.lambda_Pa) >
+                          one_lambda * implicit_lambda_Pa(least.lambda_Pa);
+        // The bulk modulus of the background's forces remains positive.
+        if (b.force_lambda_Pa[at] < 0.0)
+            b.force_lambda_Pa[at] *= least.mu_Pa / b.mu_accurate_Pa[at];
         b.density_kg_m3[at] = least.density_kg_m3;
         b.mu_accurate_Pa[at] = b.mu_stable_Pa[at] = least.mu_Pa;
         b.viscosity_Pa_s[at] = least.viscosity_Pa_s;
     }
     for (const Gathered& g : gathered) {
         const std::size_t at = point_of(mesh, g.where);
-        b.lambda_Pa[at] =
-            variety.lambda ? g.extremes.least.lambda_Pa : g.extremes.greatest.lambda_Pa;
+        b.lambda_Pa[at] = implicit_lambda_Pa(variety.lambda ? g.extremes.least.lambda_Pa
+                                                            : g.extremes.greatest.lambda_Pa);
         b.force_lambda_Pa[at] = std::min(b.force_lambda_Pa[at], b.lambda_Pa[at]);
     }
     return variety;
@@ -194,8 +198,10 @@ private:
         v_.implicit_mu.push_back(weight *
                                  (stable_mu_Pa(g, m.mu_Pa) - stable_mu_Pa(g, least.mu_Pa) +
                                   0.5 * (m.viscosity_Pa_s - least.viscosity_Pa_s) / step_s_));
-        v_.implicit_lambda.push_back(
-            variety_.lambda ? weight * stabilising_lambda * (m.lambda_Pa - least.lambda_Pa) : 0.0);
+        v_.implicit_lambda.push_back(variety_.lambda ? weight * stabilising_lambda *
+                                                           (implicit_lambda_Pa(m.lambda_Pa) -
+                                                            implicit_lambda_Pa(least.lambda_Pa))
+                                                     : 0.0);
         if (variety_.density)
             v_.implicit_mass.push_back(weight * (m.density_kg_m3 - least.density_kg_m3) /
                                        (step_s_ * step_s_));

@@ -98,7 +98,9 @@ void Stepper::advance() {
     clock_.lap(Phase::sponge);
     load_.sample(step_);
     clock_.lap(Phase::rest);
-    if (variation.empty()) {
+    if (box_) {
+        advance_on_box();
+    } else if (variation.empty()) {
         first_pass();
         constrain_step();
     } else {
@@ -112,39 +114,25 @@ void Stepper::advance() {
         first_pass();
         planes_->get(change_);
         constrain_step();
-        if (variation.iterates) iterate();
+        // d = B^-1 (rhs - E^T S e); its strain is e plus the remaining residual.
+        if (variation.iterates && iterate() > 0) displace(solver_->stress());
         advance_strains();
-        clock_.lap(Phase::products, value_bytes(4.0));
-        statistics_.transforms = planes_->transforms();
     }
+    statistics_.transforms = planes_->transforms();
     std::swap(now_, before_);
     bodies_->end_step();
     ++step_;
     ++statistics_.steps;
 }
 
-template <class Use>
-void Stepper::each_pencil(Use use) {
-    bodies_->clear();
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
-        const bool is_nyquist = vectors_.is_nyquist(row);
-        planes_->begin_row(row);
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block)
-            use(row, block, row * vectors_.blocks() + block);
-        planes_->end_row(row,
-                         is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
-        bodies_->end_row(row);
-    }
-}
-
 void Stepper::first_pass() {
-    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const double scale = first_step_scale();
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     Block* force = pencil_.data();
     kinetic_.clear();
     work_.clear();
     const bool damps = sponge_.acts_at(step_) && is_uniform();
-    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+    each_pencil(Strains::needed, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
         if (damps) {
             if (block == 0) sponge_.begin_row(row);
             if (sponge_.acts_on(row, block)) damp(row, block, at, force);
@@ -152,24 +140,13 @@ void Stepper::first_pass() {
         }
         const Block* u = now_.data() + at * size;
         Block* before = before_.data() + at * size;
-        const Counted counted = vectors_.counted(row, block);
-        std::fill(pencil_.begin(), pencil_.end(), Block{});
         Block pressure[parts];
-        load_.put(row, block, pressure);
-        std::copy_n(pressure, parts, force + parts); // unknown 1 is W at the surface
-        operator_.add_internal_force(vectors_.waves(row, block).k, 1.0 / step_s_, u, before, force,
-                                     factor(at));
+        put_forces(row, block, u, before, force, pressure, factor(at));
         clock_.lap(Phase::solves, pencil_bytes(3.0));
         add_planes_force(row, block, force);
-        const std::ptrdiff_t ky = slabs_.share().ky_start + row;
-        kinetic_.add(ky, sum_of(operator_.twice_kinetic(1.0 / step_s_, u, before, counted.part)));
         operator_.solve_implicit(factor(at), force);
         slab_bodies_.hold(row, block, background_solve(), force, scale, u, before);
-        const auto motion = [&](std::ptrdiff_t p, std::ptrdiff_t lane) { // (u+ - u-)/2
-            return u[parts + p][lane] - before[parts + p][lane] +
-                   0.5 * scale * force[parts + p][lane];
-        };
-        work_.add(ky, work_of(counted, pressure, motion));
+        add_work(row, block, scale, u, before, force, pressure);
         clock_.lap(Phase::solves);
         put_strain(row, block, force);
         kernels_.advance(size, scale, u, force, before);
@@ -180,6 +157,28 @@ void Stepper::first_pass() {
     watch_.add_work(scale * work_.mine());
     if (solver_) reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);
+}
+
+void Stepper::put_forces(std::ptrdiff_t row, std::ptrdiff_t block, const Block* u,
+                         const Block* before, Block* force, Block* pressure, const Block* needed) {
+    std::fill_n(force, operator_.unknowns() * parts, Block{});
+    load_.put(row, block, pressure);
+    std::copy_n(pressure, parts, force + parts); // unknown 1 is W at the surface
+    operator_.add_internal_force(vectors_.waves(row, block).k, 1.0 / step_s_, u, before, force,
+                                 needed);
+    kinetic_.add(slabs_.share().ky_start + row,
+                 sum_of(operator_.twice_kinetic(1.0 / step_s_, u, before,
+                                                vectors_.counted(row, block).part)));
+}
+
+void Stepper::add_work(std::ptrdiff_t row, std::ptrdiff_t block, double scale, const Block* u,
+                       const Block* before, const Block* change, const Block* pressure) {
+    work_.add(slabs_.share().ky_start + row,
+              work_of(vectors_.counted(row, block), pressure,
+                      [&](std::ptrdiff_t p, std::ptrdiff_t lane) { // (u+ - u-)/2
+                          return u[parts + p][lane] - before[parts + p][lane] +
+                                 0.5 * scale * change[parts + p][lane];
+                      }));
 }
 
 const Block* Stepper::factor(std::ptrdiff_t pencil) const {
@@ -209,11 +208,11 @@ void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* 
 }
 
 template <class Use>
-void Stepper::respond(const LateralField::Values& stress, Use use) {
+void Stepper::respond(const LateralField::Values& stress, Strains strains, Use use) {
     const engines::Timed timed(of_iteration);
     Block* force = pencil_.data();
     planes_->set(stress);
-    each_pencil([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
+    each_pencil(strains, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at) {
         std::fill(pencil_.begin(), pencil_.end(), Block{});
         add_planes_force(row, block, force);
         operator_.solve_implicit(factor(at), force);
@@ -225,8 +224,9 @@ void Stepper::respond(const LateralField::Values& stress, Use use) {
 }
 
 void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values& strain) {
-    respond(stress, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
-                        const Block* displacement) { put_strain(row, block, displacement); });
+    respond(stress, Strains::needed,
+            [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t /*pencil*/,
+                const Block* displacement) { put_strain(row, block, displacement); });
     planes_->get(strain);
     if (bodies_->empty()) return;
     bodies_->respond();
@@ -235,13 +235,15 @@ void Stepper::strain_of(const LateralField::Values& stress, LateralField::Values
 }
 
 void Stepper::displace(const LateralField::Values& stress) {
-    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const double scale = first_step_scale();
     double work = 0.0;
     const auto add = [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
                          const Block* displacement) {
-        work += add_to_next(row, block, pencil, scale, displacement);
+        Block pressure[parts];
+        load_.put(row, block, pressure);
+        work += add_to_next(row, block, pencil, scale, displacement, pressure);
     };
-    respond(stress, add);
+    respond(stress, Strains::unused, add); // their strain is known
     if (!bodies_->empty()) {
         bodies_->respond();
         bodies_->add_to_next(scale);
@@ -251,11 +253,9 @@ void Stepper::displace(const LateralField::Values& stress) {
 }
 
 double Stepper::add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
-                            double scale, const Block* displacement) {
+                            double scale, const Block* displacement, const Block* pressure) {
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     kernels_.add_scaled(size, scale, displacement, before_.data() + pencil * size);
-    Block pressure[parts];
-    load_.put(row, block, pressure);
     return work_of(vectors_.counted(row, block), pressure,
                    [&](std::ptrdiff_t p, std::ptrdiff_t lane) {
                        return 0.5 * scale * displacement[parts + p][lane];
@@ -278,19 +278,19 @@ double Stepper::value_bytes(double times) const {
 
 double Stepper::memory_B() const {
     const LateralVariation& v = field_.variation();
-    const std::size_t blocks = factors_.size() + now_.size() + before_.size();
+    const std::size_t blocks = factors_.size() + now_.size() + before_.size() +
+                               predicted_.change.size() + predicted_.load.size();
     std::size_t values = static_cast<std::size_t>(lane_count) * blocks;
     for (const auto* kept :
-         {&strain_, &strain_before_, &stress_, &change_, &reaction_, &v.lambda, &v.mu, &v.viscosity,
-          &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
+         {&strain_, &strain_before_, &stress_, &change_, &reaction_, &predicted_.strain, &v.lambda,
+          &v.mu, &v.viscosity, &v.implicit_lambda, &v.implicit_mu, &v.implicit_mass})
         values += kept->size();
     return static_cast<double>(values * sizeof(double)) + planes_->memory_B() + sponge_.memory_B() +
            bodies_->memory_B() + slab_bodies_.memory_B() + (solver_ ? solver_->memory_B() : 0.0) +
            (box_ ? box_->memory_B() : 0.0);
 }
 
-/// On entry `change_` is E B^-1 rhs, on return e = E d.
-void Stepper::iterate() {
+int Stepper::iterate() {
     const engines::Timed timed(of_cell);
     const double points = static_cast<double>(case_.domain.nx * case_.domain.ny);
     // The products are sums over cells, the reference is per area. The tolerance refers to the
@@ -310,18 +310,18 @@ void Stepper::iterate() {
             step_, 1e3 * static_cast<double>(step_) * step_s_, outcome.iterations));
     statistics_.iterations += outcome.iterations;
     statistics_.most_iterations = std::max(statistics_.most_iterations, outcome.iterations);
-    // d = B^-1 (rhs - E^T S e); its strain is e plus the remaining residual.
-    if (outcome.iterations > 0) displace(solver_->stress());
     for (std::size_t i = 0; i < change_.size(); ++i)
         change_[i] += solver_->strain()[i];
+    return outcome.iterations;
 }
 
 void Stepper::advance_strains() {
     const engines::Timed timed(of_cell);
-    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const double scale = first_step_scale();
     strain_kernels_.advance(std::ssize(change_), scale, strain_.data(), change_.data(),
                             strain_before_.data());
     std::swap(strain_, strain_before_);
+    clock_.lap(Phase::products, value_bytes(4.0));
 }
 
 DistributedRows Stepper::state_rows() const {
@@ -354,6 +354,7 @@ void Stepper::restore(const StateReader& state) {
     watch_.restore(state);
     state.get("now", state_rows(), scalars(now_.data()));
     state.get("before", state_rows(), scalars(before_.data()));
+    predicted_.valid = false;
     bodies_->restore(state);
     if (field_.variation().empty()) return;
     const DistributedRows rows = field_.rows(case_.domain.nx);

@@ -96,6 +96,14 @@ public:
 
 private:
     void assemble();
+    /// What a step would be without the elastic bodies, computed in advance: the next second
+    /// difference of the displacement, B^-1 (f - K u - C (u - u-)/dt), the load f of the pencils
+    /// and the strain of the second difference at the cells.
+    struct Prediction {
+        bool valid = false; // for the current displacement
+        fft::AlignedVector<Block> change, load;
+        LateralField::Values strain;
+    };
     /// Assembles the box of the elastic bodies if it accelerates the iterations. Collective.
     void assemble_box();
     /// Ends the rows of `planes` from `plane` on with the strain for a unit stress in this plane.
@@ -105,6 +113,27 @@ private:
     DistributedRows state_rows() const;
     /// One pass over the pencils: forces, solve and update. Collective.
     void first_pass();
+    /// A step whose iterations use the box. The stress of the bodies, implicit part included, is
+    /// known before the pass over the pencils, which applies it and predicts the next step while
+    /// the factors are in the cache. Collective.
+    void advance_on_box();
+    /// Predicts the change of all pencils. Collective.
+    void predict_all();
+    /// Predicts the change of a pencil and puts its strain into the planes; `scale` is the weight
+    /// of the second difference. Prefetches the factor that is needed next.
+    void predict(std::ptrdiff_t row, std::ptrdiff_t block, double scale, const Block* u,
+                 const Block* before, const Block* needed);
+    /// The pass over the pencils of advance_on_box(). Collective.
+    void complete_and_predict();
+    /// Sets `force` to the load and the background's forces, and `pressure` to the load alone. Adds
+    /// the kinetic energy to kinetic_. Prefetches the factor that is needed next.
+    void put_forces(std::ptrdiff_t row, std::ptrdiff_t block, const Block* u, const Block* before,
+                    Block* force, Block* pressure, const Block* needed);
+    /// Adds the work of the load on the motion (u+ - u-)/2 to work_.
+    void add_work(std::ptrdiff_t row, std::ptrdiff_t block, double scale, const Block* u,
+                  const Block* before, const Block* change, const Block* pressure);
+    /// Weight of the second difference: from rest, the first step has half of it.
+    double first_step_scale() const { return step_ == 0 ? 0.5 : 1.0; }
     /// A pass over the pencils with the response to the forces of the rigid bodies, after all
     /// pencils have been evaluated: use(row, block, pencil, displacement). Its strain is in the
     /// planes afterwards. Not collective.
@@ -122,17 +151,20 @@ private:
     /// result, displace() adds the result to the next displacement.
     void strain_of(const LateralField::Values& stress, LateralField::Values& strain);
     void displace(const LateralField::Values& stress);
+    /// Whether the strains that a pass over the pencils leaves in the lines are transformed.
+    enum class Strains { needed, unused };
     /// Solves B for the force of the planes at every pencil and calls use(row, block, pencil,
     /// displacement), then determines the forces of the rigid bodies that this requires.
     template <class Use>
-    void respond(const LateralField::Values& stress, Use use);
-    /// Adds `scale` times a displacement to the next one of a pencil. Returns the work of the load.
+    void respond(const LateralField::Values& stress, Strains strains, Use use);
+    /// Adds `scale` times a displacement to the next one of a pencil. Returns the work of the load
+    /// `pressure`.
     double add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
-                       double scale, const Block* displacement);
+                       double scale, const Block* displacement, const Block* pressure);
     /// Calls use(row, block, pencil) for all blocks of all ky while the lines of their planes are
-    /// spectra.
+    /// spectra. `strains` states whether the planes are used afterwards.
     template <class Use>
-    void each_pencil(Use use);
+    void each_pencil(Strains strains, Use use);
     void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
     /// B^-1 of a pencil, for the slabs; and with the slabs held, for the other bodies.
     RigidBodies::Solve background_solve() const;
@@ -151,7 +183,9 @@ private:
     double block_bytes() const;
     double pencil_bytes(double times) const;
     double value_bytes(double times) const;
-    void iterate();
+    /// On entry change_ is E B^-1 rhs, on return e = E d. Returns the number of iterations.
+    /// Collective.
+    int iterate();
     void advance_strains();
     /// Removes the sponge's share of the velocity. In a medium without bodies this is part of
     /// first_pass(), when the factors are in the cache. Collective.
@@ -188,6 +222,22 @@ private:
     LateralField::Values strain_, strain_before_, stress_, change_, reaction_;
     std::optional<StrainSolver> solver_; // empty unless steps iterate
     std::optional<BoxResponse> box_;     // empty unless iterations use it
+    Prediction predicted_;               // with a box
 };
+
+template <class Use>
+void Stepper::each_pencil(Strains strains, Use use) {
+    bodies_->clear();
+    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
+        const bool is_nyquist = vectors_.is_nyquist(row);
+        planes_->begin_row(row);
+        for (std::ptrdiff_t block = 0; block < vectors_.blocks() && !is_nyquist; ++block)
+            use(row, block, row * vectors_.blocks() + block);
+        if (strains == Strains::needed)
+            planes_->end_row(row,
+                             is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
+        bodies_->end_row(row);
+    }
+}
 
 } // namespace shearwake::spectral

@@ -31,13 +31,15 @@ void Stepper::each_reaction(const Reaction& use) {
 void Stepper::constrain_step() {
     if (bodies_->empty()) return;
     const engines::Timed timed(of_iteration);
-    const double scale = step_ == 0 ? 0.5 : 1.0;
+    const double scale = first_step_scale();
     bodies_->advance(scale);
     clock_.lap(Phase::rest);
     double work = 0.0;
     each_reaction([&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
                       const Block* displacement) {
-        work += add_to_next(row, block, pencil, scale, displacement);
+        Block pressure[parts];
+        load_.put(row, block, pressure);
+        work += add_to_next(row, block, pencil, scale, displacement, pressure);
     });
     watch_.add_work(scale * work);
     if (!field_.variation().empty()) add_planes(change_);

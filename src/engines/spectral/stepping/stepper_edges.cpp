@@ -40,6 +40,7 @@ void Stepper::begin_damping() {
                          is_nyquist ? StrainPlanes::Modes::emptied : StrainPlanes::Modes::kept);
         bodies_->end_row(row);
     }
+    predicted_.valid = false;
     planes_->get(change_);
     constrain_damping();
     for (std::size_t i = 0; i < change_.size(); ++i) {
