@@ -37,6 +37,10 @@ struct ShowModulationArguments : schedule::JobArguments {
     std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
 };
 
+struct LensArguments : schedule::JobArguments {
+    std::filesystem::path out; // empty: out/<job name>.lens
+};
+
 struct ShowArguments {
     std::filesystem::path case_file;
     bool json = false;
@@ -107,6 +111,8 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
+/// Writes the thickness and the field of the lens of the job's first case.
+ExitCode lens_command(const LensArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls the function of its command.

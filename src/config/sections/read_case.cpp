@@ -297,7 +297,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
            record = root.optional_table("record"), afferents = root.optional_table("afferents");
     Scene scene;
     scene.medium = read_medium(medium, files.load_map);
-    scene.load = read_load(load, scene.medium, other_kinds, files.load_text);
+    scene.load = read_load(load, scene.medium, other_kinds, files);
     c.domain = read_domain(domain);
     c.time = read_time(time, sound ? &scene.load : nullptr);
     Solver computed = read_solver(solver, c.time, files.load_study);

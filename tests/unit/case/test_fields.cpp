@@ -236,6 +236,11 @@ std::vector<Case> samples() {
     Case fourth = third;
     fourth.solver = PstdOptions{};
     fourth.afferents.reset();
+    LensFootprint lens;
+    lens.foci_m = {{1e-3, 0.0}};
+    lens.polygon_m = {{0.0, 0.0}, {1e-3, 0.0}, {0.0, 1e-3}};
+    lens.image = std::make_shared<const TargetImage>();
+    fourth.scene().load.footprint = lens;
     Case study = fourth;
     study.problem = GridStudy{std::make_shared<const StudyData>(), fourth.scene()};
     return {first, second, third, fourth, study};
