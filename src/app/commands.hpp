@@ -46,6 +46,12 @@ struct ShowArguments {
     bool json = false;
 };
 
+struct ExportArguments {
+    std::filesystem::path case_file, out; // out empty: <stem of the case>.<format>
+    std::string format = "uff";           // uff, csv, mat
+    bool binary = false;                  // of UFF
+};
+
 struct DiffArguments {
     std::filesystem::path now, reference; // output folders, or tables (CSV)
     std::vector<std::string> tolerances;  // COLUMN=RELATIVE
@@ -113,6 +119,8 @@ ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
 /// Writes the thickness and the field of the lens of the job's first case.
 ExitCode lens_command(const LensArguments& arguments, const Comm& world);
+/// Writes the scan of the vibrometer of a case by a script of analysis/report.
+ExitCode export_command(const ExportArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls the function of its command.

@@ -28,7 +28,7 @@ void add_json(CLI::App* command, bool& json);
 void add_job_commands(CLI::App& app, Action& action);
 
 /// Declare the subcommands that read results or measure the machine: status, verify, reduce,
-/// report, movie, diff, compare, converge, show, respond, bench. `app` and `action` must
+/// report, movie, diff, compare, converge, export, show, respond, bench. `app` and `action` must
 /// outlive the parsing. Not collective.
 void add_result_commands(CLI::App& app, Action& action);
 

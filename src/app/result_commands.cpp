@@ -55,6 +55,24 @@ void add_status(CLI::App& app, Action& action, const std::string& folder) {
     });
 }
 
+void add_export(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<ExportArguments>();
+    CLI::App* command = app.add_subcommand(
+        "export", "write the scan of the vibrometer of a case for other programs");
+    command->add_option("CASE", arguments->case_file, "case file (HDF5)")->required();
+    command
+        ->add_option("--format", arguments->format,
+                     "format: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
+                     "MATLAB and Octave)")
+        ->check(one_of({"uff", "csv", "mat"}));
+    command->add_flag("--binary", arguments->binary, "with uff: binary instead of ASCII data");
+    command->add_option("--out", arguments->out,
+                        "file (default: the id of the case with the extension of the format)");
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return export_command(*arguments, world); };
+    });
+}
+
 void add_verify(CLI::App& app, Action& action, const std::string& folder) {
     auto arguments = std::make_shared<VerifyArguments>();
     CLI::App* command = app.add_subcommand(
@@ -216,6 +234,7 @@ void add_result_commands(CLI::App& app, Action& action) {
     add_diff(app, action);
     add_compare(app, action);
     add_converge(app, action);
+    add_export(app, action);
     add_show(app, action);
     add_respond(app, action);
     add_bench(app, action);

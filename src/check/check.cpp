@@ -254,6 +254,15 @@ void check_pins(const Case& c, Notes& notes) {
                   milli(nearest_m), milli(width_m));
 }
 
+void check_line_of_sight(const Case& c, Notes& notes) {
+    if (wants_tangential(c) && (!std::holds_alternative<LayeredOptions>(c.solver) ||
+                                c.domain.edges != DomainEdges::periodic))
+        notes.add(Severity::error, "vibrometer.tilt_deg",
+                  "a tilted line of sight needs the tangential displacement, which only the engine "
+                  "\"layered\" with domain.edges = \"periodic\" computes; use them, or tilt_deg = "
+                  "0");
+}
+
 } // namespace
 
 std::vector<Remark> check(const Case& c) {
@@ -262,6 +271,7 @@ std::vector<Remark> check(const Case& c) {
     const auto add = [&](const std::vector<Remark>& remarks) {
         notes.remarks.insert(notes.remarks.end(), remarks.begin(), remarks.end());
     };
+    check_line_of_sight(c, notes);
     if (c.study()) {
         add(engine->limits(c));
         check_focal_disc(c, notes);

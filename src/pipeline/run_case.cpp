@@ -9,6 +9,7 @@
 #include "pipeline/case_warnings.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "pipeline/vibrometer.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/case_file/xdmf.hpp"
 #include "storage/journal/journal.hpp"
@@ -132,6 +133,7 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
         add_columns(afferents.columns, groups.front());
         for (VariableGroup& group : afferents.groups)
             groups.push_back(std::move(group));
+        if (c.vibrometer) groups.push_back(vibrometer_group(c, recorder.scan_m()));
         if (!recorder.solver().sensors.empty())
             groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
     });

@@ -78,6 +78,13 @@ TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
     return key;
 }
 
+TransferKey tangential_key_of(const Case& c, const LayeredOptions& options) {
+    TransferKey key = key_of(c, options);
+    key.depths_m = wants_tangential(c) ? std::vector{0.0} : std::vector<double>{};
+    key.quantity = StackQuantity::tangential;
+    return key;
+}
+
 std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
     const double frame_B =
         static_cast<double>(c.domain.nx) * static_cast<double>(ky_count) * sizeof(Complex);
@@ -101,7 +108,9 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const auto& options = std::get<LayeredOptions>(c.solver);
     const TransferKey key = key_of(c, options);
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const double stresses = static_cast<double>(stress_depths_m(c).size());
+    // The two tangential components count as two depths.
+    const double stresses =
+        static_cast<double>(stress_depths_m(c).size()) + (wants_tangential(c) ? 2.0 : 0.0);
     const double depths = static_cast<double>(c.measure.depths_m.size()) + stresses;
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
@@ -114,7 +123,8 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
     const double own_B = TransferTable::expanded_bytes(key, ky_count);
-    const double stress_B = TransferTable::expanded_bytes(stress_key_of(c, options), ky_count);
+    const double stress_B = TransferTable::expanded_bytes(stress_key_of(c, options), ky_count) +
+                            TransferTable::expanded_bytes(tangential_key_of(c, options), ky_count);
     const bool is_open = c.domain.edges == DomainEdges::open;
     const auto is_kept = [&](double table_B) {
         return is_open || table_B <= TransferTable::largest_expansion_B;

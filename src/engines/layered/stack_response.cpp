@@ -14,6 +14,9 @@ using State = Eigen::Matrix<Complex, 4, 1>; // U, W, sigma_zz / S, (sigma_rz / i
 using Pair = Eigen::Matrix<Complex, 4, 2>;
 using Square2 = Eigen::Matrix<Complex, 2, 2>;
 
+/// Stands for k = 0, where a wavelength is 6000 km.
+constexpr double least_k_rad_m = 1e-6;
+
 /// e^z - 1 without cancellation for small z.
 Complex exp_minus_one(Complex z) {
     const double half_sine = std::sin(0.5 * z.imag());
@@ -138,7 +141,10 @@ void StackResponse::evaluate(Complex k, std::span<Complex> out) const {
 }
 
 template <class Wavenumber>
-void StackResponse::evaluate_at(Wavenumber k, std::span<Complex> out) const {
+void StackResponse::evaluate_at(Wavenumber given, std::span<Complex> out) const {
+    // U / k is regular at k = 0, but its quotient is not.
+    const Wavenumber k =
+        quantity_ == StackQuantity::tangential && given == 0.0 ? Wavenumber(least_k_rad_m) : given;
     // Stresses are scaled by mu times this wavenumber, so that all rows have the same magnitude.
     const double wavenumber = std::max(std::abs(k), std::sqrt(std::abs(layers_.front().ks2)));
     const double scale = stress_scale_Pa_ * wavenumber;
@@ -173,9 +179,12 @@ void StackResponse::evaluate_at(Wavenumber k, std::span<Complex> out) const {
     amplitude << -stress(1, 1) / (scale * determinant), stress(1, 0) / (scale * determinant);
 
     // Downward pass: the amplitudes in each layer that contains a requested depth.
-    const bool is_stress = quantity_ == StackQuantity::compression;
-    const int row = is_stress ? 2 : 1;
-    const double unit = is_stress ? -scale : 1.0;
+    const int row = quantity_ == StackQuantity::compression  ? 2
+                    : quantity_ == StackQuantity::tangential ? 0
+                                                             : 1;
+    const Wavenumber unit = quantity_ == StackQuantity::compression  ? Wavenumber(-scale)
+                            : quantity_ == StackQuantity::tangential ? 1.0 / k
+                                                                     : Wavenumber(1.0);
     for (std::size_t i = 0; i < n; ++i) {
         const LayerAtOmega& layer = layers_[i];
         const bool radiating = i >= bounded;

@@ -9,8 +9,9 @@
 
 namespace shearwake::layered {
 
-/// Computed quantity: W / p [m/Pa], or -sigma_zz / p [1], positive in compression.
-enum class StackQuantity { displacement, compression };
+/// Computed quantity: W / p [m/Pa], -sigma_zz / p [1], positive in compression, or U / (k p)
+/// [m^2/Pa], the potential of the tangential displacement.
+enum class StackQuantity { displacement, compression, tangential };
 
 /// Exact response of a stack of layers to a normal surface load at one complex frequency, H(k,
 /// omega; z) = W(z) / p, see docs/developer/physics.md: u_r = i U(z), u_z = W(z), with the traction
@@ -26,7 +27,7 @@ public:
                   std::span<const double> depths_m,
                   StackQuantity quantity = StackQuantity::displacement);
 
-    /// Stores H [m/Pa], or the compression [1], at each depth in `out`. k >= 0 [rad/m]; k and omega
+    /// Stores the quantity at each depth in `out`. k >= 0 [rad/m]; k and omega
     /// must not both be 0.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
     /// The analytic continuation to the first quadrant of k, where H has no poles.
