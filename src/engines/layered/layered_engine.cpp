@@ -81,8 +81,8 @@ public:
               fft::reals(row));
     }
 
-    /// From now on, rows are those of the derivative along x (0) or y (1) of the inverse transform,
-    /// with the opposite sign: the tangential displacement that belongs to its potential.
+    /// From now on, rows are those of the derivative along x (0) or y (1) of the inverse transform:
+    /// the tangential displacement that belongs to its potential U / k.
     void differentiate(std::size_t component) {
         const std::ptrdiff_t nx = case_.domain.nx;
         const double dkx = two_pi / case_.domain.extent_x_m(),
@@ -93,7 +93,7 @@ public:
                 const double k = component == 0
                                      ? dkx * static_cast<double>(2 * kx < nx ? kx : kx - nx)
                                      : dky * static_cast<double>(share_.ky_start + row);
-                factors_[static_cast<std::size_t>(row * nx + kx)] *= Complex(0.0, -k);
+                factors_[static_cast<std::size_t>(row * nx + kx)] *= Complex(0.0, k);
             }
         }
     }
