@@ -18,6 +18,10 @@ if(NOT SHEARWAKE_TEST_PYTHON)
         "one")
 endif()
 
+# Groups that take minutes start first, so that they do not run last and on their own.
+set(long_groups "mpi_tests on 5 ranks" "mpi_tests on 3 ranks" "mpi_tests on 8 ranks" "mpi_tests on 2 ranks"
+    tests/docs/test_blocks.py tests/faults/test_faults.py)
+
 # add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses about one core on average
 # and may run concurrently with any other group; groups that are ALONE use several cores and never run
 # concurrently with each other. There is no time limit: run_group.py ends groups that make no progress.
@@ -29,6 +33,9 @@ function(add_group name label verdicts beside)
         COMMAND ${SHEARWAKE_TEST_PYTHON} ${CMAKE_SOURCE_DIR}/scripts/run_group.py ${CMAKE_BINARY_DIR}
             ${verdicts} ${name} ${ARGN})
     set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 1000000)
+    if(name IN_LIST long_groups)
+        set_tests_properties(${name} PROPERTIES COST 100)
+    endif()
     if(beside STREQUAL "ALONE")
         set_tests_properties(${name} PROPERTIES RESOURCE_LOCK several_cores)
     endif()
@@ -40,13 +47,17 @@ function(add_catch_group name label runner)
 endfunction()
 
 # Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle, since
-# other processes may use the cores: next to another program, two ranks took six times as long as one.
+# other processes may use the cores: next to another program, two ranks took six times as long as one. For the same
+# reason no other group runs beside them: next to two groups, three ranks took ten times as long as alone.
 function(add_mpi_group name label runner ranks)
     set(launch "")
     if(ranks GREATER 1)
         set(launch mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 -n ${ranks})
     endif()
     add_group(${name} ${label} catch ALONE ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+    if(ranks GREATER 1) # more than there are: nothing runs beside it
+        set_tests_properties(${name} PROPERTIES PROCESSORS 1000)
+    endif()
 endfunction()
 
 # Adds each tests/FOLDER/test_*.py as a group, with the folder as label.

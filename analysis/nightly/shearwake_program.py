@@ -8,6 +8,7 @@ from dataclasses import dataclass
 BENCHES = {"layered": (), "spectral": ("--grid", "192x128x25", "--steps", "20")}
 LOWER_BOUND = re.compile(r"^\s*lower bound: (?P<name>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) "
                          "times as long", re.M)
+PART = re.compile(r"^(?P<name>[a-z ,]+): \d+ x \d+ points, \d+ frames$", re.M)  # of the benchmark of layered
 
 
 @dataclass
@@ -62,8 +63,12 @@ class Program:
         """[(name, time over the lower bound)], and the seconds of the lower bound of engine layered."""
         found, layered_s = [], None
         for engine, options in BENCHES.items():
-            for match in LOWER_BOUND.finditer(self("bench", engine, *options).output):
-                found.append((f"{engine}: time relative to {match['name']}", float(match["ratio"])))
-                if engine == "layered":
+            output = self("bench", engine, *options).output
+            parts = [(match.start(), match["name"]) for match in PART.finditer(output)]
+            for match in LOWER_BOUND.finditer(output):
+                part = next((name for start, name in reversed(parts) if start < match.start()), "periodic edges")
+                of = engine if part == "periodic edges" else f"{engine}, {part}"
+                found.append((f"{of}: time relative to {match['name']}", float(match["ratio"])))
+                if of == "layered":
                     layered_s = float(match["s"])
         return found, layered_s

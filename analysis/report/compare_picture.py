@@ -59,7 +59,7 @@ def draw(result, pairs, path):
     Raises NothingToDraw without a common surface."""
     chosen = compare_words.worst(result["pairs"])
     if not chosen["fields"]:
-        raise NothingToDraw("the two have no surface at a common time to draw; record.snapshots_ms selects the times")
+        raise NothingToDraw("the cases have no surface at a common time to draw; record.snapshots_ms selects the times")
     field = max(chosen["fields"], key=lambda f: f["relative_l2"] if f["relative_l2"] == f["relative_l2"] else -1.0)
     x, y, u, v = visible(*surfaces(pairs[result["pairs"].index(chosen)], field["time_ms"]), field["at_mm"])
     common, own = (max(float(np.abs(values).max()) for values in part) or 1.0 for part in ((u, v), (u - v,)))

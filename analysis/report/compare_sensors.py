@@ -3,13 +3,12 @@
 import math
 from dataclasses import dataclass
 
-import h5py
 import numpy as np
 
 import load
 from compare_fields import SAME_m, common_times, relative_l2
 from medium_files import file_of
-from package import UNREADABLE
+from package import UNREADABLE, inputs
 
 VELOCITIES = ("ux", "uy", "uz")
 
@@ -48,11 +47,10 @@ def places(case, nodes):
     text = job.read_text(encoding="utf-8", errors="replace") if job.is_file() else str(case.attributes.get("job", ""))
     path = file_of(load.Sweep(folder, "", "", [], "", [], [case], text, []), case, "solver.pstd.study")
     try:
-        with h5py.File(path or "", "r") as file:
-            spacing_m, middle = file["grid/spacing_m"][()], file["grid/points"][()] // 2
+        points, spacing_m = inputs.study_grid(path or "")
     except (OSError, KeyError, ValueError):
         return None
-    return Places(spacing_m, (np.array(nodes, dtype=float).reshape(-1, 3) - middle) * spacing_m)
+    return Places(spacing_m, (np.array(nodes, dtype=float).reshape(-1, 3) - points // 2) * spacing_m)
 
 
 def same_grid(first, second):

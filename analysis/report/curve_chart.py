@@ -36,13 +36,12 @@ def error_caption(sweep, *columns):
     return ""
 
 
-def reference_lines(sweep, figure, group, column, name, colour):
+def reference_lines(sweep, figure, group, column, label, colour):
     """The values of the reference at each x of a curve, and crosses where they are not valid."""
     pairs = [(layout.x_position(sweep, c), r) for c in group.cases if (r := sweep.reference_of(c))]
     values = np.array([r.value(column) for _, r in pairs])
     if not pairs or not np.isfinite(values).any():
         return []
-    label = f"{name}, {group.label}" if group.label and len(layout.all_references(sweep)) > 1 else name
     return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=True),
                         split(sweep, [r for _, r in pairs], column, figure, values))
 
@@ -61,17 +60,19 @@ def curve_chart(sweep, figure, column, y_label, title="", y_log=False):
     references."""
     found = layout.groups(sweep)
     name = layout.reference_name(layout.all_references(sweep))
-    lines, labels = [], set()
+    lines, colours = [], {}
     for group, colour in zip(found, style.distinct(len(found))):
         x = [layout.x_position(sweep, c) for c in group.cases]
         y = [c.value(column) for c in group.cases]
         line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
                     error=errors(group.cases, column), points=True)
         lines += with_crosses(line, split(sweep, group.cases, column, figure, y))
-        below = [] if sweep.is_ratio(column) else reference_lines(
-            sweep, figure, group, column, name, style.INK if len(layout.all_references(sweep)) == 1 else colour)
-        lines += [line for line in below if line.label not in labels]
-        labels |= {line.label for line in below}
+        colours[group.label] = colour
+    sets = [] if sweep.is_ratio(column) else layout.by_reference(sweep, found, column)
+    for same in sets:
+        label = name if len(sets) == 1 else f"{name}, {' and '.join(group.label for group in same)}"
+        colour = style.INK if len(same) > 1 or len(found) == 1 else colours[same[0].label]
+        lines += reference_lines(sweep, figure, same[0], column, label, colour)
     lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(sweep)
     names = None if layout.is_numeric(sweep) else [value_text(sweep.x, v) for v in values]

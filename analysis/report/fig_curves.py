@@ -36,9 +36,15 @@ def set_x_axis(axes, sweep):
     ends = np.array([places[0] - 0.045 * room, places[-1] + 0.045 * room])
     axes.set_xlim(*(np.exp(ends) if axes.get_xscale() == "log" else ends))
     if len(values) <= 12 and (len(values) < 2 or np.min(np.diff(places)) > 0.055 * room):
-        axes.set_xticks(values, [number(float(v), 6) for v in values])
+        axes.set_xticks(values, tick_labels(values))
         axes.xaxis.set_minor_locator(NullLocator())
         axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def tick_labels(values):
+    """The numbers with six digits or, where these labels would touch, with the three that still distinguish them."""
+    exact, short = ([number(float(v), digits) for v in values] for digits in (6, 3))
+    return short if sum(map(len, exact)) > 60 and len(set(short)) == len(values) else exact
 
 
 def points(sweep, group, column, aside=0.0):
@@ -101,11 +107,11 @@ def draw_reference(axes, sweep, group, column, figure, colour, line, labels, nam
 def reference_lines(axes, sweep, curves, column, figure):
     """Draws all references of a panel dashed and returns their labels for the right edge."""
     names = layout.reference_name(layout.all_references(sweep))
-    shared = len(layout.all_references(sweep)) == 1
+    colours = {group.label: colour for group, colour, _ in curves}
     labels = []
-    for group, colour, _ in curves[:1] if shared else curves:
-        own = style.INK if shared or len(curves) == 1 else colour
-        draw_reference(axes, sweep, group, column, figure, own, "--", labels, names)
+    for same in layout.by_reference(sweep, [group for group, _, _ in curves], column):
+        own = style.INK if len(same) > 1 or len(curves) == 1 else colours[same[0].label]
+        draw_reference(axes, sweep, same[0], column, figure, own, "--", labels, names)
     return labels if len(labels) <= 6 else []
 
 
@@ -225,7 +231,7 @@ def measure_figure(sweep, folder, measure):
                           "mean over periods" if column == period else instant_title(sweep),
                           bool(measure.get("log") and spans_decades(sweep, column))) for column in rows]
     return Figure(measure["name"], title,
-                  measure["caption"] + marker_caption(sweep, rows, period, instant)
+                  measure["caption"].format(region=region_words(sweep)) + marker_caption(sweep, rows, period, instant)
                   + error_caption(sweep, *rows) + invalid_caption(sweep, measure["name"], *rows),
                   f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
 
@@ -235,7 +241,24 @@ def is_modulated(sweep):
     return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(sweep))
 
 
+def is_steady(sweep):
+    """Whether all cases are in the periodic regime."""
+    return all(c.setting("time", "regime", default="") == "periodic" for c in layout.ordinary(sweep))
+
+
+def region_words(sweep):
+    """The region over which the measures are taken, as a part of a sentence."""
+    areas = [c.value("region_mm2") for c in layout.ordinary(sweep)]
+    areas = [area for area in areas if not math.isnan(area)]
+    if not areas:
+        return "the complete surface"
+    low, high = number(min(areas) / 100.0, 3), number(max(areas) / 100.0, 3)
+    return f"the measured region ({low if low == high else f'{low} to {high}'} cm²)"
+
+
 def period_words(sweep):
+    if is_steady(sweep):
+        return "one period of the load"
     return "complete modulation periods" if is_modulated(sweep) else "the settled part of the run"
 
 

@@ -200,7 +200,7 @@ def caption(every, others, shown, of):
     if invalid:
         text += f" White with a cross: {counted(invalid, 'case')} not valid, excluded from the colour scale."
     if failed:
-        text += f" Cross-hatched: {failed} without a result, see the list above."
+        text += f" Cross-hatched: {failed} without a result, see \"Not in the figures\"."
     if empty:
         text += f" Hatched: {empty} without a value or not swept; the reasons are in the table."
     return text

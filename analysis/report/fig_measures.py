@@ -14,7 +14,7 @@ from words import number
 MEASURES = [
     {"name": "eta", "title": "Reconstruction efficiency against {x}",
      "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
-     "caption": "η is the fraction of Σu² of the complete surface that lies within the focal disc. The larger η is, "
+     "caption": "η is the fraction of Σu² of {region} that lies within the focal disc. The larger η is, "
                 "the better the vibration is confined to the focus."},
     {"name": "ipr_abs", "title": "Spread of the vibration (IPR of |u|) against {x}",
      "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2", "label": "(Σ|u|)² / Σu² (mm²)",
@@ -77,8 +77,8 @@ def gain_figure(sweep, folder):
     name = layout.reference_name(layout.all_references(sweep))
     charts = ratio_curves(sweep, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
-    return Figure("gain", title, f"η over complete periods relative to that of {name} in the same time window and "
-                  f"medium. Above 1, a case keeps a larger fraction of the energy at the focus than {name} does."
+    within = "in the same medium" if curves_module.is_steady(sweep) else "in the same time window and medium"
+    return Figure("gain", title, f"η over complete periods relative to that of {name} {within}. Above 1, a case keeps a larger fraction of the energy at the focus than {name} does."
                   + error_caption(sweep, sweep.ratio_of("eta_period_1"))
                   + invalid_caption(sweep, "gain", sweep.ratio_of("eta_period_1")), title, charts)
 
@@ -115,7 +115,8 @@ def displacement_figure(sweep, folder):
     finish(figure, made[-1], sweep, curves, folder / "displacement.png")
     title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
     words = {"focal_rms_um": f"Above: the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
-             "peak_um": "Below: the largest |u| from the start of the run to the instant measure.at_ms."}
+             "peak_um": "Below: the largest |u| within one period." if curves_module.is_steady(sweep) else
+             "Below: the largest |u| from the start of the run to the instant measure.at_ms."}
     caption = " ".join(words[column] for column, _, _ in rows)
     if layout.all_references(sweep):
         caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."

@@ -233,6 +233,19 @@ def motions(cases):
     return list(found.values())
 
 
+def by_reference(sweep, found, column):
+    """The groups of `found` as lists of those whose references have the same values of the column, to nine digits: a
+    swept key often changes nothing in a reference."""
+    sets = {}
+    for group in found:
+        with_one = [(c, r) for c in group.cases if (r := sweep.reference_of(c))]
+        pairs = [(str(x_position(sweep, c)), f"{r.value(column):.9g}") for c, r in with_one]
+        values = {value for _, value in pairs}
+        if pairs:
+            sets.setdefault(tuple(values if len(values) == 1 else pairs), []).append(group)
+    return list(sets.values())
+
+
 def all_references(sweep):
     """The distinct complete references of all groups."""
     found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}

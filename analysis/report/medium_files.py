@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
-import h5py
 import numpy as np
 
-from package import UNREADABLE
+from package import UNREADABLE, inputs
 
 LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
 
@@ -93,10 +92,10 @@ def started(case):
 def read_map(path):
     """The grid of a map, or None if the file has no shear-wave speed or cannot be read."""
     try:
-        with h5py.File(path, "r") as file:
-            return Grid(*(np.atleast_1d(file[name][()]) for name in ("x_m", "y_m", "z_m")), file["c_s_m_s"][()])
+        found = inputs.read_map(path)
     except (OSError, KeyError, ValueError):
         return None
+    return Grid(found.x_m, found.y_m, found.z_m, found.c_s_m_s)
 
 
 @dataclass
@@ -111,20 +110,17 @@ def read_study(path, case):
     the nodes of one plane of the grid."""
     try:
         _, x, y, _ = case.stored.snapshot()
-        with h5py.File(path, "r") as file:
-            counts = file["grid/points"][()].astype(int)
-            z = file["grid/spacing_m"][2] * np.arange(counts[2])
-            speed = file["medium/c_s_m_s"][()]
-            grid = Grid(x, y, z, np.broadcast_to(speed if speed.ndim == 3 else speed.item(), counts))
-            sources = [file[name]["nodes"][()] for name in file if name.startswith("source_") and "nodes" in file[name]]
-            sensors = file["sensor/nodes"][()] if "sensor/nodes" in file else np.empty((0, 3))
+        found = inputs.read_study(path)
+        counts, speed = found.points, found.c_s_m_s
+        z = found.spacing_m[2] * np.arange(counts[2])
+        grid = Grid(x, y, z, np.broadcast_to(speed if speed.ndim == 3 else speed.item(), counts))
         if (len(x), len(y)) != tuple(counts[:2]):
             return None
-        return Study(grid, *(places(grid, nodes) for nodes in (np.concatenate([np.empty((0, 3)), *sources]), sensors)))
+        return Study(grid, *(places(grid, nodes) for nodes in (found.source_nodes, found.sensor_nodes)))
     except UNREADABLE:
         return None
 
 
 def places(grid, nodes):
     """The places of nodes, given by their indices, in mm."""
-    return 1e3 * np.column_stack([axis[nodes[:, i].astype(int)] for i, axis in enumerate((grid.x_m, grid.y_m, grid.z_m))])
+    return 1e3 * np.column_stack([axis[nodes[:, i]] for i, axis in enumerate((grid.x_m, grid.y_m, grid.z_m))])

@@ -38,7 +38,27 @@ def counts(sweep):
     return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
 
 
-def warning_list(sweep):
+def folded(name, title, count, inner, state=""):
+    """A section of the page that is closed unless `state` is "open"."""
+    return (f'<details class="topic" id="{name}"{" " + state if state else ""}><summary><h2>{escape(title)}</h2> '
+            f"<span>{escape(count)}</span></summary>{inner}</details>")
+
+
+def notices(sweep, problems):
+    """One line below the result that counts what is missing or doubtful, with links; '' if nothing is."""
+    links = []
+    if missing := sum(not case.whole for case in sweep.cases):
+        links.append(f'<a href="#missing">{counted(missing, "case")} without a result</a>')
+    if problems:
+        links.append(f'<a href="#missing">{counted(len(problems), "group")} of figures not drawn</a>')
+    if found := warnings_of.kinds(sweep):
+        invalid = {case.id for kind in found if kind.is_error for case in kind.cases}
+        wrong = f", {counted(len(invalid), 'case')} not valid" if invalid else ""
+        links.append(f'<a href="#warnings">{counted(len(found), "warning")}{wrong}</a>')
+    return f'<p class="badge">See also: {"; ".join(links)}.</p>' if links else ""
+
+
+def warning_list(sweep, state=""):
     """All warnings of the sweep, once each, with the number of cases; '' without warnings."""
     items = ""
     for kind in warnings_of.kinds(sweep):
@@ -49,7 +69,8 @@ def warning_list(sweep):
         elif len(sweep.cases) > 1:
             where = f" ({layout.case_label(sweep, kind.cases[0])})"
         items += f'<li id="warning-{kind.number}">{escape(f"{start}: {kind.message}{where}.")}</li>'
-    return f'<h2 id="warnings">Warnings</h2><ol class="warning">{items}</ol>' if items else ""
+    count = counted(items.count("<li "), "warning")
+    return folded("warnings", "Warnings", count, f'<ol class="warning">{items}</ol>', state) if items else ""
 
 
 def badge(found, shown):
@@ -95,7 +116,7 @@ def picture(figure, folder, level):
             f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
 
 
-def trouble(sweep, problems):
+def trouble(sweep, problems, state=""):
     """The cases without results and the figures that could not be drawn, with their reasons."""
     items = []
     for case in sweep.cases:
@@ -106,7 +127,8 @@ def trouble(sweep, problems):
     items += [f"<li>{escape(p)}</li>" for p in problems]
     if not items:
         return ""
-    return f'<h2 id="missing">Not in the figures</h2><div class="trouble"><ul>{"".join(items)}</ul></div>'
+    return folded("missing", "Not in the figures", counted(len(items), "item"),
+                  f'<div class="trouble"><ul>{"".join(items)}</ul></div>', state)
 
 
 def moment(stamp):
@@ -160,20 +182,20 @@ def anchor(title):
 def parts(sweep, figures, folder, problems, moving):
     """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
     made = []
-    if notice := trouble(sweep, problems):
-        made.append(("missing", "Not in the figures", notice, []))
-    if listed := warning_list(sweep):
-        made.append(("warnings", "Warnings", listed, []))
     if moving:
         shown = [c.id for c in player.cases_of(sweep)]
         notice = badge(warnings_of.of_figure(sweep, "player", shown), len(shown))
         made.append(("player", "The surface seen from above",
                      f'<h2 id="player">The surface seen from above</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
+    state = "" if made else "open"
+    if notice := trouble(sweep, problems, state):
+        made.append(("missing", "Not in the figures", notice, []))
+    if listed := warning_list(sweep, state):
+        made.append(("warnings", "Warnings", listed, []))
     for title, members in topics(figures):
         inner = "".join(picture(f, folder, "h3") for f in members)
-        made.append((anchor(title), title, f'<details class="topic" id="{anchor(title)}"><summary><h2>{escape(title)}'
-                     f'</h2> <span>{counted(len(members), "figure")}</span></summary>{inner}</details>',
+        made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
                      [(f.name, f.title) for f in members]))
     made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep, figures)}', []))
     return made
@@ -201,6 +223,6 @@ def page(sweep, figures, folder, problems, moving=""):
         f"<title>{escape(sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
         "</head><body>",
         f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>'
-        f'<p class="counts">{escape(counts(sweep))}</p></header>',
+        f'<p class="counts">{escape(counts(sweep))}</p>{notices(sweep, problems)}</header>',
         f'<div class="columns">{contents(made)}<main>', lone, *(content for _, _, content, _ in made),
         "</main></div><footer>", job(sweep), provenance(sweep), "</footer>", scripts(), "</body></html>\n"])

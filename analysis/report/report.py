@@ -94,7 +94,7 @@ def draw_all(sweep, folder, drawn, progress):
         progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
         for figure in attempt(name, problems, drawn.draw, name, draw, cases, folder) or []:
             if missing and cases is sweep and not figure.name.startswith("heat_"):  # heat maps mark these cases
-                figure.caption += f" {counted(missing, 'case')} without a result: see the list above."
+                figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
             if cases is not sweep:
                 figure.caption += (f" The figure shows {shown} of {counted(every, 'case')}, spread evenly over the sweep; "
                                    "the table lists all.")

@@ -52,6 +52,22 @@ struct ExportArguments {
     bool binary = false;                  // of UFF
 };
 
+/// `job` is the file of --options.
+struct MeasureArguments : schedule::JobArguments {
+    std::filesystem::path data, out; // out empty: out/<job name>.measure
+    std::filesystem::path fit;       // fit.json, whose estimates override the job; empty: none
+    double high_pass_Hz = 0.0;       // 0: none
+    double least_quality = 0.0;
+    std::string gaps = "interpolate"; // interpolate, mask
+    std::size_t repetitions = 8;      // for the uncertainty
+    bool draws = true;                // the report
+};
+
+struct FitArguments : schedule::JobArguments {
+    std::filesystem::path data, out; // out empty: out/<job name>.fit
+    double least_quality = 0.0;
+};
+
 struct DiffArguments {
     std::filesystem::path now, reference; // output folders, or tables (CSV)
     std::vector<std::string> tolerances;  // COLUMN=RELATIVE
@@ -100,6 +116,13 @@ struct RespondArguments {
     bool gives_radius() const;
 };
 
+struct ExploreArguments {
+    int port = 0;  // 0: any free port
+    int ranks = 1; // of the engine
+    bool opens_browser = true;
+    std::filesystem::path folder; // of sweeps that the page starts; empty: "out"
+};
+
 ExitCode check_command(const CheckArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 /// Computes one case of a job, without its sweep, and prints the values of its table.
@@ -121,6 +144,12 @@ ExitCode show_modulation_command(const ShowModulationArguments& arguments, const
 ExitCode lens_command(const LensArguments& arguments, const Comm& world);
 /// Writes the scan of the vibrometer of a case by a script of analysis/report.
 ExitCode export_command(const ExportArguments& arguments, const Comm& world);
+/// Computes the measures of a measured scan.
+ExitCode measure_command(const MeasureArguments& arguments, const Comm& world);
+/// Estimates the keys of [uncertain] from a measured scan.
+ExitCode fit_command(const FitArguments& arguments, const Comm& world);
+/// Opens a page on which settings are changed and their surfaces are computed at once.
+ExitCode explore_command(const ExploreArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls the function of its command.

@@ -21,9 +21,9 @@ ExitCode compare_command(const CompareArguments& arguments, const Comm& world) {
             words.emplace_back("--picture");
             words.push_back(arguments.picture.string());
         }
-        const int status = run_python_script("compare.py", words);
+        const int status = run_python_script("report/compare.py", words);
         if (status == static_cast<int>(ExitCode::usage))
-            throw UsageError("the two cannot be compared");
+            throw UsageError("the arguments cannot be compared");
         if (status != 0)
             throw UsageError(fmt::format("the comparison failed (exit {})", status),
                              ExitCode::environment);

@@ -16,7 +16,7 @@ ExitCode export_command(const ExportArguments& arguments, const Comm& world) {
         if (arguments.binary) kind = "uffb";
         if (file.empty()) file = arguments.case_file.stem().string() + "." + arguments.format;
         const int status =
-            run_python_script("export_scan.py", {arguments.case_file.string(), kind, file});
+            run_python_script("report/export_scan.py", {arguments.case_file.string(), kind, file});
         if (status == static_cast<int>(ExitCode::usage))
             throw UsageError("the scan cannot be exported");
         if (status != 0)

@@ -28,7 +28,7 @@ ExitCode movie_command(const MovieArguments& arguments, const Comm& world) {
         if (arguments.slow_down > 0.0)
             words.insert(words.end(), {"--slow-down", fmt::format("{:.9g}", arguments.slow_down)});
         words.insert(words.end(), {"--width", fmt::format("{}", arguments.width_px)});
-        const int status = run_python_script("movie.py", words);
+        const int status = run_python_script("report/movie.py", words);
         if (status != 0)
             throw UsageError(fmt::format("the movie was not written (exit {})", status),
                              ExitCode::environment);

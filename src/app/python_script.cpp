@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -34,40 +35,61 @@ int run_program(const std::vector<std::string>& command, bool silent) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// The first Python that has the packages which the figures need.
-std::string find_python() {
+/// "numpy, h5py and xxhash".
+std::string all_of(const std::vector<std::string>& names) {
+    return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+/// The first Python that has the packages.
+std::string find_python(const PythonPackages& packages) {
     std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
     if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
         candidates.insert(candidates.begin(), chosen);
     for (const std::string& python : candidates)
-        if (run_program({python, "-c", "import numpy, h5py, matplotlib, xxhash"}, true) == 0)
+        if (run_program({python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))},
+                        true) == 0)
             return python;
-    throw UsageError("figures need a Python with numpy, h5py, matplotlib and xxhash (Debian: "
-                     "python3-h5py python3-matplotlib python3-xxhash); set SHEARWAKE_PYTHON to "
-                     "choose another Python",
+    throw UsageError(fmt::format("{} a Python with {} (Debian: {}); set SHEARWAKE_PYTHON to choose "
+                                 "another Python",
+                                 packages.purpose, all_of(packages.modules), packages.debian),
                      ExitCode::environment);
 }
 
-/// analysis/report next to the build folder, or in share/shearwake next to the folder of an
+/// The folder analysis next to the build folder, or in share/shearwake next to the folder of an
 /// installed program.
 std::filesystem::path find_scripts(const std::string& script) {
     const std::filesystem::path here =
         std::filesystem::read_symlink("/proc/self/exe").parent_path();
-    for (const std::filesystem::path& candidate :
-         {here / "../analysis/report", here / "../share/shearwake/analysis/report"})
+    const std::filesystem::path folders[] = {here / "../analysis",
+                                             here / "../share/shearwake/analysis"};
+    for (const std::filesystem::path& candidate : folders)
         if (std::filesystem::exists(candidate / script))
             return std::filesystem::canonical(candidate);
-    throw UsageError(
-        fmt::format("cannot find {} in {} or {}", script,
-                    (here / "../analysis/report").lexically_normal().string(),
-                    (here / "../share/shearwake/analysis/report").lexically_normal().string()),
-        ExitCode::environment);
+    throw UsageError(fmt::format("cannot find {} in {} or {}", script,
+                                 folders[0].lexically_normal().string(),
+                                 folders[1].lexically_normal().string()),
+                     ExitCode::environment);
 }
 
 } // namespace
 
-int run_python_script(const std::string& script, const std::vector<std::string>& arguments) {
-    std::vector<std::string> command = {find_python(), (find_scripts(script) / script).string()};
+const PythonPackages figure_packages = {"figures need",
+                                        {"numpy", "h5py", "matplotlib", "xxhash"},
+                                        "python3-h5py python3-matplotlib python3-xxhash"};
+const PythonPackages explorer_packages = {
+    "explore needs",
+    {"aiohttp", "numpy", "h5py", "xarray", "pandas", "tomli_w", "xxhash"},
+    "python3-aiohttp python3-h5py python3-xarray "
+    "python3-pandas python3-tomli-w python3-xxhash"};
+const PythonPackages scan_packages = {"scans need",
+                                      {"numpy", "h5py", "scipy", "matplotlib", "xxhash"},
+                                      "python3-h5py python3-matplotlib python3-scipy "
+                                      "python3-xxhash"};
+
+int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
+                      const PythonPackages& packages) {
+    std::vector<std::string> command = {find_python(packages),
+                                        (find_scripts(script) / script).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
     return run_program(command, false);
 }

@@ -6,9 +6,18 @@
 
 namespace shearwake::app {
 
-/// Runs a script of analysis/report with the first Python that has the packages which the figures
-/// need, and returns its exit code (-1: it could not be started). Throws UsageError if there is no
-/// such Python or no such script. Not collective: rank 0 calls it.
-int run_python_script(const std::string& script, const std::vector<std::string>& arguments);
+/// What a group of scripts needs.
+struct PythonPackages {
+    std::string purpose; // for messages: "figures"
+    std::vector<std::string> modules;
+    std::string debian; // the packages that contain them
+};
+extern const PythonPackages figure_packages, explorer_packages, scan_packages;
+
+/// Runs a script of `analysis`, such as "report/report.py", with the first Python that has the
+/// packages, and returns its exit code (-1: it could not be started). Throws UsageError if there is
+/// no such Python or no such script. Not collective: rank 0 calls it.
+int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
+                      const PythonPackages& packages = figure_packages);
 
 } // namespace shearwake::app

@@ -20,7 +20,7 @@ bool holds_cases(const schedule::OutputFolder& folder) {
 /// The path of plan.json or, without it, of tables/plan.json, which is made from the case files.
 std::filesystem::path plan_of(const schedule::OutputFolder& folder) {
     if (std::filesystem::exists(folder.plan()) || !holds_cases(folder)) return folder.plan();
-    if (run_python_script("from_cases.py", {folder.root.string()}) != 0)
+    if (run_python_script("report/from_cases.py", {folder.root.string()}) != 0)
         throw UsageError("cannot reconstruct the plan from the case files in " +
                              folder.cases().string(),
                          ExitCode::environment);
@@ -34,7 +34,9 @@ reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder,
     return reduce::reduce({.folder = folder.root,
                            .plan = plan_of(folder),
                            .tables = folder.tables(),
-                           .errors = folder.errors(),
+                           .errors = std::filesystem::exists(folder.uncertainty())
+                                         ? folder.uncertainty()
+                                         : folder.errors(),
                            .error_columns = errors});
 }
 

@@ -15,7 +15,7 @@ ExitCode report_command(const std::filesystem::path& path, const Comm& world) {
     on_root(world, [&] {
         const schedule::OutputFolder folder = schedule::folder_of_results(path);
         reduce_folder(folder, reduce::ErrorColumns::kept); // so that the table is up to date
-        const int status = run_python_script("report.py", {path.string()});
+        const int status = run_python_script("report/report.py", {path.string()});
         if (status == static_cast<int>(ExitCode::some_cases_failed))
             code = ExitCode::some_cases_failed;
         else if (status != 0)

@@ -15,20 +15,6 @@
 namespace shearwake::app {
 namespace {
 
-/// Accepts these words only, and suggests the nearest one otherwise. The manual page and the
-/// completion read them from the description.
-CLI::Validator one_of(const std::vector<std::string>& words) {
-    return CLI::Validator(
-        [words](std::string& word) {
-            if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
-            const auto meant = nearest(word, words);
-            return fmt::format("unknown value \"{}\"; {}", printable(word),
-                               meant ? fmt::format("did you mean {}?", *meant)
-                                     : "possible are " + quoted_list(words, "and"));
-        },
-        fmt::format("{{{}}}", fmt::join(words, ",")));
-}
-
 using PathCommand = ExitCode (*)(const std::filesystem::path&, const Comm&);
 
 void add_path_command(CLI::App& app, Action& action, const std::string& name,
@@ -52,24 +38,6 @@ void add_status(CLI::App& app, Action& action, const std::string& folder) {
     add_json(command, arguments->json);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return status_command(*arguments, world); };
-    });
-}
-
-void add_export(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<ExportArguments>();
-    CLI::App* command = app.add_subcommand(
-        "export", "write the scan of the vibrometer of a case for other programs");
-    command->add_option("CASE", arguments->case_file, "case file (HDF5)")->required();
-    command
-        ->add_option("--format", arguments->format,
-                     "format: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
-                     "MATLAB and Octave)")
-        ->check(one_of({"uff", "csv", "mat"}));
-    command->add_flag("--binary", arguments->binary, "with uff: binary instead of ASCII data");
-    command->add_option("--out", arguments->out,
-                        "file (default: the id of the case with the extension of the format)");
-    command->callback([=, &action] {
-        action = [=](const Comm& world) { return export_command(*arguments, world); };
     });
 }
 
@@ -223,6 +191,18 @@ void add_respond(CLI::App& app, Action& action) {
 
 } // namespace
 
+CLI::Validator one_of(const std::vector<std::string>& words) {
+    return CLI::Validator(
+        [words](std::string& word) {
+            if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
+            const auto meant = nearest(word, words);
+            return fmt::format("unknown value \"{}\"; {}", printable(word),
+                               meant ? fmt::format("did you mean {}?", *meant)
+                                     : "possible are " + quoted_list(words, "and"));
+        },
+        fmt::format("{{{}}}", fmt::join(words, ",")));
+}
+
 void add_result_commands(CLI::App& app, Action& action) {
     const std::string folder = "output folder of a run";
     add_status(app, action, folder);
@@ -234,7 +214,6 @@ void add_result_commands(CLI::App& app, Action& action) {
     add_diff(app, action);
     add_compare(app, action);
     add_converge(app, action);
-    add_export(app, action);
     add_show(app, action);
     add_respond(app, action);
     add_bench(app, action);

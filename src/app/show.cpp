@@ -38,6 +38,13 @@ void print_solver(const storage::CaseSummary& s) {
         line(fmt::format("work of the load: {:.3g} J; share that remains at the end as kinetic "
                          "and strain energy: {:.3g}",
                          work_J, number("solver_energy_J") / work_J));
+    if (s.numbers.contains("period_work_J"))
+        line(fmt::format(
+            "per period: {:.5g} J of work of the load, {:.5g} J absorbed in the layers, "
+            "{:.5g} J radiated into the half-space; the balance differs by {:.1e} of "
+            "the work",
+            number("period_work_J"), number("period_absorbed_J"), number("period_radiated_J"),
+            number("period_imbalance")));
     if (!s.texts.contains("solver_notes")) return;
     std::istringstream notes(s.texts.at("solver_notes"));
     for (std::string note; std::getline(notes, note);)

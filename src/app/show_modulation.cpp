@@ -67,7 +67,7 @@ ExitCode show_modulation_command(const ShowModulationArguments& arguments, const
                              ExitCode::environment);
         int status = -1;
         try {
-            status = run_python_script("modulation.py", {data.string(), picture.string()});
+            status = run_python_script("report/modulation.py", {data.string(), picture.string()});
         } catch (...) {
             std::filesystem::remove(data);
             throw;

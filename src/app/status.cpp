@@ -49,10 +49,23 @@ struct Tally {
     }
 };
 
+/// Number of teams of the active runs, or of the last run if none is active. A killed run leaves no
+/// final entry in the journal, but the lock of its part has been released.
+int teams_of(const storage::JournalContents& journal, const schedule::OutputFolder& folder) {
+    int active = 0; // in runs of parts, which exclude a run of the complete sweep
+    for (const auto& [part, teams] : journal.teams_of_parts) {
+        const auto lock = folder.part_lock(part);
+        if (!part.empty() && std::filesystem::exists(lock) &&
+            storage::is_locked(lock).value_or(true))
+            active += teams;
+    }
+    return std::max(1, active > 0 ? active : journal.teams);
+}
+
 Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& journal,
                const schedule::OutputFolder& folder, storage::CaseIndex& index) {
     Tally tally;
-    tally.teams = std::max(1, journal.teams);
+    tally.teams = teams_of(journal, folder);
     const double now_s = static_cast<double>(std::time(nullptr));
     // A killed run leaves no final entry in the journal, but its lock has been released.
     tally.is_active = std::filesystem::exists(folder.run_lock())

@@ -4,6 +4,7 @@
 #include "base/json_document.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
+#include "engines/layered/open_domain.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "fft/line_transform.hpp"
 #include "fft/slab_transform.hpp"
@@ -13,12 +14,27 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace shearwake::bench {
 namespace {
 
-ExitCode bench_layered(const Comm& world, Output& out) {
-    const Case c = layered_bench_case();
+/// Seconds of the FFTs of `count` lines.
+double lines_s(std::ptrdiff_t count, std::ptrdiff_t length, const Comm& world) {
+    if (count == 0) return 0.0;
+    const fft::LineTransform in_time(length, fft::Direction::backward);
+    fft::AlignedVector<std::complex<double>> line(static_cast<std::size_t>(length));
+    return best_of(3, [&] {
+        return seconds_of(world, [&] {
+            for (std::ptrdiff_t n = 0; n < count; ++n)
+                in_time.execute(line.data());
+        });
+    });
+}
+
+/// Measures a case and the FFTs that it consists of; `name` begins the names of its measurements.
+void measure_layered(const Case& c, const std::string& title, const std::string& name,
+                     const Comm& world, Output& out) {
     const auto engine = engines::make_engine(c.solver);
     const auto complete_case = [&] {
         pipeline::SurfaceRecorder recorder(c, world, nullptr, {});
@@ -30,7 +46,8 @@ ExitCode bench_layered(const Comm& world, Output& out) {
     const double first = complete_case();
     const double rest = best_of(5, complete_case);
 
-    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world);
+    const Domain solved = layered::solved_domain(c);
+    const fft::SlabTransform slabs(solved.nx, solved.ny, world);
     fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
     const double transforms = best_of(5, [&] {
         return seconds_of(world, [&] {
@@ -41,35 +58,42 @@ ExitCode bench_layered(const Comm& world, Output& out) {
         });
     });
     const layered::TimeLines lines = layered::time_lines(c, slabs.share());
-    const fft::LineTransform in_time(lines.length, fft::Direction::backward);
-    fft::AlignedVector<std::complex<double>> line(static_cast<std::size_t>(lines.length));
-    const double in_time_s = best_of(3, [&] {
-        return seconds_of(world, [&] {
-            for (std::ptrdiff_t n = 0; n < lines.count; ++n)
-                in_time.execute(line.data());
-        });
-    });
-    const double copies_B_s = copy_rate_B_s(world);
+    const double in_time_s = lines_s(lines.count, lines.length, world) +
+                             lines_s(lines.of_load, lines.load_length, world);
 
-    if (!world.is_root()) return ExitCode::done;
+    if (!world.is_root()) return;
     const double points = static_cast<double>(c.domain.nx * c.domain.ny * c.time.frames);
-    out.print("engine layered, {} rank{}: {} x {} points, {} frames, three layers, kernels {}\n",
-              world.size(), world.size() == 1 ? "" : "s", c.domain.nx, c.domain.ny, c.time.frames,
-              simd::name_of(simd::instruction_set()));
-    out.print("  transfer function H        {:8.3f} s   once per medium and grid\n", first - rest);
+    const double all_s = transforms + in_time_s;
+    out.print("{}: {} x {} points, {} frames\n", title, c.domain.nx, c.domain.ny, c.time.frames);
+    out.print("  transfer functions         {:8.3f} s   once per medium and grid\n", first - rest);
     out.print("  case with all measures     {:8.3f} s   {:.2g} ns per point and frame\n", rest,
               1e9 * rest / points);
     out.print("  lower bound: all FFTs      {:8.3f} s   the case takes {:.2f} times as long: {} "
-              "planes, and {} lines of {} samples in time\n",
-              transforms + in_time_s, rest / (transforms + in_time_s), c.time.frames, lines.count,
-              lines.length);
+              "planes of {} x {} points, {} lines of {} samples in time, and {} of {} samples of "
+              "the load\n",
+              all_s, rest / all_s, c.time.frames, solved.nx, solved.ny, lines.count, lines.length,
+              lines.of_load, lines.load_length);
     out.print("  FFTs of the planes         {:8.3f} s   the case takes {:.2f} times as long\n",
               transforms, rest / transforms);
-    out.print("  memory copies              {:8.1f} GB/s\n", copies_B_s / 1e9);
-    out.add("transfer function", first - rest, "s");
-    out.add("case with all measures", rest, "s");
-    out.add("lower bound: all FFTs", transforms + in_time_s, "s");
-    out.add("FFTs of the planes", transforms, "s");
+    out.add(name + "transfer function", first - rest, "s");
+    out.add(name + "case with all measures", rest, "s");
+    out.add(name + "lower bound: all FFTs", all_s, "s");
+    out.add(name + "FFTs of the planes", transforms, "s");
+}
+
+ExitCode bench_layered(const Comm& world, Output& out) {
+    if (world.is_root())
+        out.print("engine layered, {} rank{}: three layers, kernels {}\n", world.size(),
+                  world.size() == 1 ? "" : "s", simd::name_of(simd::instruction_set()));
+    measure_layered(layered_bench_case(), "periodic edges", "", world, out);
+    Case open = layered_bench_case();
+    open.domain.edges = DomainEdges::open;
+    measure_layered(open, "open edges", "open edges: ", world, out);
+    measure_layered(steady_bench_case(), "open edges, periodic regime", "periodic regime: ", world,
+                    out);
+    const double copies_B_s = copy_rate_B_s(world);
+    if (!world.is_root()) return ExitCode::done;
+    out.print("memory copies                {:8.1f} GB/s\n", copies_B_s / 1e9);
     out.add("memory copies", copies_B_s, "B/s");
     return ExitCode::done;
 }
@@ -100,6 +124,19 @@ Case layered_bench_case() {
     c.time = {280, 50e-6};
     c.measure = {.at_s = 14e-3, .settled_after_s = 4e-3, .focal_radius_m = 3e-3};
     c.record = {.traces_m = {{0.0, 0.0}}};
+    return c;
+}
+
+/// 256 x 192 points, a circle of 20 mm and 128 frames of a period of 10 ms.
+Case steady_bench_case() {
+    Case c = layered_bench_case();
+    c.scene().load.modulation.trajectory = {
+        {Travel{Arc{{}, 10e-3, 0.0, 2.0 * std::numbers::pi},
+                ConstantSpeed{2.0 * std::numbers::pi * 10e-3 * 100.0}, AtEnd::repeat}}};
+    c.domain.edges = DomainEdges::open;
+    c.time = {128, 10e-3 / 128.0, Regime::periodic};
+    c.measure.at_s = c.time.duration_s();
+    c.measure.settled_after_s = 0.0;
     return c;
 }
 

@@ -53,6 +53,8 @@ double copy_rate_B_s(const Comm& world);
 
 /// The case of `bench layered`: three layers of skin, a focus at 7 m/s.
 Case layered_bench_case();
+/// The same layers in the periodic regime: a circle drawn 100 times per second with AM.
+Case steady_bench_case();
 
 /// Calibrates the performance model of the machine and keeps it for `plan` and `run`, see
 /// cost/machine.hpp.

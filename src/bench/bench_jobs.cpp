@@ -101,7 +101,11 @@ std::vector<BenchJob> layered_jobs() {
     stress.afferents = afferents_of(StressInput{});
     Case pins = on_grid(96, 72, 1.25e-3, 400);
     pins.afferents = afferents_of(PinInput{});
-    return {{"layered, small", on_grid(96, 72, 1.5e-3, 160)},
+    Case open = on_grid(192, 144, 1e-3, 160);
+    open.domain.edges = DomainEdges::open;
+    return {{"layered, open edges", open},
+            {"layered, periodic regime", steady_bench_case()},
+            {"layered, small", on_grid(96, 72, 1.5e-3, 160)},
             {"layered, large", on_grid(384, 288, 0.5e-3, 300)},
             {"layered, two depths, frames", kept},
             {"layered, stress at receptors", stress},

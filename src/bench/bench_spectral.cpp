@@ -18,8 +18,8 @@ namespace {
 
 constexpr double element_m = 4e-3;
 constexpr int degree = 8;
-/// Length of the run of which some steps are measured. Iterations use matrices that pay in a long
-/// run only.
+/// Number of frames of the case, of which only some steps are computed. The matrices that speed up
+/// iterations are worth their cost only in a long run, as they are in this one.
 constexpr int frames = 560;
 
 struct Grid {

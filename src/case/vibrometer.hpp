@@ -15,10 +15,11 @@ namespace shearwake {
 /// line of sight, one point after the other.
 struct VibrometerOptions {
     std::vector<Vec2> points_m;
-    double tilt_rad = 0.0;    // of the line of sight from the normal of the skin
-    double azimuth_rad = 0.0; // direction of the tilt, from x towards y
-    double spot_m = 0.0;      // diameter over which the motion is averaged
-    double rate_Hz = 0.0;     // samples per second; 0: one per frame
+    double tilt_rad = 0.0;                     // of the line of sight from the normal of the skin
+    double azimuth_rad = 0.0;                  // direction of the tilt, from x towards y
+    double offset_x_m = 0.0, offset_y_m = 0.0; // true minus nominal positions
+    double spot_m = 0.0;                       // diameter over which the motion is averaged
+    double rate_Hz = 0.0;                      // samples per second; 0: one per frame
     double high_pass_Hz = 0.0, low_pass_Hz = 0.0; // 0: none
     double noise_m_s_rtHz = 0.0;                  // one-sided density
     int averages = 1;
@@ -83,6 +84,13 @@ void walk_fields(Walk& walk, Options& o) {
     walk(o.azimuth_rad, {.key = "azimuth_deg",
                          .meaning = "direction along the skin in which a tilted line of sight "
                                     "points, from x towards y"});
+    walk(o.offset_x_m, {.key = "offset_x_mm",
+                        .range = Range::between(-1000.0, 1000.0),
+                        .meaning = "misalignment along x: true minus stated positions of the "
+                                   "points"});
+    walk(o.offset_y_m, {.key = "offset_y_mm",
+                        .range = Range::between(-1000.0, 1000.0),
+                        .meaning = "misalignment along y"});
     walk(o.spot_m, {.key = "spot_um",
                     .range = Range::between(0.0, 20000.0),
                     .meaning = "diameter of the laser spot, over which the motion is averaged"});

@@ -10,13 +10,10 @@
 namespace shearwake::converge {
 namespace {
 
-bool is_uneven(const Case& c) {
-    return !c.scene().medium.bodies.empty() || c.scene().medium.map;
-}
-
 /// At the faces of bodies, cells contain the mean of two materials, which is of first order.
 std::optional<double> order_in_spacing(const Case& c) {
-    return is_uneven(c) ? std::optional(1.0) : engines::make_engine(c.solver)->order_in_spacing();
+    return varies_laterally(c.scene().medium) ? std::optional(1.0)
+                                              : engines::make_engine(c.solver)->order_in_spacing();
 }
 
 Refinement half_the_spacing(const Case& c) {

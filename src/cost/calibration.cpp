@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "cost/file_speed.hpp"
+#include "engines/checkpoint.hpp"
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
@@ -20,6 +21,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <new>
+#include <optional>
 #include <sys/mman.h>
 #include <vector>
 
@@ -63,10 +65,27 @@ double seconds_since(std::chrono::steady_clock::time_point began) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
-void run_alone(const Case& c, engines::Engine& engine, const Comm& alone) {
+/// Ends the run of an engine when a stop is requested, without saving anything.
+class Interruption : public engines::Checkpoints {
+public:
+    explicit Interruption(std::function<bool()> stop) : stop_(std::move(stop)) {}
+    bool due() override { return asked(); }
+    void save(const std::function<void(StateWriter&)>&) override {}
+    bool restore(const std::function<void(const StateReader&)>&) override { return false; }
+    bool stop() const override { return asked(); }
+    bool stop_asked() override { return asked(); }
+    bool asked() const { return stop_ && stop_(); }
+
+private:
+    std::function<bool()> stop_;
+};
+
+/// Returns early if a stop was requested.
+void run_alone(const Case& c, engines::Engine& engine, const Comm& alone, Interruption& stop) {
     pipeline::SurfaceRecorder recorder(c, alone, nullptr, {});
     pipeline::keep_receptors(c, recorder);
-    engine.run(c, alone, recorder);
+    engine.run(c, alone, recorder, &stop);
+    if (stop.asked()) return;
     recorder.finish();
     const PlannedCase planned{
         .id = "calibration", .physics = c, .settings = {}, .reference_id = ""};
@@ -78,19 +97,21 @@ void run_alone(const Case& c, engines::Engine& engine, const Comm& alone) {
 /// returned. The result is the mean of a few runs, as a job experiences it, not the best. A run
 /// before the measurement makes the FFTW plans and the data that cases share. Wall-clock time is
 /// scaled by the share of CPU time, since other processes slow the stage and the run alike.
-engines::MeasuredWork measured_stage(const engines::Calibration& one, const Comm& alone) {
+engines::MeasuredWork measured_stage(const engines::Calibration& one, const Comm& alone,
+                                     Interruption& stop) {
     const Case& c = one.physics;
     auto engine = engines::make_engine(c.solver);
-    run_alone(c, *engine, alone);
+    run_alone(c, *engine, alone, stop);
     const bool shared = contains(engine->estimate(c, 1).shared, one.kind);
     double all_s = 0.0, stage_s = 0.0;
     int runs = 0;
     std::set<std::string> timed;
     for (; runs < least_repeats || (runs < most_repeats && all_s < enough_s); ++runs) {
+        if (stop.asked()) return {one.kind, {}, 0.0};
         if (shared) engine = engines::make_engine(c.solver);
         WorkClock clock;
         const auto began = std::chrono::steady_clock::now();
-        const double of_core_s = core_s([&] { run_alone(c, *engine, alone); });
+        const double of_core_s = core_s([&] { run_alone(c, *engine, alone, stop); });
         const double share = std::min(1.0, of_core_s / seconds_since(began));
         all_s += of_core_s;
         for (const engines::Work& part : work_in(one))
@@ -122,8 +143,10 @@ double fresh_memory_s() {
     return std::sqrt(seconds / static_cast<double>(bytes) * engines::of_fresh_memory.assumed_s);
 }
 
-engines::Rates measured_rates(const std::set<std::string>& kinds, engines::Rates known,
-                              const Comm& world) {
+/// Nothing if a stop was requested.
+std::optional<engines::Rates> measured_rates(const std::set<std::string>& kinds,
+                                             engines::Rates known, const Comm& world,
+                                             Interruption& stop) {
     const Comm alone = world.split(world.rank());
     if (kinds.contains(engines::of_fresh_memory.name)) {
         world.barrier();
@@ -136,7 +159,8 @@ engines::Rates measured_rates(const std::set<std::string>& kinds, engines::Rates
         if (!kinds.contains(one.kind)) continue;
         world.barrier();
         engines::MeasuredWork stage;
-        together(world, [&] { stage = measured_stage(one, alone); });
+        together(world, [&] { stage = measured_stage(one, alone, stop); });
+        if (world.max(stop.asked() ? 1.0 : 0.0) > 0.0) return std::nullopt;
         stage.seconds = world.max(stage.seconds);
         measured.push_back(std::move(stage));
     }
@@ -223,7 +247,10 @@ Machine calibrated(const Machine& known, const std::set<std::string>& kinds, con
                         world.size(), world.size() == 1 ? "" : "s", parts_of(missing)));
     Machine machine = known;
     try {
-        machine.rates = measured_rates(missing, known.rates, world);
+        Interruption stop(hooks.stop);
+        const auto rates = measured_rates(missing, known.rates, world, stop);
+        if (!rates) return known;
+        machine.rates = *rates;
         if (is_new) {
             measure_transposes(world, machine);
             const Comm alone = world.split(world.rank());
@@ -243,7 +270,8 @@ Machine calibrated(const Machine& known, const std::set<std::string>& kinds, con
 }
 
 void calibrate_for(CaseCosts& costs, int ranks, const Comm& world,
-                   const std::function<void(const std::string&)>& report) {
+                   const std::function<void(const std::string&)>& report,
+                   const std::function<bool()>& stop) {
     const std::set<std::string> kinds = costs.kinds();
     Machine machine = known_machine(ranks, world);
     // A plan for another number of ranks may be for another machine. If that machine has no
@@ -253,8 +281,9 @@ void calibrate_for(CaseCosts& costs, int ranks, const Comm& world,
         (machine.measured.empty() || !kinds_to_measure(kinds, machine.rates).empty()))
         machine = known_machine(world.size(), world);
     const auto file = machine_file(world.size());
-    const Machine now = calibrated(machine, kinds, world,
-                                   {report, file ? file->parent_path() : std::filesystem::path()});
+    const Machine now =
+        calibrated(machine, kinds, world,
+                   {report, file ? file->parent_path() : std::filesystem::path(), stop});
     if (world.is_root() && file && !(now == machine)) keep_machine(now, *file);
     costs.use(now);
 }

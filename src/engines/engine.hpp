@@ -60,6 +60,18 @@ struct SensorSeries {
     std::vector<double> values; // [node][sample]
 };
 
+/// Energies of one period in the steady state.
+struct PeriodEnergy {
+    double work_J = 0.0;               // of the load
+    double absorbed_in_layers_J = 0.0; // by viscosity, in layers of finite thickness
+    double radiated_J = 0.0;           // into the half-space below them
+    /// The difference of work and losses, relative to the work; 0 for a load that does no work.
+    double imbalance() const {
+        const double difference_J = work_J - absorbed_in_layers_J - radiated_J;
+        return difference_J == 0.0 ? 0.0 : difference_J / work_J;
+    }
+};
+
 /// Effort of a case, and the engine's choices with their reasons. Identical on all ranks.
 struct SolverReport {
     std::vector<std::string> notes;     // one line per choice
@@ -68,8 +80,9 @@ struct SolverReport {
     std::ptrdiff_t most_iterations = 0; // maximum number of iterations in one step
     // Work of the load, and the kinetic and elastic energy half a step before the end.
     double work_J = 0.0, energy_J = 0.0;
-    std::vector<SensorSeries> sensors = {}; // of a grid study; on rank 0 only
-    std::vector<Remark> warnings = {};      // those of the notes that reduce the accuracy
+    std::optional<PeriodEnergy> period_energy = std::nullopt; // in the periodic regime
+    std::vector<SensorSeries> sensors = {};                   // of a grid study; on rank 0 only
+    std::vector<Remark> warnings = {}; // those of the notes that reduce the accuracy
 };
 
 /// Receives the field of a case while the engine computes it. Called on every rank of the team in

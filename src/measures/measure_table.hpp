@@ -24,6 +24,9 @@ enum class Shown {
     headlines, // in the report and in the short table of `reduce`
 };
 
+/// Whether a column has a physical unit (or a ratio of such values), or counts samples of the grid.
+enum class Counts { physical, samples };
+
 /// One column. A name with {words} in braces represents several columns. In `meaning`, braces are
 /// replaced by details of the case; parts in brackets are omitted if the details are unknown.
 struct Measure {
@@ -37,6 +40,8 @@ struct Measure {
     /// For ratios that `reduce` computes: the measure that is divided by that of the reference
     /// case.
     const char* over_reference_of = "";
+    /// What the values are relative to: on grids of other spacing, numbers of samples differ.
+    Counts counts = Counts::physical;
 };
 
 /// All columns, in the order of the report and of the short table.

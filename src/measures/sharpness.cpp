@@ -9,11 +9,12 @@
 namespace shearwake::measures {
 namespace {
 
-double distance_m(Vec2 point, Vec2 from, Vec2 to) {
+double squared_distance_m2(Vec2 point, Vec2 from, Vec2 to) {
     const Vec2 along = to - from, there = point - from;
     const double square = dot(along, along);
     const double part = square > 0.0 ? std::clamp(dot(there, along) / square, 0.0, 1.0) : 0.0;
-    return norm(there - part * along);
+    const Vec2 away = there - part * along;
+    return dot(away, away);
 }
 
 /// Rows or columns of the samples between two positions, limited to the domain.
@@ -32,7 +33,10 @@ Cells cells_between(double low_m, double high_m, double spacing_m, std::ptrdiff_
 
 std::vector<double> shares_near(std::span<const std::vector<Vec2>> lines, double reach_m,
                                 const Domain& domain) {
-    const double h = domain.spacing_m, far = reach_m + h;
+    const double h = domain.spacing_m, far = reach_m + h, half = 0.5 * h;
+    // Squares of the distances beyond which a cell has no share, and below which it is complete.
+    const double none_m2 = std::pow(reach_m + half, 2),
+                 all_m2 = reach_m > half ? std::pow(reach_m - half, 2) : -1.0;
     std::vector<double> shares(static_cast<std::size_t>(domain.nx * domain.ny), 0.0);
     const auto mark = [&](Vec2 from, Vec2 to) {
         const Cells rows =
@@ -41,9 +45,12 @@ std::vector<double> shares_near(std::span<const std::vector<Vec2>> lines, double
             cells_between(std::min(from.y, to.y) - far, std::max(from.y, to.y) + far, h, domain.ny);
         for (std::ptrdiff_t i = rows.first; i < rows.end; ++i)
             for (std::ptrdiff_t j = columns.first; j < columns.end; ++j) {
-                const double away_m = distance_m({domain.x_m(i), domain.y_m(j)}, from, to);
                 double& share = shares[static_cast<std::size_t>(i * domain.ny + j)];
-                share = std::max(share, std::clamp(0.5 + (reach_m - away_m) / h, 0.0, 1.0));
+                if (share == 1.0) continue;
+                const double square = squared_distance_m2({domain.x_m(i), domain.y_m(j)}, from, to);
+                if (square >= none_m2) continue;
+                share = square <= all_m2 ? 1.0
+                                         : std::max(share, 0.5 + (reach_m - std::sqrt(square)) / h);
             }
     };
     for (const std::vector<Vec2>& line : lines)

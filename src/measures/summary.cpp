@@ -35,6 +35,21 @@ struct Readings {
     double peak_m = nan; // largest |u| of any frame up to the instant
 };
 
+/// The reason why the focal disc has no position at the instant: there a repeated path that is not
+/// closed begins anew. Empty if it has one.
+std::string jump_reason(const Case& c) {
+    const Modulation& modulation = c.scene().load.modulation;
+    const double at_s = c.measure.at_s, aside_s = 1e-6 * c.time.interval_s;
+    if (at_s <= aside_s) return {};
+    const auto before = foci(modulation, at_s - aside_s), after = foci(modulation, at_s + aside_s);
+    for (std::size_t i = 0; i < std::min(before.size(), after.size()); ++i)
+        if (norm(after[i] - before[i]) > 0.1 * c.measure.focal_radius_m)
+            return fmt::format("the focus jumps at the instant, {:g} ms, from the end of its path "
+                               "to the start; measure.at_ms can select another instant",
+                               at_s * 1e3);
+    return {};
+}
+
 Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& depth) {
     const TimeAxis& time = c.time;
     if (static_cast<std::ptrdiff_t>(depth.frames.size()) != time.frames)
@@ -51,6 +66,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
                    c.measure, time, off_time_s(c.scene().load.modulation.trajectory));
                !none.empty()) {
         r.instant_note = none;
+    } else if (const std::string jump = jump_reason(c); !jump.empty()) {
+        r.instant_note = jump;
     } else {
         const auto n = std::clamp<std::ptrdiff_t>(std::lround(in_frames) - 1, 0, time.frames - 1);
         r.instant = depth.frames[static_cast<std::size_t>(n)];

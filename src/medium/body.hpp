@@ -92,7 +92,7 @@ struct Body {
     double edge_m = 0.0; // width of the smooth transition; 0: a sharp face, averaged over each cell
     // Properties that are not given are those of the surrounding layer.
     std::optional<double> density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s; // c_s 0: a fluid
-    bool rigid = false; // does not deform: of its material only the density matters
+    bool rigid = false; // does not deform: only the density of its material matters
     bool fixed = false; // and does not move
     bool operator==(const Body&) const = default;
 };
@@ -102,10 +102,9 @@ void walk_rigidity(Walk& walk, B& body) {
     walk(body.rigid,
          {.key = "rigid",
           .in_text = body.rigid,
-          .meaning = "whether the body is rigid; of its material only the density matters then. It "
+          .meaning = "whether the body is rigid; only the density of its material matters then. It "
                      "costs one additional solve per step, whatever its stiffness. Requires the "
-                     "engine `\"spectral\"`. A body that crosses the whole domain along x or y "
-                     "excludes rigid bodies that do not"});
+                     "engine `\"spectral\"`"});
     walk(body.fixed, {.key = "fixed",
                       .applies = body.rigid,
                       .only_with = "rigid = true",

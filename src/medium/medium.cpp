@@ -70,4 +70,8 @@ const Layer& surface_wave_layer(const Medium& medium, double width_m) {
     return medium.layers.back();
 }
 
+bool varies_laterally(const Medium& medium) {
+    return !medium.bodies.empty() || medium.map;
+}
+
 } // namespace shearwake

@@ -188,4 +188,7 @@ double rayleigh_speed_m_s(const Layer& layer);
 /// than a quarter of the width, or the last. A thinner film follows the layer below.
 const Layer& surface_wave_layer(const Medium& medium, double width_m);
 
+/// Whether bodies or a map make the medium vary along x and y.
+bool varies_laterally(const Medium& medium);
+
 } // namespace shearwake

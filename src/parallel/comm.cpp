@@ -224,6 +224,8 @@ template std::vector<long> Comm::all_gather(std::span<const long>) const;
 template std::vector<std::complex<double>>
     Comm::all_gather(std::span<const std::complex<double>>) const;
 template std::vector<double> Comm::gather(std::span<const double>) const;
+template std::vector<float> Comm::gather(std::span<const float>) const;
+template std::vector<long> Comm::gather(std::span<const long>) const;
 template void Comm::all_to_all(std::span<const double>, std::span<const std::ptrdiff_t>,
                                std::span<double>, std::span<const std::ptrdiff_t>) const;
 template void Comm::all_to_all(std::span<const float>, std::span<const std::ptrdiff_t>,

@@ -59,7 +59,7 @@ CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
                                  const storage::Journal& journal, CheckpointHooks hooks)
     : stem_(std::move(stem)), owner_(std::move(owner)), schedule_(schedule), team_(team),
       journal_(journal), hooks_(std::move(hooks)), began_(Clock::now()), saved_(began_),
-      looked_(began_), asked_at_(began_) {
+      looked_(began_), stop_question_(team, between_looks_s) {
     find_newest();
     if (newest_) earlier_seconds_ = newest_->facts.seconds;
 }
@@ -166,20 +166,10 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
 }
 
 bool CaseCheckpoints::stop_asked() {
-    if (++asked_ < next_asked_) return false;
-    long answer = 0, wait = 0;
-    if (team_.is_root()) {
+    stops_ = stop_question_.ask([this] {
         if (!stop_seen_ && hooks_.stop_asked()) stop_seen_ = Clock::now();
-        answer = stop_seen_ && seconds_since(*stop_seen_) > grace_s ? 1 : 0;
-        // The calls may become slower: the number of calls to the next look at most doubles.
-        const auto calls = static_cast<double>(std::max(1L, asked_ - last_asked_));
-        const double call_s = std::max(seconds_since(asked_at_), 1e-9) / calls;
-        wait = static_cast<long>(std::clamp(between_looks_s / call_s, 1.0, 2.0 * calls));
-    }
-    stops_ = team_.broadcast(answer) != 0;
-    last_asked_ = asked_;
-    next_asked_ = asked_ + team_.broadcast(wait);
-    asked_at_ = Clock::now();
+        return stop_seen_ && seconds_since(*stop_seen_) > grace_s;
+    });
     return stops_;
 }
 

@@ -3,6 +3,7 @@
 
 #include "engines/checkpoint.hpp"
 #include "parallel/comm.hpp"
+#include "parallel/spaced_question.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/journal/journal.hpp"
 
@@ -83,9 +84,7 @@ private:
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;
     bool stopping_ = false, stops_ = false, stop_failed_ = false;
-    // Calls of stop_asked(); the ranks communicate in call next_asked_.
-    long asked_ = 0, last_asked_ = 0, next_asked_ = 1;
-    std::chrono::steady_clock::time_point asked_at_;
+    SpacedQuestion stop_question_;
     std::optional<std::chrono::steady_clock::time_point> stop_seen_; // on the root
 };
 

@@ -2,6 +2,7 @@
 #include "pipeline/case_content.hpp"
 
 #include "load/drawn_shape.hpp"
+#include "measures/measure_table.hpp"
 #include "measures/spectrum.hpp"
 #include "pipeline/provenance.hpp"
 #include "storage/case_file/variable_group.hpp"
@@ -158,6 +159,13 @@ void add_columns(const std::vector<measures::Column>& columns, VariableGroup& gr
                                    .note = column.note});
 }
 
+std::string columns_in_samples(const VariableGroup& root) {
+    std::vector<std::string> names;
+    for (const Variable& variable : root.variables)
+        if (measures::counts_samples(variable.name)) names.push_back(variable.name);
+    return fmt::format("{}", fmt::join(names, " "));
+}
+
 VariableGroup sensor_group(const StudyData& study,
                            const std::vector<engines::SensorSeries>& sensors) {
     VariableGroup group{.name = "sensor", .variables = {}};
@@ -224,6 +232,7 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
     const engines::SolverReport& solver = facts.solver;
     if (!solver.notes.empty())
         attributes.push_back({"solver_notes", fmt::format("{}", fmt::join(solver.notes, "\n"))});
+    attributes.push_back({"columns_in_samples", facts.columns_in_samples});
     attributes.push_back({"warnings", storage::warnings_text(facts.warnings)});
     if (solver.steps > 0) {
         attributes.push_back({"solver_steps", static_cast<long>(solver.steps)});
@@ -231,6 +240,12 @@ std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFact
         attributes.push_back({"solver_most_iterations", static_cast<long>(solver.most_iterations)});
         attributes.push_back({"solver_work_J", solver.work_J});
         attributes.push_back({"solver_energy_J", solver.energy_J});
+    }
+    if (solver.period_energy) {
+        attributes.push_back({"period_work_J", solver.period_energy->work_J});
+        attributes.push_back({"period_absorbed_J", solver.period_energy->absorbed_in_layers_J});
+        attributes.push_back({"period_radiated_J", solver.period_energy->radiated_J});
+        attributes.push_back({"period_imbalance", solver.period_energy->imbalance()});
     }
     attributes.push_back({"status", std::string("complete")});
     return attributes;

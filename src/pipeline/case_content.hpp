@@ -23,6 +23,9 @@ std::vector<VariableGroup> case_content(const Case& c,
 /// Columns of the table as scalars of a group.
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group);
 
+/// Names of the columns of the root group that count samples of the grid, separated by spaces.
+std::string columns_in_samples(const VariableGroup& root);
+
 /// The recorded data of the sensor of a study, group /sensor of the file.
 VariableGroup sensor_group(const StudyData& study,
                            const std::vector<engines::SensorSeries>& sensors);
@@ -37,6 +40,7 @@ struct RunFacts {
     std::string started, ended; // UTC
     engines::SolverReport solver;
     std::vector<Remark> warnings;
+    std::string columns_in_samples;
 };
 
 /// Root attributes that identify the case and its origin.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
-#include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/afferent_estimate.hpp"
 
@@ -88,6 +87,10 @@ double resident_memory_B() {
 }
 
 double memory_needed_B(const Case& c, int ranks) {
+    return memory_needed_B(c, ranks, *engines::make_engine(c.solver));
+}
+
+double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine) {
     const double plane =
         static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) * sizeof(double);
     // Slabs of the surface at the instant and of its mean energy, the complete planes on rank 0,
@@ -100,7 +103,7 @@ double memory_needed_B(const Case& c, int ranks) {
         scan = static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
                (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s());
     }
-    return engines::make_engine(c.solver)->estimate(c, ranks).memory_per_rank_B + recorder + scan +
+    return engine.estimate(c, ranks).memory_per_rank_B + recorder + scan +
            afferents_memory_B(c, ranks);
 }
 

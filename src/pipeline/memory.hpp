@@ -2,6 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
+#include "engines/engine.hpp"
 #include "parallel/comm.hpp"
 
 namespace shearwake::pipeline {
@@ -20,5 +21,7 @@ double resident_memory_B();
 /// The memory that a case requires on one rank of a team: the estimate of the engine and the data
 /// of the recorder.
 double memory_needed_B(const Case& c, int ranks);
+/// The same if the engine is already known, which then need not repeat its estimate.
+double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine);
 
 } // namespace shearwake::pipeline

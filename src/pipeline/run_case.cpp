@@ -5,11 +5,11 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
+#include "pipeline/case_results.hpp"
 #include "pipeline/case_scope.hpp"
 #include "pipeline/case_warnings.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/surface_recorder.hpp"
-#include "pipeline/vibrometer.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/case_file/xdmf.hpp"
 #include "storage/journal/journal.hpp"
@@ -124,33 +124,22 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     if (checkpoints.stop()) return std::nullopt;
     const double solve_s = seconds_since(began) - before_solve_s;
 
-    AfferentResult afferents;
-    if (c.afferents) afferents = felt(felt_motion(planned, recorder), *c.afferents, team);
-    std::vector<VariableGroup> groups;
-    on_root(team, [&] {
-        groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
-                              recorder.mean_u2());
-        add_columns(afferents.columns, groups.front());
-        for (VariableGroup& group : afferents.groups)
-            groups.push_back(std::move(group));
-        if (c.vibrometer) groups.push_back(vibrometer_group(c, recorder.scan_m()));
-        if (!recorder.solver().sensors.empty())
-            groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
-    });
+    const CaseResults results = case_results(planned, recorder, team);
+    if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
     facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
     if (team.is_root())
         facts.warnings =
-            case_warnings(c, recorder.solver().warnings, afferents.notes, recorder.mean_u2());
-    facts.solver.notes.insert(facts.solver.notes.end(), afferents.notes.begin(),
-                              afferents.notes.end());
+            case_warnings(c, recorder.solver().warnings, results.afferents, recorder.mean_u2());
+    facts.solver.notes.insert(facts.solver.notes.end(), results.afferents.begin(),
+                              results.afferents.end());
     // The case file is written last: if it exists, all other files do.
     on_root(team, [&] {
         if (c.record.frames) storage::write_xdmf(path, layout);
         if (!c.record.volumes_s.empty()) storage::write_volume_xdmf(path, writer.volume());
     });
-    writer.commit(groups, case_attributes(planned, facts));
+    writer.commit(results.groups, case_attributes(planned, facts));
     checkpoints.discard();
     return CaseOutcome{facts.wall_s, solve_s, facts.solver};
 }

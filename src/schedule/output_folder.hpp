@@ -44,6 +44,8 @@ struct OutputFolder {
     std::filesystem::path converge() const { return root / "converge"; }
     /// The result of `shearwake converge`.
     std::filesystem::path errors() const { return converge() / "converge.json"; }
+    /// The uncertainty of the columns of a measurement, in the format of errors().
+    std::filesystem::path uncertainty() const { return root / "uncertainty.json"; }
     std::filesystem::path report() const { return root / "report"; }
     std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
     /// The checkpoints of a running case are this path with .A.h5 and .B.h5 appended.

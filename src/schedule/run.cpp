@@ -320,7 +320,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         none.asked_to_stop = true;
         return concluded(folder, job.plan, selection, none, arguments, world);
     }
-    calibrate_for(*costs, world.size(), world, say);
+    calibrate_for(*costs, world.size(), world, say, stop_requested);
     const OrderedWork work = ordered(cases, selection, *costs);
 
     const TeamLayout layout =

@@ -3,10 +3,11 @@
 import json
 import os
 import re
+import signal
 import unittest
 from unittest import mock
 
-from program import SWEEP, ProgramTest, without_reference
+from program import PATIENCE_s, SWEEP, ProgramTest, case_files, without_reference
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
 PHASES = ["FFTs", "solves over depth", "strain/force transfer", "stresses, iteration", "sponge", "other"]
@@ -78,6 +79,20 @@ class Bench(ProgramTest):
             file.write_text(file.read_text(encoding="utf-8")[:100], encoding="utf-8")
             self.assertIn("calibrating", self.shearwake("plan", "job.toml").said)
             self.assertNotIn("calibrating", self.shearwake("plan", "job.toml").said)
+
+    def test_a_signal_ends_the_calibration_of_a_run(self):
+        self.write_job()
+        cache = self.folder / "cache"
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
+            process = self.start("run", "job.toml", "-S", "solver.engine=pstd")
+            for line in process.stdout:
+                if "calibrating" in line:
+                    break
+            process.send_signal(signal.SIGTERM)
+            said = process.communicate(timeout=PATIENCE_s)[0]
+        self.assertEqual(process.returncode, 75, said)
+        self.assertEqual(list(cache.glob("machine-*")), [], "the calibration was completed")
+        self.assertEqual(case_files(self.out), [])
 
     def test_a_plan_for_other_ranks_uses_the_rates_of_this_processor(self):
         self.write_job()

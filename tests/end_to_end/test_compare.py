@@ -79,7 +79,8 @@ class Compare(ProgramTest):
         self.assertGreater(pairs[0]["fields"][1]["relative_l2"], 0.1)  # another frequency
         sweeps = self.compare("other", self.out)["pairs"]
         self.assertEqual(sweeps[0]["engines"], ["spectral", "layered"])
-        for pair in sweeps:  # the accuracy of spectral is 1e-3
+        # Required: the accuracy of spectral is 1e-3 of the whole run, and a single surface may differ by a few times that.
+        for pair in sweeps:
             self.assertLess(pair["fields"][1]["relative_l2"], 5e-3)
 
     def test_a_case_equals_itself(self):
@@ -114,7 +115,7 @@ class Compare(ProgramTest):
     def test_a_picture_without_a_common_surface_is_replaced_by_a_note(self):
         self.shearwake("run", "job.toml", "-S", "record.snapshots_ms=[3.0]", "-S", "measure.at_ms=3", "--out", "other", "--quiet")
         done = self.shearwake("compare", "other", self.out, "--picture", "map.png")
-        self.says(done.said, "surface: no common time", "no picture: the two have no surface at a common time", "eta")
+        self.says(done.said, "surface: no common time", "no picture: the cases have no surface at a common time", "eta")
         self.assertFalse((self.folder / "map.png").exists())
         document = self.shearwake("compare", "other", self.out, "--picture", "map.png", "--json")
         self.assertEqual(json.loads(document.stdout)["pairs"][0]["fields"], [])

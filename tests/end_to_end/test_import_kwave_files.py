@@ -289,18 +289,15 @@ class Errors(FilesTest):
         self.says(said, "kgrid", "sound_speed_shear", "MultiAxialPMLRatio", "exit codes", "--plane", "shearwake run")
 
     def test_objects_of_matlab_are_explained(self):
-        save(self.folder / "study.mat", study())
-        with h5py.File(self.folder / "study.mat", "r+") as file:
-            del file["kgrid"]
-            file["kgrid"] = numpy.zeros((1, 6), dtype="u4")
-            file["kgrid"].attrs["MATLAB_class"] = numpy.bytes_("kWaveGrid")
-        self.refused("study.mat", "kgrid is not a structure", "struct('Nx', kgrid.Nx")
-        save(self.folder / "study.mat", study())
-        with h5py.File(self.folder / "study.mat", "r+") as file:
-            del file["source/u_mode"]
-            file["source/u_mode"] = numpy.zeros((1, 6), dtype="u4")
-            file["source/u_mode"].attrs["MATLAB_class"] = numpy.bytes_("string")
-        self.refused("study.mat", "source.u_mode", "save a struct or a character array instead")
+        for place, kind, words in (
+                ("kgrid", "kWaveGrid", ("kgrid is not a structure", "struct('Nx', kgrid.Nx")),
+                ("source/u_mode", "string", ("source.u_mode", "save a struct or a character array instead"))):
+            save(self.folder / "study.mat", study())
+            with h5py.File(self.folder / "study.mat", "r+") as file:
+                del file[place]
+                file[place] = numpy.zeros((1, 6), dtype="u4")
+                file[place].attrs["MATLAB_class"] = numpy.bytes_(kind)
+            self.refused("study.mat", *words)
 
 
 if __name__ == "__main__":

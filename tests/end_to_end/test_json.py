@@ -83,6 +83,19 @@ class Json(ProgramTest):
         self.assertEqual(failed["settings"], {"load.peak_Pa": 1e200})
         self.assertNotEqual(failed["reason"], "")
 
+    def test_an_evaluation_lists_the_values_of_one_case(self):
+        self.write_job()
+        done = self.document("evaluate", "job.toml", "--set", "load.modulation.am_frequency_Hz=450", ranks=2)
+        self.assertEqual((done["status"], done["valid"]), ("complete", True))
+        self.assertEqual(done["folder"], f"out/small.evaluate/{done['id']}")
+        self.assertTrue((self.folder / done["folder"] / "cases" / f"{done['id']}.h5").exists())
+        self.assertGreater(done["values"]["eta_period_over_reference_1"], 0.0)
+        failed = self.document("evaluate", "job.toml", "--set", "load.peak_Pa=1e200", expect=4)
+        self.assertEqual((failed["status"], failed["valid"]), ("failed", False))
+        self.assertNotEqual(failed["note"], "")
+        self.assertIsNone(failed["values"]["eta_period_over_reference_1"])
+        self.assertEqual(self.shearwake("evaluate", "job.toml", "--set", "load.peak=1", "--json", expect=3).stdout, "")
+
     def test_bench_lists_measurements(self):
         for arguments in (("spectral", "--grid", "32x24x9", "--steps", 2), ("pstd", "--grid", "16x12x10", "--steps", 2)):
             found = self.document("bench", *arguments)
@@ -90,7 +103,7 @@ class Json(ProgramTest):
             self.assertTrue(any("lower bound" in m["name"] and m["value"] > 0 for m in found["measurements"]))
 
     def test_the_page_describes_every_member(self):
-        for command in ("check", "plan", "status", "verify", "diff", "compare", "show", "bench"):
+        for command in ("check", "plan", "evaluate", "status", "verify", "diff", "compare", "show", "bench"):
             section = PAGE.split(f"\n## `{command}`\n")[1].split("\n## ")[0]
             for member in SCHEMA["$defs"][command]["required"]:
                 if member not in ("schema", "command"):

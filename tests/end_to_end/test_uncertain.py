@@ -95,6 +95,9 @@ class Drivers(ProgramTest):
         self.assertEqual(again["values"], document["values"])
         self.assertEqual(file.stat().st_mtime_ns, before, "the case was computed again")
         self.says(self.shearwake("evaluate", "job.toml", "--set", "load.peak=1", expect=3).said, "peak")
+        warned = self.shearwake("evaluate", "job.toml", "--set", f"{LOAD}=1000", "-S", "domain.spacing_mm=2")
+        self.assertIn("eta_period_1 = ", warned.stdout)
+        self.says(warned.stderr, "warning: domain.spacing_mm")
 
     def test_a_list_of_cases_is_an_axis(self):
         (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,100\n700,80\n", encoding="utf-8")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Errors of users: messages state the location, the error and a suggestion; exit codes state the category."""
+import concurrent.futures
 import random
 import unittest
 
@@ -124,6 +125,12 @@ class CommandLine(ProgramTest):
         for command in COMMANDS:
             with self.subTest(command):
                 self.says(self.shearwake(command, "--help").stdout, "Usage")
+
+    def test_programs_that_start_at_once_do_not_disturb_each_other(self):
+        # With a common session folder of Open MPI, one of 40 failed.
+        with concurrent.futures.ThreadPoolExecutor(8) as starts:
+            done = list(starts.map(lambda _: self.shearwake("--version"), range(200)))
+        self.assertEqual({each.stderr for each in done}, {""})
 
     def test_version_lists_the_libraries(self):
         said = self.shearwake("--version").stdout

@@ -35,7 +35,7 @@ class Ledger:
     def markdown(self):
         lines = ["| attack | number | outcomes |", "|---|---|---|"]
         for attack, outcomes in sorted(self.counts.items()):
-            listed = ", ".join(f"{number} {outcome}" for outcome, number in outcomes.items())
+            listed = ", ".join(f"{number} × {outcome}" for outcome, number in outcomes.items())
             lines.append(f"| {attack} | {sum(outcomes.values())} | {listed} |")
         return "\n".join(lines) + "\n"
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Compares results on all ranks with those of each rank alone.
+#include "engines/checkpoint.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "support/cases.hpp"
 #include "support/gathered_state.hpp"
@@ -45,12 +46,30 @@ Case rigid_case(double azimuth_deg) {
     return c;
 }
 
+/// Counts how often the engine asks whether to stop.
+class Asked : public engines::Checkpoints {
+public:
+    bool due() override { return false; }
+    void save(const std::function<void(StateWriter&)>& /*write*/) override {}
+    bool restore(const std::function<void(const StateReader&)>& /*read*/) override { return false; }
+    bool stop() const override { return false; }
+    bool stop_asked() override {
+        ++times_;
+        return false;
+    }
+    int times() const { return times_; }
+
+private:
+    int times_ = 0;
+};
+
 /// Largest difference of all frames, relative to the largest value of the frame.
 double worst_frame(const Case& c, const Comm& world) {
-    const Comm alone = world.split(world.rank());
-    test::FrameStore shared, single;
-    engines::make_engine(c.solver)->run(c, world, shared);
-    engines::make_engine(c.solver)->run(c, alone, single);
+    test::FrameStore shared;
+    Asked asked;
+    engines::make_engine(c.solver)->run(c, world, shared, &asked);
+    CHECK(world.max(asked.times()) == world.min(asked.times())); // the question is collective
+    const test::FrameStore single = test::frames_of_root(c, world);
     double worst = 0.0;
     for (std::size_t depth = 0; depth < c.measure.depths_m.size(); ++depth) {
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {

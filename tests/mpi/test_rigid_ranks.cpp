@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rigid bodies in engine "spectral" on several ranks.
+#include "support/gathered_state.hpp"
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -10,7 +11,7 @@ using namespace shearwake;
 namespace {
 
 struct Ended {
-    fft::AlignedVector<double> plane; // u_z of the surface, this rank's part
+    std::vector<double> plane; // u_z of the surface, this rank's part
     fft::SlabShare share;
     std::vector<double> position;
 };
@@ -21,12 +22,12 @@ Ended end_of(const Case& c, const Comm& team) {
                               *options.time_step_s, team);
     while (stepper.step() < 12)
         stepper.advance();
-    Ended end{.plane = fft::AlignedVector<double>(static_cast<std::size_t>(slabs.share().reals)),
-              .share = slabs.share(),
-              .position = stepper.bodies().position()};
-    stepper.plane_of_w(0.0, end.plane.data());
-    slabs.to_physical(end.plane.data());
-    return end;
+    fft::AlignedVector<double> plane(static_cast<std::size_t>(slabs.share().reals));
+    stepper.plane_of_w(0.0, plane.data());
+    slabs.to_physical(plane.data());
+    return {.plane = {plane.begin(), plane.end()},
+            .share = slabs.share(),
+            .position = stepper.bodies().position()};
 }
 
 } // namespace
@@ -45,8 +46,23 @@ TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
         other.centre_m = {-19e-3, 1e-3, 5e-3};
         c.scene().medium.bodies.push_back(other);
     }
+    SECTION("a lump next to a body across the domain and a complete layer") {
+        Body lump = body;
+        lump.shape = Ellipsoid{{5e-3, 4e-3, 2e-3}};
+        lump.centre_m = {-9e-3, 1e-3, 4e-3};
+        Body slab = test::rigid_slab(c);
+        slab.shape = shearwake::Box{{1.0, 1.0, 1.5e-3}};
+        slab.centre_m.z = 10.5e-3;
+        c.scene().medium.bodies.push_back(lump);
+        c.scene().medium.bodies.push_back(slab);
+    }
     const Comm world = Comm::world();
-    const Ended together = end_of(c, world), alone = end_of(c, world.split(world.rank()));
+    const Ended together = end_of(c, world);
+    Ended alone;
+    test::on_root_alone(world, [&](const Comm& team) { alone = end_of(c, team); });
+    alone.share.padded_ny = world.broadcast(alone.share.padded_ny);
+    world.broadcast(alone.plane);
+    world.broadcast(alone.position);
     double difference = 0.0, largest = 0.0;
     for (std::ptrdiff_t i = 0; i < together.share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
@@ -64,4 +80,35 @@ TEST_CASE("rigid bodies move alike on any number of ranks", "[mpi]") {
     }
     CHECK(farthest > 0.0);
     CHECK(apart < 1e-12 * farthest);
+}
+
+TEST_CASE("rigid bodies resume from a checkpoint on any number of ranks", "[mpi]") {
+    const Case c = GENERATE(test::bone_case(test::Along::x, 0.5), test::lump_case(0.5));
+    const Comm world = Comm::world(), alone = world.split(world.rank());
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    const auto mesh = spectral::choose_mesh(c, options, *options.time_step_s);
+    const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, world),
+        whole(c.domain.nx, c.domain.ny, alone);
+    spectral::Stepper together(c, mesh, slabs, *options.time_step_s, world),
+        resumed(c, mesh, whole, *options.time_step_s, alone);
+    test::GatheredState half(world), end(world), other(alone);
+    while (together.step() < 6)
+        together.advance();
+    together.save(half);
+    resumed.restore(half);
+    while (together.step() < 12)
+        together.advance(), resumed.advance();
+    together.save(end);
+    resumed.save(other);
+    for (const char* name : {"now", "before", "rigid_bodies"}) {
+        const std::vector<double>&expected = end.rows(name), &found = other.rows(name);
+        double difference = 0.0, largest = 0.0;
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            difference = std::max(difference, std::abs(found[i] - expected[i]));
+            largest = std::max(largest, std::abs(expected[i]));
+        }
+        CAPTURE(name, difference, largest);
+        CHECK(world.min(largest) > 0.0);
+        CHECK(world.max(difference) < 1e-12 * world.max(largest)); // sums in a different order
+    }
 }

@@ -21,7 +21,14 @@ def find():
     return shutil.which("chromium") or shutil.which("chromium-browser")
 
 
+# WebGL without a graphics card.
+SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+
+
 class Browser:
+    def __init__(self, options=("--disable-gpu",)):
+        self.options = options
+
     def __enter__(self):
         self.profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
@@ -33,7 +40,7 @@ class Browser:
             os.dup2(writing, 4)
 
         self.process = subprocess.Popen(
-            [find(), "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+            [find(), "--headless", "--no-sandbox", *self.options, "--disable-dev-shm-usage",
              "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "about:blank"],
             preexec_fn=as_3_and_4, close_fds=False, stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -88,6 +95,7 @@ class Browser:
             self.events.append(self.message(until))
 
     def open(self, path, width, height, dark=False):
+        """Opens a file, or an address given as text."""
         target = self.send("Target.createTarget", url="about:blank")["targetId"]
         session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         page = Page(self, session)
@@ -99,7 +107,7 @@ class Browser:
             page.send("Emulation.setEmulatedMedia",
                       features=[{"name": "prefers-color-scheme", "value": "dark"}])
         self.events.clear()
-        page.send("Page.navigate", url=path.resolve().as_uri())
+        page.send("Page.navigate", url=path if isinstance(path, str) else path.resolve().as_uri())
         self.wait_for("Page.loadEventFired")
         return page
 

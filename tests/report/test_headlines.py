@@ -227,6 +227,16 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual(labels, [first + f"draw frequency {f} Hz" for f in (50, 75, 100)
                                   for first in ("plain STM, ", "")])
 
+    def test_references_with_the_same_values_are_one_line(self):
+        def labels(sweep):
+            lines = curve_chart.curve_chart(sweep, "eta", "eta_period_1", "eta").lines
+            return [line.label for line in lines if line.dashed]
+
+        sweep = self.with_own_references(widths=(2.0, 3.0))
+        self.assertEqual(labels(sweep), ["plain STM"])
+        sweep.reference_of(sweep.cases[0]).scalars["eta_period_1"] = 0.3
+        self.assertEqual(len(labels(sweep)), 2)
+
     def test_curves_with_other_references_have_their_own_column_of_references(self):
         sweep = self.with_own_references(widths=(2.0, 3.0))
         cells, columns = fig_surface.cells(sweep)

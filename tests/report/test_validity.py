@@ -153,7 +153,11 @@ class ValidityTest(unittest.TestCase):
         self.assertIn('href="#warning-1" title="waves return at 4.8 ms">not valid: domain.extent_mm</a> (1 case)', blocks["eta"])
         self.assertIn('href="#warning-2"', blocks["eta"])
         self.assertNotIn("#warning", blocks["drive"])
-        self.assertLess(text.index('id="warnings"'), text.index('id="player"'))
+        # The result and its figures come first; a line below the result links to the list of warnings.
+        self.assertLess(text.index('href="#warnings">2 warnings, 1 case not valid</a>'), text.index('id="player"'))
+        self.assertLess(text.index('id="player"'), text.index('id="eta"'))
+        self.assertLess(text.index('id="eta"'), text.index('id="warnings"'))
+        self.assertLess(text.index('id="warnings"'), text.index('id="topic-'))
         sweep = load.load(self.root)
         self.assertEqual([k.key for k in warnings_of.of_figure(sweep, "surface", [case_id(1), case_id(3)])],
                          ["domain.spacing_mm"])

@@ -5,7 +5,9 @@
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "support/on_root.hpp"
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <string>
@@ -54,16 +56,18 @@ public:
             const auto row = frame.u_z_m.row(i);
             values.insert(values.end(), row.begin(), row.end());
         }
-        frames_[{frame.depth, frame.number}] = std::move(values);
+        frames_[{static_cast<long>(frame.depth), frame.number}] = std::move(values);
     }
     const engines::Slab& slab() const { return slab_; }
     const std::vector<double>& at(std::ptrdiff_t number, std::size_t depth = 0) const {
-        return frames_.at({depth, number});
+        return frames_.at({static_cast<long>(depth), number});
     }
+    /// Copies the frames of the root to all ranks. Collective.
+    void share(const Comm& world) { broadcast(frames_, world); }
 
 private:
     engines::Slab slab_;
-    std::map<std::pair<std::size_t, std::ptrdiff_t>, std::vector<double>> frames_;
+    std::map<std::array<long, 2>, std::vector<double>> frames_; // by depth and number
 };
 
 /// All frames of a case, computed on this rank alone.
@@ -71,6 +75,15 @@ inline FrameStore frames_of(const Case& c) {
     const Comm alone = Comm::world().split(Comm::world().rank());
     FrameStore store;
     engines::make_engine(c.solver)->run(c, alone, store);
+    return store;
+}
+
+/// All frames of a case, computed on the root alone, on all ranks. Collective.
+inline FrameStore frames_of_root(const Case& c, const Comm& world) {
+    FrameStore store;
+    on_root_alone(world,
+                  [&](const Comm& alone) { engines::make_engine(c.solver)->run(c, alone, store); });
+    store.share(world);
     return store;
 }
 

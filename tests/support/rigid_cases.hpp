@@ -33,6 +33,34 @@ inline Case bone_case(Along axis, double viscosity_Pa_s) {
     return c;
 }
 
+/// The same focus across a rigid ellipsoid.
+inline Case lump_case(double viscosity_Pa_s) {
+    Case c = bone_case(Along::y, viscosity_Pa_s);
+    Body& body = c.scene().medium.bodies[0];
+    body.shape = Ellipsoid{{5e-3, 4e-3, 3e-3}};
+    body.centre_m = {1.3e-3, 0.7e-3, 6e-3};
+    c.domain.nx = 24;
+    return c;
+}
+
+/// An elastic body above the bodies of these cases, four times stiffer and denser than the tissue.
+inline Body elastic_neighbour() {
+    return {.name = "lump",
+            .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
+            .centre_m = {0.0, 0.0, 1.5e-3},
+            .density_kg_m3 = 1200.0,
+            .c_s_m_s = 10.0};
+}
+
+/// A box as wide as the domain along x and y, from 5 to 9 mm.
+inline Body rigid_slab(const Case& c) {
+    return {.name = "slab",
+            .shape = Box{{c.domain.extent_x_m(), 1.0, 4e-3}},
+            .centre_m = {0.0, 0.0, 7e-3},
+            .density_kg_m3 = 1900.0,
+            .rigid = true};
+}
+
 /// Advances a case on this rank alone and calls f(stepper) after each step.
 template <class F>
 void step_through(const Case& c, std::ptrdiff_t steps, const F& f) {

@@ -67,6 +67,17 @@ TEST_CASE("receptor stress equals that of the exact engine", "[verify][neural]")
     CHECK(found < 2e-3);
 }
 
+TEST_CASE("receptor stress just above a rigid layer equals that above a rigid base",
+          "[verify][neural]") {
+    Case c = skin_case(), base = c;
+    c.scene().medium.bodies = {{.name = "slab", // 0.2 mm below the deepest receptors
+                                .shape = Box{{1.0, 1.0, 3e-3}},
+                                .centre_m = {0.0, 0.0, 3.7e-3},
+                                .rigid = true}};
+    base.scene().medium.layers[1].thickness_m = 1e-3;
+    CHECK(difference(c, test::stresses_of(with_step(c, 12.5e-6)), exact(base)) < 2e-3);
+}
+
 TEST_CASE("receptor stress converges with second order in the step", "[verify][neural]") {
     const Case c = skin_case();
     const test::StressStore reference = exact(c);
@@ -90,9 +101,15 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
     const double thickness_m[] = {0.3e-3, 1.3e-3, 0.4e-3, 5e-3};
     for (std::size_t i = 0; i < 4; ++i)
         c.scene().medium.layers[i].thickness_m = thickness_m[i];
-    if (GENERATE(false, true)) {
+    SECTION("layers") {}
+    SECTION("an elastic body") {
         c.scene().medium.bodies = {test::small_body(4.0)};
         c.scene().medium.bodies[0].centre_m.z = 1.9e-3;
+    }
+    SECTION("just above a rigid body") {
+        c.scene().medium.bodies = {test::small_body()};
+        c.scene().medium.bodies[0].centre_m.z = 3.6e-3; // its top is at 2.1 mm
+        c.scene().medium.bodies[0].rigid = true;
     }
     c.time.frames = 10;
     c.record.volumes_s = {c.time.frame_s(9)};

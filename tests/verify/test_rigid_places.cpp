@@ -14,27 +14,10 @@ using test::relative_l2;
 using test::step_through;
 
 TEST_CASE("exchanging source and receiver above rigid bodies preserves the trace", "[verify]") {
-    Case c = bone_case(GENERATE(Along::x, Along::y), 0.5);
+    Case c = GENERATE(bone_case(Along::x, 0.5), bone_case(Along::y, 0.5), test::lump_case(0.5));
     // Resolves the footprint of the receiver, which ends before the edges.
     c.domain = {48, 48, 0.75e-3, 0.0};
-    const Vec2 places[2] = {{-4e-3, 1e-3}, {5e-3, 3e-3}};
-    std::vector<double> recorded[2]; // for all frames
-    for (int i = 0; i < 2; ++i) {
-        c.scene().load.modulation.trajectory = {{Hold{places[i]}}};
-        const test::FrameStore frames = test::frames_of(c);
-        const Vec2 there = places[1 - i];
-        for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
-            const auto& frame = frames.at(n);
-            recorded[i].push_back(0.0);
-            for (std::ptrdiff_t x = 0; x < c.domain.nx; ++x)
-                for (std::ptrdiff_t y = 0; y < c.domain.ny; ++y)
-                    recorded[i].back() +=
-                        frame[static_cast<std::size_t>(x * c.domain.ny + y)] *
-                        pressure(c.scene().load.footprint, c.domain.x_m(x) - there.x,
-                                 c.domain.y_m(y) - there.y);
-        }
-    }
-    CHECK(relative_l2(recorded[0], recorded[1]) < 1e-6); // required
+    CHECK(test::reciprocity_error(c, {{{-4e-3, 1e-3}, {5e-3, 3e-3}}}) < 1e-6); // required
 }
 
 TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
@@ -48,6 +31,14 @@ TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
     other.name = "other";
     other.centre_m.x -= 32.0 * both.domain.spacing_m;
     other.density_kg_m3 = 1200.0;
+    double tolerated = 5e-3;
+    SECTION("both cross the domain") {}
+    SECTION("one of them is a lump") {
+        other.shape = Ellipsoid{{4e-3, 5e-3, 3e-3}};
+        // The body across the domain then has the markers of a lump, as in "a long rigid lump
+        // approaches an endless body".
+        tolerated = 1e-2;
+    }
     both.scene().medium.bodies = {one, other};
     Case first = both, second = both, none = both;
     first.scene().medium.bodies = {one};
@@ -58,16 +49,19 @@ TEST_CASE("two rigid bodies far apart act independently", "[verify]") {
     for (std::size_t i = 0; i < expected.size(); ++i)
         expected[i] += more[i] - less[i];
     const auto frame = last_frame(both);
+    CAPTURE(relative_l2(frame, less));
     CHECK(relative_l2(frame, less) > 0.05);
-    CHECK(relative_l2(frame, expected) < 5e-3);
+    CHECK(relative_l2(frame, expected) < tolerated);
 }
 
 TEST_CASE("a rigid body that reaches the base is held by it", "[verify]") {
-    Case c = bone_case(Along::y, 0.5);
-    c.scene().medium.bodies[0].centre_m.z = 9e-3 + 1e-12; // of a radius of 3 mm in 12 mm
+    Case c = GENERATE(bone_case(Along::y, 0.5), test::lump_case(0.5));
+    c.scene().medium.bodies[0].centre_m.z = 9e-3 + 1e-12; // of a half height of 3 mm in 12 mm
     const auto frame = last_frame(c);
     c.scene().medium.bodies[0].fixed = true;
     CHECK(last_frame(c) == frame);
+    c.scene().medium.bodies.clear();
+    CHECK(relative_l2(last_frame(c), frame) > 0.05);
 }
 
 TEST_CASE("a rigid body that is too light for a stable motion is rejected", "[verify]") {
@@ -81,44 +75,49 @@ TEST_CASE("a rigid body that is too light for a stable motion is rejected", "[ve
 }
 
 TEST_CASE("volumes inside a rigid body show its motion and no strain", "[verify]") {
-    Case c = bone_case(Along::y, 0.5);
-    c.domain = {64, 8, 0.6e-3, 0.0};
+    Case c = GENERATE(bone_case(Along::y, 0.5), test::lump_case(0.5));
+    const Body& bone = c.scene().medium.bodies[0];
+    const bool is_lump = std::holds_alternative<Ellipsoid>(bone.shape);
+    c.domain = {64, is_lump ? 56 : 8, 0.6e-3, 0.0};
     c.time.frames = 16;
     c.record.volumes_s = {c.time.frame_s(15)};
     c.record.volume_fields = {VolumeField::u, VolumeField::strain};
     c.measure.at_s = c.time.duration_s();
     test::VolumeStore store;
     engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), store);
-    std::vector<double> q;
+    spectral::RigidMotion motion{};
     step_through(c, std::lround(1.6e-3 / 50e-6),
-                 [&](const spectral::Stepper& stepper) { q = stepper.bodies().position(); });
-    const Body& bone = c.scene().medium.bodies[0];
-    const double radius_m = std::get<Cylinder>(bone.shape).radius_m;
+                 [&](const spectral::Stepper& stepper) { motion = stepper.bodies().motions()[0]; });
+    // The body and what is within 0.3 spacings of it.
+    Body around = bone;
+    const double near_m = 0.3 * c.domain.spacing_m;
+    if (auto* shape = std::get_if<Ellipsoid>(&around.shape))
+        shape->semi_axes_m = shape->semi_axes_m + Vec3{near_m, near_m, near_m};
+    else
+        std::get<Cylinder>(around.shape).radius_m += near_m;
     double worst_u = 0.0, beside = 0.0, inside = 0.0, outside = 0.0;
     for (std::size_t level = 0; level < store.z_m().size(); ++level)
-        for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i) {
-            const double across_m = c.domain.x_m(i) - bone.centre_m.x;
-            const double down_m = store.z_m()[level] - bone.centre_m.z;
-            const double r_m = std::hypot(across_m, down_m);
-            const auto at = static_cast<std::size_t>(i * c.domain.ny);
-            const auto value = [&](std::size_t field, std::size_t component) {
-                return store.at(0, field, component, level)[at];
-            };
-            double strain = 0.0;
-            for (std::size_t component = 0; component < 6; ++component)
-                strain = std::max(strain, std::abs(value(1, component)));
-            const double difference = std::max(std::abs(value(0, 0) - q[1] - down_m * q[3]),
-                                               std::abs(value(0, 2) - q[2] + across_m * q[3]));
-            if (r_m < radius_m) {
-                inside = std::max(inside, strain);
-                worst_u = std::max(worst_u, difference);
-            } else if (r_m < radius_m + 0.3 * c.domain.spacing_m) {
-                outside = std::max(outside, strain);
-                beside = std::max(beside, difference);
+        for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
+            for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
+                const Vec3 at_m{c.domain.x_m(i), c.domain.y_m(j), store.z_m()[level]};
+                if (!(volume_fraction(around, at_m, {}) > 0.5)) continue;
+                const auto at = static_cast<std::size_t>(i * c.domain.ny + j);
+                const auto value = [&](std::size_t field, std::size_t component) {
+                    return store.at(0, field, component, level)[at];
+                };
+                double strain = 0.0;
+                for (std::size_t component = 0; component < 6; ++component)
+                    strain = std::max(strain, std::abs(value(1, component)));
+                const double difference = norm(Vec3{value(0, 0), value(0, 1), value(0, 2)} -
+                                               motion.at(at_m - bone.centre_m));
+                const bool is_inside = volume_fraction(bone, at_m, {}) > 0.5;
+                double& most_strain = is_inside ? inside : outside;
+                double& most_difference = is_inside ? worst_u : beside;
+                most_strain = std::max(most_strain, strain);
+                most_difference = std::max(most_difference, difference);
             }
-        }
-    CAPTURE(worst_u, beside, q[2], inside, outside);
-    CHECK(worst_u < 1e-12 * std::abs(q[2])); // rounding
+    CAPTURE(is_lump, worst_u, beside, motion.shift_m.z, inside, outside);
+    CHECK(worst_u < 1e-12 * std::abs(motion.shift_m.z)); // rounding
     CHECK(inside == 0.0);
     // Within 0.3 spacings of the body the material follows it up to the strain over a spacing.
     CHECK(beside < outside * c.domain.spacing_m);
@@ -130,11 +129,7 @@ namespace {
 /// A slab as wide as the domain, from 5 to 9 mm in 12 mm of tissue.
 Case slab_case(double viscosity_Pa_s) {
     Case c = bone_case(Along::y, viscosity_Pa_s);
-    c.scene().medium.bodies[0] = {.name = "slab",
-                                  .shape = Box{{c.domain.extent_x_m(), 1.0, 4e-3}},
-                                  .centre_m = {0.0, 0.0, 7e-3},
-                                  .density_kg_m3 = 1900.0,
-                                  .rigid = true};
+    c.scene().medium.bodies[0] = test::rigid_slab(c);
     return c;
 }
 

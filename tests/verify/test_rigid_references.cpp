@@ -4,6 +4,7 @@
 // e^{i omega t}, where the engine's implicit operator is that of a viscoelastic medium.
 #include "engines/spectral/bodies/endless_systems.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "support/growing_motion.hpp"
 #include "support/spectral_cases.hpp"
 
 #include <Eigen/Dense>
@@ -15,7 +16,8 @@ using namespace shearwake;
 
 namespace {
 
-constexpr double radius_m = 3e-3, density_kg_m3 = 1000.0, mu_Pa = 25e3;
+using test::body_radius_m;
+using test::solid_mu_Pa;
 constexpr double pi = std::numbers::pi;
 
 double bessel_i(int n, double x) {
@@ -30,25 +32,28 @@ double bessel_k(int n, double x) {
 class Cylinder2D {
 public:
     /// kappa = s radius/c_s for growth e^{st}.
-    Cylinder2D(double spacings_per_radius, double kappa) : kappa_(kappa) {
-        const double spacing_m = radius_m / spacings_per_radius;
+    Cylinder2D(double spacings_per_radius, double kappa) {
+        const double spacing_m = body_radius_m / spacings_per_radius;
         const auto nx = 2 * std::lround(0.5 * 20.0 * spacings_per_radius);
         Case c = test::small_tissue();
         Layer layer = test::tissue(1500.0, 0.0);
-        layer.thickness_m = 20.0 * radius_m;
+        layer.thickness_m = 20.0 * body_radius_m;
         c.scene().medium = {{layer}, Base::rigid};
-        c.scene().medium.bodies = {{.name = "cylinder",
-                                    .shape = Cylinder{.radius_m = radius_m, .azimuth_deg = 90.0},
-                                    .centre_m = {0.2 * spacing_m, 0.0, 10.0 * radius_m},
-                                    .rigid = true}};
+        c.scene().medium.bodies = {
+            {.name = "cylinder",
+             .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = 90.0},
+             .centre_m = {0.2 * spacing_m, 0.0, 10.0 * body_radius_m},
+             .rigid = true}};
         c.domain = {nx, 4, spacing_m, 0.0};
-        const SpectralOptions options{.time_step_s = 1e-3, .longest_element_m = 2.0 * radius_m};
+        const SpectralOptions options{.time_step_s = 1e-3,
+                                      .longest_element_m = 2.0 * body_radius_m};
         c.solver = options;
         const Comm alone = Comm::world().split(Comm::world().rank());
         const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
         const spectral::WaveVectors vectors(c.domain, slabs.share());
         const spectral::DepthMesh mesh = spectral::choose_mesh(c, options, 1e-3);
-        const spectral::VerticalOperator op(mesh, material(mesh, c.scene().medium));
+        const spectral::VerticalOperator op(
+            mesh, test::growing_background(mesh, c.scene().medium, kappa));
         const spectral::SectionMarkers markers(c, mesh, vectors);
         markers_ = markers.all();
         spectral::EndlessSystems systems(markers, vectors, alone);
@@ -83,25 +88,10 @@ public:
     template <class Displacement>
     double stiffness(const Displacement& displacement) const {
         const Eigen::VectorXd motion = values(displacement);
-        return motion.dot(inverse_ * motion) / mu_Pa;
+        return motion.dot(inverse_ * motion) / solid_mu_Pa;
     }
 
 private:
-    /// M s^2 + K as the implicit operator of a step of 1 s with the weights .26 and 1/12.
-    spectral::Background material(const spectral::DepthMesh& mesh, const Medium& medium) const {
-        spectral::Background b = spectral::background_of(mesh, medium);
-        const double growth_1_s2 = std::pow(kappa_ / radius_m, 2) * mu_Pa / density_kg_m3;
-        for (std::size_t i = 0; i < b.density_kg_m3.size(); ++i) {
-            b.density_kg_m3[i] = density_kg_m3 * growth_1_s2;
-            b.lambda_Pa[i] = 1e5 * mu_Pa / 0.26; // incompressible
-            b.mu_accurate_Pa[i] = 12.0 * mu_Pa;
-            b.mu_stable_Pa[i] = 0.0;
-            b.viscosity_Pa_s[i] = 0.0;
-        }
-        return b;
-    }
-
-    double kappa_;
     std::vector<spectral::SectionMarkers::Marker> markers_;
     Eigen::MatrixXd inverse_;
 };
@@ -125,7 +115,7 @@ Vec3 errors(double spacings_per_radius, double kappa) {
     const double level = cylinder.stiffness([](double, double) { return Vec3{0.0, 1.0, 0.0}; });
     const double upright = cylinder.stiffness([](double, double) { return Vec3{0.0, 0.0, 1.0}; });
     const double torque = cylinder.stiffness([](double across, double down) {
-        return Vec3{0.0, down / radius_m, -across / radius_m};
+        return Vec3{0.0, down / body_radius_m, -across / body_radius_m};
     });
     // The images of the cylinder at the surface, the base and the periodic edges increase one of
     // level and upright and decrease the other by the same amount.
@@ -169,7 +159,8 @@ TEST_CASE("a rigid cylinder scatters a shear wave as the closed form", "[verify]
     const auto wave = [&](double across_m, double down_m, double phi) {
         // At a marker it is smoothed across the axis.
         const double smoothing = spectral::marker_smoothing * std::cos(phi) / per_radius;
-        return std::exp(kappa * (across_m * std::cos(phi) + down_m * std::sin(phi)) / radius_m +
+        return std::exp(kappa * (across_m * std::cos(phi) + down_m * std::sin(phi)) /
+                            body_radius_m +
                         0.5 * std::pow(kappa * smoothing, 2));
     };
     const double incident = is_level ? 0.0 : -0.5 * pi;
@@ -182,7 +173,7 @@ TEST_CASE("a rigid cylinder scatters a shear wave as the closed form", "[verify]
             scattered +=
                 forces[static_cast<Eigen::Index>(3 * i)] *
                 wave(cylinder.markers()[i].across_m, cylinder.markers()[i].down_m, incident + phi) /
-                (2.0 * pi * mu_Pa);
+                (2.0 * pi * solid_mu_Pa);
         for (int n = 0; n < 12; ++n)
             exact -=
                 (n > 0 ? 2.0 : 1.0) * bessel_i(n, kappa) / bessel_k(n, kappa) * std::cos(n * phi);

@@ -1,121 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rigid spheres in engine "spectral" compared with closed forms: the forces that move one, and the
-// scattering of a shear wave. As for cylinders (test_rigid_references.cpp) both are evaluated at
-// real exponential growth e^{st}, where the engine's implicit operator is that of a viscoelastic
-// medium.
-#include "engines/spectral/bodies/lump_bodies.hpp"
-#include "support/spectral_cases.hpp"
+// The forces that move a rigid sphere in engine "spectral" compared with closed forms, static and
+// at real exponential growth e^{st}.
+#include "support/rigid_sphere.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
 using namespace shearwake;
+using test::RigidSphere;
 
 namespace {
 
-constexpr double radius_m = 3e-3, density_kg_m3 = 1000.0, mu_Pa = 25e3;
-constexpr double pi = std::numbers::pi;
-
-/// The forces at the markers of a sphere in the middle of a large domain.
-class Sphere {
-public:
-    /// kappa = s radius/c_s for growth e^{st}; `width` is that of the domain in radii.
-    Sphere(double spacings_per_radius, double kappa, double width = 10.0) : kappa_(kappa) {
-        const double spacing_m = radius_m / spacings_per_radius;
-        const auto n = 2 * std::lround(0.5 * width * spacings_per_radius);
-        case_ = test::small_tissue();
-        Layer layer = test::tissue(1500.0, 0.0);
-        layer.thickness_m = width * radius_m;
-        case_.scene().medium = {{layer}, Base::rigid};
-        case_.scene().medium.bodies = {
-            {.name = "sphere",
-             .shape = Ellipsoid{{radius_m, radius_m, radius_m}},
-             .centre_m = {0.2 * spacing_m, 0.3 * spacing_m, 0.5 * width * radius_m},
-             .fixed = true}};
-        case_.scene().medium.bodies[0].rigid = true;
-        case_.domain = {n, n, spacing_m, 0.0};
-        const SpectralOptions options{.time_step_s = 1e-3, .longest_element_m = 2.0 * radius_m};
-        case_.solver = options;
-        const Comm alone = Comm::world().split(Comm::world().rank());
-        slabs_.emplace(n, n, alone);
-        const spectral::WaveVectors vectors(case_.domain, slabs_->share());
-        const spectral::DepthMesh mesh = spectral::choose_mesh(case_, options, 1e-3);
-        const spectral::VerticalOperator op(mesh, material(mesh, case_.scene().medium));
-        const std::ptrdiff_t size = op.factor_size();
-        fft::AlignedVector<Block> factors(static_cast<std::size_t>(vectors.pencils() * size));
-        for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
-            for (std::ptrdiff_t block = 0; block < vectors.blocks(); ++block)
-                op.factorise_implicit(vectors.waves(row, block).k, 1.0,
-                                      factors.data() + (row * vectors.blocks() + block) * size);
-        bodies_.emplace(case_, mesh, *slabs_, vectors, 1.0, alone, clock_);
-        bodies_->assemble(op, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {
-            op.solve_implicit(factors.data() + (row * vectors.blocks() + block) * size, pencil);
-        });
-    }
-
-    const std::vector<spectral::LumpBodies::Marker>& markers() const { return bodies_->markers(); }
-
-    /// The forces [N], (x, y, z) at all markers, for a displacement of the markers [m].
-    template <class Displacement>
-    std::vector<double> forces(const Displacement& displacement) const {
-        return bodies_->forces(values(displacement));
-    }
-    template <class Displacement>
-    std::vector<double> values(const Displacement& displacement) const {
-        std::vector<double> all;
-        for (const auto& m : markers()) {
-            const Vec3 u = displacement(m.offset_m);
-            all.insert(all.end(), {u.x, u.y, u.z});
-        }
-        return all;
-    }
-    /// Work of the forces of a motion on this motion, in units of mu a.
-    template <class Displacement>
-    double stiffness(const Displacement& displacement) const {
-        const std::vector<double> force = forces(displacement), motion = values(displacement);
-        double work = 0.0;
-        for (std::size_t i = 0; i < force.size(); ++i)
-            work += force[i] * motion[i];
-        return work / (mu_Pa * radius_m);
-    }
-
-private:
-    /// M s^2 + K as the implicit operator of a step of 1 s with the weights .26 and 1/12.
-    spectral::Background material(const spectral::DepthMesh& mesh, const Medium& medium) const {
-        spectral::Background b = spectral::background_of(mesh, medium);
-        const double growth_1_s2 = std::pow(kappa_ / radius_m, 2) * mu_Pa / density_kg_m3;
-        for (std::size_t i = 0; i < b.density_kg_m3.size(); ++i) {
-            b.density_kg_m3[i] = density_kg_m3 * growth_1_s2;
-            b.lambda_Pa[i] = 1e5 * mu_Pa / 0.26; // incompressible
-            b.mu_accurate_Pa[i] = 12.0 * mu_Pa;
-            b.mu_stable_Pa[i] = 0.0;
-            b.viscosity_Pa_s[i] = 0.0;
-        }
-        return b;
-    }
-
-    double kappa_;
-    Case case_;
-    spectral::StepClock clock_;
-    std::optional<fft::SlabTransform> slabs_;
-    std::optional<spectral::LumpBodies> bodies_;
-};
-
-/// Force per displacement, radius and mu on a rigid sphere full of background: Stokes (1851) and
-/// its mass. The same for the torque over radius^2.
-double of_force(double x) {
-    return 6.0 * pi * (1.0 + x + x * x / 9.0) + 4.0 * pi / 3.0 * x * x;
-}
-double of_torque(double x) {
-    return 8.0 * pi * (1.0 + x + x * x / 3.0) / (1.0 + x) + 8.0 * pi / 15.0 * x * x;
-}
-
-/// Force per displacement, radius and mu that holds a rigid sphere in the shear wave e^{kappa x/a},
-/// polarised across x (Mazur and Bedeaux, Physica 76, 1974): 1 + kappa times the mean of the wave
-/// over the surface and kappa^2/3 times its mean over the volume.
-double in_wave(double x) {
-    return 6.0 * pi * ((1.0 + x) * std::sinh(x) / x + (x * std::cosh(x) - std::sinh(x)) / x);
+/// A translation along an axis, by one radius.
+auto along(std::size_t axis) {
+    return [axis](Vec3) { return spectral::motions_at({})[axis]; };
 }
 
 /// Relative errors of the mean force, of the force along an axis, and of the torques about a
@@ -124,18 +23,45 @@ struct Errors {
     double mean, along_x, about_x, about_z;
 };
 Errors errors(double spacings_per_radius, double kappa, double width) {
-    const Sphere sphere(spacings_per_radius, kappa, width);
+    const RigidSphere sphere(spacings_per_radius, kappa, width);
     double force[3], torque[3];
     for (std::size_t i = 0; i < 3; ++i) {
-        force[i] = sphere.stiffness([&](Vec3) { return spectral::motions_at({})[i]; });
+        force[i] = sphere.stiffness(along(i));
         torque[i] = sphere.stiffness(
-            [&](Vec3 r) { return (1.0 / radius_m) * spectral::motions_at(r)[3 + i]; });
+            [&](Vec3 r) { return (1.0 / test::body_radius_m) * spectral::motions_at(r)[3 + i]; });
     }
     // Images of the sphere at the surface, the base and the periodic edges increase the force along
     // z and decrease the ones along x and y by half as much.
-    return {(force[0] + force[1] + force[2]) / 3.0 / of_force(kappa) - 1.0,
-            force[0] / of_force(kappa) - 1.0, torque[0] / of_torque(kappa) - 1.0,
-            torque[2] / of_torque(kappa) - 1.0};
+    const double of_force = test::force_on_sphere(kappa), of_torque = test::torque_on_sphere(kappa);
+    return {(force[0] + force[1] + force[2]) / 3.0 / of_force - 1.0, force[0] / of_force - 1.0,
+            torque[0] / of_torque - 1.0, torque[2] / of_torque - 1.0};
+}
+
+/// The static force on a sphere per displacement, radius and mu in a solid without edges.
+///
+/// A sphere displaced by U carries a force F and adds S F to its own displacement through its
+/// images at the surface, the base and the periodic edges, so that U = F/k + S F with the
+/// stiffness k in an infinite solid. The images are as far away as the domain is wide, and their
+/// field varies over the sphere: S = c/w + d/w^3 for all domains of this shape. Three widths
+/// determine 1/k.
+double static_force(double spacings_per_radius, double lambda_per_mu) {
+    const double widths[3] = {6.0, 8.0, 12.0};
+    double per_force[3];
+    for (std::size_t n = 0; n < 3; ++n) {
+        const RigidSphere sphere(spacings_per_radius, 0.0, widths[n], lambda_per_mu);
+        per_force[n] = 0.0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            per_force[n] += 1.0 / (3.0 * sphere.stiffness(along(axis)));
+    }
+    // Divided differences of w/F = w/k + c + d/w^2 at pairs of widths.
+    const auto difference = [&](const auto& f, std::size_t a, std::size_t b) {
+        return (f(b) - f(a)) / (widths[b] - widths[a]);
+    };
+    const auto value = [&](std::size_t n) { return widths[n] * per_force[n]; };
+    const auto square = [&](std::size_t n) { return std::pow(widths[n], -2); };
+    const double first = difference(value, 0, 1), second = difference(value, 1, 2);
+    const double of_first = difference(square, 0, 1), of_second = difference(square, 1, 2);
+    return (of_second - of_first) / (first * of_second - second * of_first);
 }
 
 } // namespace
@@ -149,6 +75,18 @@ TEST_CASE("force on an oscillating rigid sphere agrees with the closed form", "[
     CHECK(std::abs(at_6.about_z) < 0.03);
 }
 
+TEST_CASE("static force on a rigid sphere agrees with the closed form", "[verify]") {
+    // Displaced by U in an infinite elastic solid, a bonded rigid sphere experiences the force
+    // 24 pi (1 - nu)/(5 - 6 nu) mu a U (Lurie, Three-Dimensional Problems of the Theory of
+    // Elasticity, 1964), which is Stokes' 6 pi mu a U for nu = 1/2.
+    const double nu = GENERATE(0.5, 0.3);
+    const double exact = 24.0 * std::numbers::pi * (1.0 - nu) / (5.0 - 6.0 * nu);
+    const double force =
+        static_force(6.0, nu < 0.5 ? 2.0 * nu / (1.0 - 2.0 * nu) : test::incompressible);
+    CAPTURE(nu, force, exact, force / exact - 1.0);
+    CHECK(std::abs(force / exact - 1.0) < 0.02); // required
+}
+
 TEST_CASE("force on a rigid sphere converges as the grid is refined", "[verify]") {
     const Errors at_4 = errors(4.0, 2.0, 10.0), at_8 = errors(8.0, 2.0, 10.0);
     CAPTURE(at_4.mean, at_4.about_x, at_8.mean, at_8.about_x);
@@ -156,34 +94,34 @@ TEST_CASE("force on a rigid sphere converges as the grid is refined", "[verify]"
     CHECK(std::abs(at_8.about_x) < 0.5 * std::abs(at_4.about_x));
 }
 
-TEST_CASE("a rigid sphere scatters a shear wave as the closed form", "[verify]") {
+TEST_CASE("force of a shear wave on a rigid sphere agrees with the closed form", "[verify]") {
     // The force is the amplitude of the scattered wave far from the sphere.
     const double kappa = GENERATE(1.0, 2.0);
-    const Sphere sphere(6.0, kappa, 10.0);
+    const RigidSphere sphere(6.0, kappa, 10.0);
     const auto force = [&](const auto& wave, std::size_t component) {
-        const std::vector<double> all = sphere.forces(wave);
+        const std::vector<double> all = sphere.forces(sphere.at_markers(wave));
         double sum = 0.0;
         for (std::size_t i = component; i < all.size(); i += 3)
             sum += all[i];
-        return sum / (mu_Pa * radius_m);
+        return sum / (test::solid_mu_Pa * test::body_radius_m);
     };
     const double level = force(
         [&](Vec3 r) {
-            return Vec3{0.0, std::exp(kappa * r.x / radius_m), 0.0};
+            return Vec3{0.0, std::exp(kappa * r.x / test::body_radius_m), 0.0};
         },
         1);
     const double upright = force(
         [&](Vec3 r) {
-            return Vec3{0.0, 0.0, std::exp(kappa * r.x / radius_m)};
+            return Vec3{0.0, 0.0, std::exp(kappa * r.x / test::body_radius_m)};
         },
         2);
     const double upwards = force(
         [&](Vec3 r) {
-            return Vec3{std::exp(-kappa * r.z / radius_m), 0.0, 0.0};
+            return Vec3{std::exp(-kappa * r.z / test::body_radius_m), 0.0, 0.0};
         },
         0);
     // As for the force of a motion, the images act on the mean of the directions least.
-    const double mean = (level + upright + upwards) / 3.0;
-    CAPTURE(kappa, level, upright, upwards, mean, in_wave(kappa));
-    CHECK(mean == Approx(in_wave(kappa)).epsilon(0.03)); // required
+    const double mean = (level + upright + upwards) / 3.0, exact = test::force_in_wave(kappa);
+    CAPTURE(kappa, level, upright, upwards, mean, exact);
+    CHECK(mean == Approx(exact).epsilon(0.03)); // required
 }

@@ -2,12 +2,12 @@
 // Rigid bodies in engine "spectral": the constraint, the energy, symmetries,
 // and the limit of a very stiff elastic body.
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "support/displacement_at.hpp"
 #include "support/memory_state.hpp"
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <complex>
 
 using namespace shearwake;
 using test::Along;
@@ -19,63 +19,18 @@ using test::with_step;
 
 namespace {
 
-/// The displacement at a point, smoothed across the axis as at a marker, by its
-/// definition: the sum over all wave vectors of u e^{i k.x} with u_x = i (c U -
-/// s V), u_y = i (s U + c V), u_z = W.
+/// The displacement at a point, smoothed across the axis as at a marker.
 Vec3 displacement_at(const Case& c, const spectral::Stepper& stepper, Vec3 at_m, bool along_x) {
-    using spectral::parts;
-    const spectral::DepthMesh mesh = spectral::choose_mesh(
-        c, std::get<SpectralOptions>(c.solver), *std::get<SpectralOptions>(c.solver).time_step_s);
+    const auto& options = std::get<SpectralOptions>(c.solver);
     const Comm alone = Comm::world().split(Comm::world().rank());
     const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-    const spectral::WaveVectors vectors(c.domain, slabs.share());
-    std::size_t e = 0;
-    while (mesh.ends_m[e + 1] < at_m.z)
-        ++e;
-    const auto weights = spectral::interpolation_weights(
-        mesh.rule, 2.0 * (at_m.z - mesh.ends_m[e]) / mesh.length_m(e) - 1.0);
-    const auto levels = static_cast<std::ptrdiff_t>(mesh.levels()) - 1;
-    Vec3 sum{};
-    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row) {
-        if (vectors.is_nyquist(row)) continue;
-        for (std::ptrdiff_t i = 0; 2 * i < c.domain.nx; ++i) {
-            for (const int sign : {1, -1}) {
-                if (sign < 0 && i == 0) continue;
-                const std::ptrdiff_t lane = i % lane_count,
-                                     pencil = row * vectors.blocks() + i / lane_count;
-                const Block* u = stepper.now().data() + pencil * 3 * levels * parts;
-                const std::ptrdiff_t part = sign > 0 ? 0 : 2;
-                const auto value = [&](std::ptrdiff_t unknown) {
-                    return std::complex<double>(u[unknown * parts + part][lane],
-                                                u[unknown * parts + part + 1][lane]);
-                };
-                std::complex<double> radial, down, turning;
-                for (std::ptrdiff_t j = 0; j <= mesh.degree; ++j) {
-                    const std::ptrdiff_t level = static_cast<std::ptrdiff_t>(e) * mesh.degree + j;
-                    if (level >= levels) continue;
-                    const double weight = weights[static_cast<std::size_t>(j)];
-                    radial += weight * value(2 * level);
-                    down += weight * value(2 * level + 1);
-                    turning += weight * value(2 * levels + level);
-                }
-                const double kx = sign * vectors.kx_rad_m(i), ky = vectors.ky_rad_m(row);
-                const double k = std::hypot(kx, ky);
-                const double cosine = k > 0.0 ? kx / k : 1.0, sine = k > 0.0 ? ky / k : 0.0;
-                const double width =
-                    spectral::marker_smoothing * c.domain.spacing_m * (along_x ? ky : kx);
-                // The conjugate wave vectors of ky > 0 are not stored.
-                const std::complex<double> wave =
-                    (row > 0 ? 2.0 : 1.0) * std::exp(-0.5 * width * width) *
-                    std::polar(1.0,
-                               kx * (at_m.x - c.domain.x_m(0)) + ky * (at_m.y - c.domain.y_m(0)));
-                const std::complex<double> imaginary(0.0, 1.0);
-                sum = sum + Vec3{(wave * imaginary * (cosine * radial - sine * turning)).real(),
-                                 (wave * imaginary * (sine * radial + cosine * turning)).real(),
-                                 (wave * down).real()};
-            }
-        }
-    }
-    return sum;
+    return test::displacement_at(c.domain, spectral::choose_mesh(c, options, *options.time_step_s),
+                                 spectral::WaveVectors(c.domain, slabs.share()),
+                                 stepper.now().data(), at_m, [&](double kx, double ky) {
+                                     const double width = spectral::marker_smoothing *
+                                                          c.domain.spacing_m * (along_x ? ky : kx);
+                                     return std::exp(-0.5 * width * width);
+                                 });
 }
 
 } // namespace
@@ -92,11 +47,7 @@ TEST_CASE("markers of a rigid body move rigidly", "[verify]") {
         c.domain.sponge_m = 8e-3;
     }
     SECTION("next to an elastic body, with iterations") {
-        c.scene().medium.bodies.push_back({.name = "lump",
-                                           .shape = Ellipsoid{{4e-3, 4e-3, 1e-3}},
-                                           .centre_m = {0.0, 0.0, 1.5e-3},
-                                           .density_kg_m3 = 1200.0,
-                                           .c_s_m_s = 10.0});
+        c.scene().medium.bodies.push_back(test::elastic_neighbour());
     }
     const Body bone = c.scene().medium.bodies[0];
     step_through(c, 30, [&](const spectral::Stepper& stepper) {

@@ -75,6 +75,16 @@ Case periodic_case(const Medium& medium) {
     return c;
 }
 
+/// Frames and energies of a case.
+class Recorded : public test::FrameStore {
+public:
+    void solved(const engines::SolverReport& report) override { report_ = report; }
+    const engines::SolverReport& report() const { return report_; }
+
+private:
+    engines::SolverReport report_;
+};
+
 } // namespace
 
 TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") {
@@ -92,8 +102,12 @@ TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") 
             REQUIRE(std::abs(period.period_s - period_s) < 1e-12);
             Case run = c;
             run.time = {repetitions * c.time.frames, c.time.interval_s};
-            test::FrameStore frames, of_run;
+            Recorded frames, of_run;
             steady->run(c, alone, frames);
+            REQUIRE(frames.report().period_energy);
+            CHECK(frames.report().period_energy->work_J > 0.0);
+            CHECK(std::abs(frames.report().period_energy->imbalance()) < 1e-6);
+            CHECK(frames.report().warnings.empty());
             transient->run(run, alone, of_run);
             double square = 0.0, all = 0.0;
             for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
@@ -109,6 +123,42 @@ TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") 
             CHECK(std::sqrt(square / all) < 1e-3);
         }
     }
+}
+
+TEST_CASE("the work per period is that of the load on the computed field", "[steady_state]") {
+    // With the mean displacement w(t) under the resting focus, weighted with its pressure, the work
+    // is the integral of e(t) dw/dt over the period: a sum over the harmonics of both.
+    Case c = periodic_case(test::half_space(test::tissue()));
+    c.scene().load.modulation.trajectory = {{Hold{{2e-3, 1e-3}}}};
+    c.scene().load.modulation.envelope = {
+        {SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}};
+    Recorded frames;
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), frames);
+    const Load& load = c.scene().load;
+    std::vector<double> w, e;
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+        double sum = 0.0;
+        for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
+            for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
+                sum += pressure(load.footprint, c.domain.x_m(i) - 2e-3, c.domain.y_m(j) - 1e-3) *
+                       frames.at(n)[static_cast<std::size_t>(i * c.domain.ny + j)];
+        w.push_back(sum * load.peak_Pa * c.domain.spacing_m * c.domain.spacing_m);
+        e.push_back(amplitude(load, c.time.frame_s(n)));
+    }
+    double work_J = 0.0;
+    for (int m = 1; m <= 10; ++m) { // the envelope has harmonics up to the fifth
+        Complex of_w = 0.0, of_e = 0.0;
+        for (std::size_t n = 0; n < w.size(); ++n) {
+            const Complex wave =
+                std::polar(1.0 / static_cast<double>(w.size()),
+                           -turn * m * c.time.frame_s(static_cast<std::ptrdiff_t>(n)) / period_s);
+            of_w += w[n] * wave;
+            of_e += e[n] * wave;
+        }
+        work_J += 2.0 * (std::conj(of_e) * Complex(0.0, turn * m) * of_w).real();
+    }
+    // The Gaussian has fallen to 1e-8 of its peak where the sum over the grid ends.
+    CHECK(frames.report().period_energy->work_J == Approx(work_J).epsilon(1e-7));
 }
 
 namespace {

@@ -102,8 +102,9 @@ const NodePtr& layers_of(const NodePtr& medium) {
     return std::get<TableNode>(medium->value).find("layer")->value;
 }
 
-/// The known name that is most similar to an unknown one: errors elsewhere in the table are then
-/// found in the same pass, and no key is reported as missing that the preset would supply.
+/// The known name that is most similar to an unknown one, or else the last one: errors elsewhere in
+/// the table are then found in the same pass, and no key is reported as missing that the preset
+/// would supply.
 std::string known_name(const std::string& name, const std::vector<std::string>& known) {
     return nearest(name.substr(0, 60), known).value_or(known.back());
 }

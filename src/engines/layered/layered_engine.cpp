@@ -2,6 +2,7 @@
 #include "engines/layered/layered_engine.hpp"
 
 #include "base/error.hpp"
+#include "engines/layered/energy_balance.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
 #include "engines/layered/open_domain.hpp"
@@ -48,20 +49,32 @@ public:
             find_factors(ky);
     }
 
-    /// `most_rows`: the largest number of rows of a rank. Collective.
+    /// What a sum of energies needs in addition to the table of H.
+    struct Energy {
+        TransferTable* losses;
+        EnergySums sums;
+    };
+    Energy energy(TransferTable& losses) const { return {&losses, {time_, roll_off_}}; }
+
+    /// `most_rows`: the largest number of rows of a rank; `energy`: sums to which the wave vectors
+    /// are added, or null. Collective.
     void compute(TransferTable& table, std::size_t depth, std::ptrdiff_t first,
-                 std::ptrdiff_t count, std::ptrdiff_t most_rows,
+                 std::ptrdiff_t count, std::ptrdiff_t most_rows, Energy* energy,
                  engines::Checkpoints* checkpoints) {
         const engines::Timed timed(of_sample);
         for (std::ptrdiff_t ky = 0; ky < most_rows; ++ky) {
             const bool is_mine = ky < share_.ky_count;
             const auto h = is_mine ? table.row(ky, depth) : std::span<const Complex>();
+            const bool adds = energy && is_mine; // the tables are then in memory, see TransferTable
+            const Row surface = adds ? Row{table.row(ky, 0), energy->losses->row(ky, 0)} : Row{};
             for (std::ptrdiff_t kx = 0; kx < kept_nx_; kx += lines_together) {
                 engines::end_if_asked(checkpoints);
                 if (!is_mine) continue;
                 const std::ptrdiff_t lines = std::min(lines_together, kept_nx_ - kx);
-                for (std::ptrdiff_t l = 0; l < lines; ++l)
-                    respond(kx + l, ky, h, lines_.data() + l * coarse_);
+                for (std::ptrdiff_t l = 0; l < lines; ++l) {
+                    const auto load = respond(kx + l, ky, h, lines_.data() + l * coarse_);
+                    if (adds && !load.empty()) add(kx + l, ky, load, surface, energy->sums);
+                }
                 backward_.execute(lines_.data());
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
                               count, plane(), fft::reals(spectra_.data() + ky * kept_nx_ + kx));
@@ -69,7 +82,10 @@ public:
         }
     }
 
-    TimeLines time_lines() const { return {share_.ky_count * kept_nx_, coarse_}; }
+    TimeLines time_lines() const {
+        const std::ptrdiff_t count = share_.ky_count * kept_nx_;
+        return {count, coarse_, load_.is_mirrored() ? 0 : count, time_.samples};
+    }
 
     /// Writes a row of u_z(ky, kx) at frame `first + in_batch`.
     void put_row(std::ptrdiff_t first, std::ptrdiff_t in_batch, std::ptrdiff_t ky,
@@ -124,18 +140,39 @@ private:
         return factors[kx] != 0.0 || (load_.is_mirrored() && factors[(nx - kx) % nx] != 0.0);
     }
 
-    /// Computes one wave vector: load times H at the frequencies of the frames.
-    void respond(std::ptrdiff_t kx, std::ptrdiff_t ky, std::span<const Complex> h_row,
-                 Complex* line) {
+    /// Computes one wave vector: load times H at the frequencies of the frames. Returns the load,
+    /// or nothing where it is zero.
+    std::span<const Complex> respond(std::ptrdiff_t kx, std::ptrdiff_t ky,
+                                     std::span<const Complex> h_row, Complex* line) {
         const std::ptrdiff_t nx = case_.domain.nx, frequencies = time_.samples / 2 + 1;
         if (!is_loaded(kx, ky)) {
             std::fill_n(line, coarse_, Complex(0.0));
-            return;
+            return {};
         }
         const Complex* h = h_row.data() + std::min(kx, nx - kx) * frequencies;
-        kernels_.respond(fft::reals(h), roll_off_.data(),
-                         fft::reals(load_.line(kx, share_.ky_start + ky).data()), time_.samples,
+        const std::span<const Complex> load = load_.line(kx, share_.ky_start + ky);
+        kernels_.respond(fft::reals(h), roll_off_.data(), fft::reals(load.data()), time_.samples,
                          coarse_, fft::reals(line));
+        return load;
+    }
+
+    /// H and the loss of a row of wave vectors.
+    struct Row {
+        std::span<const Complex> h, loss;
+    };
+    /// Adds the energies of a wave vector, of its mirror image in x if that has no line, and of the
+    /// complex conjugates in the other half of the spectrum.
+    void add(std::ptrdiff_t kx, std::ptrdiff_t row, std::span<const Complex> load,
+             const Row& surface, EnergySums& sums) const {
+        const std::ptrdiff_t nx = case_.domain.nx;
+        const auto frequencies = static_cast<std::size_t>(time_.samples / 2 + 1);
+        const Complex* factors = factors_.data() + row * nx;
+        double weight = std::norm(factors[kx]);
+        if (load_.is_mirrored() && kx > 0 && 2 * kx < nx) weight += std::norm(factors[nx - kx]);
+        if (share_.ky_start + row > 0) weight *= 2.0;
+        const auto at = static_cast<std::size_t>(std::min(kx, nx - kx)) * frequencies;
+        sums.add(load, surface.h.subspan(at, frequencies), surface.loss.subspan(at, frequencies),
+                 weight);
     }
 
     const Case& case_;
@@ -167,18 +204,22 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, engines::Checkpoint
         slabs_nx_ = c.domain.nx;
         slabs_ny_ = c.domain.ny;
         table_.reset();
+        stress_table_.reset();
+        tangential_table_.reset();
+        loss_table_.reset();
     }
     const auto& options = std::get<LayeredOptions>(c.solver);
     keep_table(table_, key_of(c, options), team, checkpoints);
     keep_table(stress_table_, stress_key_of(c, options), team, checkpoints);
     keep_table(tangential_table_, tangential_key_of(c, options), team, checkpoints);
+    keep_table(loss_table_, loss_key_of(c, options), team, checkpoints);
 }
 
 void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
                                const Comm& team, engines::Checkpoints* checkpoints) {
-    if (key.depths_m.empty()) return table.reset();
     if (table && table->key() == key) return;
     table.reset(); // freed first, as two tables may not fit into memory
+    if (key.depths_m.empty()) return;
     const fft::SlabShare& share = slabs_->share();
     table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, checkpoints);
 }
@@ -214,13 +255,18 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
         plane.resize(static_cast<std::size_t>(share.reals));
     });
 
+    std::optional<FieldSpectra::Energy> energy;
+    if (loss_table_) energy = spectra->energy(*loss_table_);
     const InnerRows inner = inner_rows(given.domain, c.domain, share);
     observer.begin({inner.x_start, inner.x_count});
     const auto each_frame = [&](TransferTable& table, std::size_t depths, const auto& give) {
+        const std::size_t other = table.key().depths_m.size() - depths; // that are not measured
         for (std::size_t depth = 0; depth < depths; ++depth) {
             for (std::ptrdiff_t first = 0; first < c.time.frames; first += batch) {
                 const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
-                spectra->compute(table, depth, first, count, largest, checkpoints);
+                const bool is_first = &table == table_.get() && depth == 0 && first == 0;
+                spectra->compute(table, other + depth, first, count, largest,
+                                 energy && is_first ? &*energy : nullptr, checkpoints);
                 const engines::Timed frames(of_frame);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
                     engines::end_if_asked(checkpoints);
@@ -238,6 +284,11 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
                });
+    if (energy) {
+        const double period_s = c.time.duration_s();
+        observer.solved(report_of(
+            energy->sums.total(period_s * c.domain.extent_x_m() * c.domain.extent_y_m(), team)));
+    }
     if (stress_table_)
         each_frame(*stress_table_, stress_depths_m(c).size(),
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {

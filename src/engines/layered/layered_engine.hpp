@@ -10,13 +10,13 @@
 
 namespace shearwake::layered {
 
-/// Number and length of the transforms from frequencies to frames of a rank, for one depth of a
-/// case.
+/// Number and length of the transforms in time of a rank, for one depth of a case: from frequencies
+/// to frames, and those of the load at each wave vector, which a focus that moves along x alone
+/// does not need.
 struct TimeLines {
-    std::ptrdiff_t count, length;
+    std::ptrdiff_t count, length, of_load, load_length;
 };
 /// The transforms of the rank with this share of the grid. Not collective.
-/// Not collective.
 TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
@@ -40,6 +40,7 @@ private:
     void compute(const Case& c, const Comm& team, engines::Observer& observer,
                  engines::Checkpoints* checkpoints);
     void prepare(const Case& c, const Comm& team, engines::Checkpoints* checkpoints);
+    /// Frees the table if the key has no depths.
     void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
                     engines::Checkpoints* checkpoints);
 
@@ -51,9 +52,11 @@ private:
     };
     mutable std::optional<Tried> tried_;
     /// Looks up or estimates it. Not collective.
-    double evaluations_per_frequency(const TransferKey& key, const TransferKey& stress) const;
-    /// The second only for cases that request the stress.
-    std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_;
+    double evaluations_per_frequency(const TransferKey& key, const TransferKey& stress,
+                                     const TransferKey& loss) const;
+    /// The second only for cases that request the stress, the third only for those that request the
+    /// tangential displacement, the fourth only in the periodic regime.
+    std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_, loss_table_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
     // The largest batch so far. Allocating it for each case would cost as much as its transforms.

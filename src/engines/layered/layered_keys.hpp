@@ -5,12 +5,15 @@
 
 namespace shearwake::layered {
 
-/// Everything that the transfer function of the displacement, or of the stress at the receptors,
-/// depends on. Not collective.
+/// Everything that the transfer function of the displacement, of the stress at the receptors, or
+/// the loss depends on. In the periodic regime the surface is always among the depths of the
+/// displacement, as the first one; the others have an empty list of depths where they are not
+/// needed. Not collective.
 TransferKey key_of(const Case& c, const LayeredOptions& options);
 TransferKey stress_key_of(const Case& c, const LayeredOptions& options);
 /// Without depths if the case does not request the tangential displacement.
 TransferKey tangential_key_of(const Case& c, const LayeredOptions& options);
+TransferKey loss_key_of(const Case& c, const LayeredOptions& options);
 
 /// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not
 /// collective.

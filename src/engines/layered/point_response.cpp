@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/point_response.hpp"
 
+#include "engines/layered/gauss_rule.hpp"
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -14,7 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr double growth = 7.0;         // largest Im(k) reach
-constexpr int order = 16;              // nodes per panel
 constexpr int exponent = 16;           // of the low-pass filter
 constexpr double end_of_pass = 1.2573; // k / k0 at which it is 1e-17
 constexpr int gradings = 16;           // halvings of the panels towards k = 0
@@ -22,33 +23,6 @@ constexpr int gradings = 16;           // halvings of the panels towards k = 0
 /// k0 of the low-pass filter: exp(-(pi / (spacing k0))^16) = 1e-10.
 double pass_rad_m(double spacing_m) {
     return pi / (spacing_m * std::pow(10.0 * std::numbers::ln10, 1.0 / exponent));
-}
-
-struct GaussRule {
-    std::array<double, order> node{}, weight{}; // on (-1, 1)
-};
-
-/// Gauss-Legendre nodes by Newton's method on the Legendre polynomial.
-GaussRule make_gauss_rule() {
-    GaussRule rule;
-    for (int i = 0; i < order; ++i) {
-        double x = std::cos(pi * (i + 0.75) / (order + 0.5)), slope = 1.0;
-        for (int step = 0; step < 100; ++step) {
-            double p = 1.0, before = 0.0;
-            for (int n = 1; n <= order; ++n) {
-                const double next = ((2 * n - 1) * x * p - (n - 1) * before) / n;
-                before = p;
-                p = next;
-            }
-            slope = order * (x * p - before) / (x * x - 1.0);
-            const double change = p / slope;
-            x -= change;
-            if (std::abs(change) < 1e-16) break;
-        }
-        rule.node[static_cast<std::size_t>(i)] = x;
-        rule.weight[static_cast<std::size_t>(i)] = 2.0 / ((1.0 - x * x) * slope * slope);
-    }
-    return rule;
 }
 
 /// The mean of cos(z cos(theta)) over the angles of a trapezoidal rule of 64 points, which is exact
@@ -89,14 +63,18 @@ Complex low_pass(Complex k_rad_m, double spacing_m) {
     return std::exp(-power);
 }
 
+double end_of_pass_rad_m(double spacing_m) {
+    return end_of_pass * pass_rad_m(spacing_m);
+}
+
 double remainder_from_rad_m(double spacing_m) {
     return pass_rad_m(spacing_m) * std::pow(1e-14, 1.0 / exponent);
 }
 
 PointRule point_rule(double spacing_m, double reach_m) {
-    static const GaussRule gauss = make_gauss_rule();
+    const GaussRule& gauss = gauss_rule();
     const double height = growth / reach_m, width = 2.5 * height;
-    const double end = end_of_pass * pass_rad_m(spacing_m);
+    const double end = end_of_pass_rad_m(spacing_m);
     std::vector<double> edges = {0.0};
     for (int n = gradings; n > 0; --n)
         edges.push_back(std::ldexp(width, -n));
@@ -105,7 +83,7 @@ PointRule point_rule(double spacing_m, double reach_m) {
         edges.push_back(n * width);
     PointRule rule;
     for (std::size_t panel = 0; panel + 1 < edges.size(); ++panel)
-        for (std::size_t i = 0; i < order; ++i) {
+        for (std::size_t i = 0; i < GaussRule::order; ++i) {
             const double half = 0.5 * (edges[panel + 1] - edges[panel]);
             const double s = edges[panel] + half * (1.0 + gauss.node[i]);
             // k(s) = s + i height s / (s + height)

@@ -23,6 +23,8 @@ std::complex<double> bessel_j0(std::complex<double> z);
 
 /// exp(-(k / k0)^16) with k0 such that it is 1e-10 at pi / spacing.
 std::complex<double> low_pass(std::complex<double> k_rad_m, double spacing_m);
+/// Above this wavenumber low_pass is less than 1e-17.
+double end_of_pass_rad_m(double spacing_m);
 /// Below this wavenumber 1 - low_pass is less than 1e-14.
 double remainder_from_rad_m(double spacing_m);
 

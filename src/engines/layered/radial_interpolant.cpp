@@ -43,8 +43,8 @@ const ChebyshevRule rule = make_rule();
 class Fitter {
 public:
     Fitter(const RadialInterpolant::Function& function, std::size_t components, double tolerance,
-           double narrowest)
-        : function_(function), components_(components), tolerance_(tolerance),
+           double absolute, double narrowest)
+        : function_(function), components_(components), tolerance_(tolerance), absolute_(absolute),
           narrowest_(narrowest), values_(components * n), panel_(components * n) {}
 
     void refine(double from, double to, std::vector<double>& edges,
@@ -54,7 +54,7 @@ public:
             function_(
                 centre + half * rule.nodes[static_cast<std::size_t>(i)],
                 std::span(values_).subspan(static_cast<std::size_t>(i) * components_, components_));
-        if (resolved()) {
+        if (resolved(absolute_ / (to * (to - from)))) {
             coefficients.insert(coefficients.end(), panel_.begin(), panel_.end());
             edges.push_back(to);
             return;
@@ -67,8 +67,8 @@ public:
 
 private:
     /// Computes the coefficients of all components in panel_. Returns whether the last ones are
-    /// small enough.
-    bool resolved() {
+    /// small enough, or smaller than `negligible_tail`.
+    bool resolved(double negligible_tail) {
         bool fine = true;
         double first = 0.0;
         for (std::size_t c = 0; c < components_; ++c) {
@@ -85,25 +85,26 @@ private:
             const double tail =
                 std::max(std::abs(panel_[c * n + n - 1]), std::abs(panel_[c * n + n - 2]));
             if (c == 0) first = largest;
-            fine = fine && tail <= tolerance_ * std::max(largest, negligible * first);
+            const double allowed = tolerance_ * std::max(largest, negligible * first);
+            fine = fine && tail <= std::max(allowed, negligible_tail);
         }
         return fine;
     }
 
     const RadialInterpolant::Function& function_;
     std::size_t components_;
-    double tolerance_, narrowest_;
+    double tolerance_, absolute_, narrowest_;
     std::vector<Complex> values_, panel_;
 };
 
 } // namespace
 
 RadialInterpolant RadialInterpolant::fit(const Function& function, std::size_t components,
-                                         double k_max, double tolerance) {
+                                         double k_max, double tolerance, double absolute) {
     RadialInterpolant result;
     result.components_ = components;
     result.edges_.push_back(0.0);
-    Fitter(function, components, tolerance, 1e-12 * k_max)
+    Fitter(function, components, tolerance, absolute, 1e-12 * k_max)
         .refine(0.0, k_max, result.edges_, result.coefficients_);
     return result;
 }

@@ -11,8 +11,9 @@ namespace shearwake::layered {
 /// Piecewise Chebyshev approximation of a complex vector-valued function of k on [0, k_max]. Panels
 /// of degree 15 are bisected until the last two coefficients of each component are below
 /// `tolerance` times the largest one of the panel (or times 1e-6 of the first component, the
-/// surface, if that is larger). Poles and branch points near the real axis increase the number of
-/// panels but do not reduce the accuracy. No member function is collective.
+/// surface, if that is larger), or until they contribute less than `absolute` to the integral of
+/// the function times k over the panel. Poles and branch points near the real axis increase the
+/// number of panels but do not reduce the accuracy. No member function is collective.
 class RadialInterpolant {
 public:
     static constexpr int order = 16; // coefficients per panel
@@ -24,12 +25,13 @@ public:
     /// narrower than 1e-12 k_max would be needed (the function is not analytic on the axis) or if a
     /// value is not finite.
     static RadialInterpolant fit(const Function& function, std::size_t components, double k_max,
-                                 double tolerance);
+                                 double tolerance, double absolute = 0.0);
 
     /// Values of one component at ascending k; result i is stored in out[i * stride].
     void evaluate(std::size_t component, std::span<const double> ascending_k,
                   std::complex<double>* out, std::ptrdiff_t stride) const;
 
+    const std::vector<double>& edges() const { return edges_; }
     std::size_t panels() const { return edges_.empty() ? 0 : edges_.size() - 1; }
 
     /// Converts to and from a flat sequence that can be sent to other ranks.

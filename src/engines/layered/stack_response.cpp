@@ -2,9 +2,13 @@
 #include "engines/layered/stack_response.hpp"
 
 #include "base/error.hpp"
+#include "engines/layered/gauss_rule.hpp"
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace shearwake::layered {
 namespace {
@@ -62,10 +66,28 @@ public:
     }
 
     /// The mirror image: solutions that decay upward.
-    Pair up(double zeta) const {
-        Pair s = down(zeta);
+    Pair up(double zeta) const { return mirrored(down(zeta)); }
+
+    static Pair mirrored(Pair s) {
         s.row(1) = -s.row(1);
         s.row(3) = -s.row(3);
+        return s;
+    }
+
+    Complex alpha() const { return alpha_; }
+    Complex beta() const { return beta_; }
+    /// The factors of e^{-alpha zeta} in down(), and those of e^{-beta zeta}. They cancel for k
+    /// much larger than k_s: digits of (k / k_s)^4 are lost in products.
+    Pair of_alpha() const {
+        const Complex share = k_ * k_ / difference_;
+        Pair s = down(0.0);
+        s.col(1) << -share, alpha_ * k_ / difference_, mu_ * k_ * (s_ - 2.0 * share),
+            mu_ * alpha_ * 2.0 * share;
+        return s;
+    }
+    Pair of_beta() const {
+        Pair s = Pair::Zero();
+        s.col(1) = down(0.0).col(1) - of_alpha().col(1);
         return s;
     }
 
@@ -88,6 +110,17 @@ struct Continuation {
     Square2 up, below;
 };
 
+using Amplitudes = Eigen::Matrix<Complex, 2, 1>;
+
+/// The solution within one layer.
+struct InLayer {
+    std::size_t layer = 0;
+    double scale = 1.0; // of the stresses
+    State surface;      // of the uppermost layer
+    Amplitudes down, up = Amplitudes::Zero();
+    bool radiates = false; // a half-space, without `up`
+};
+
 Continuation solve_bottom(const Pair& up_at_bottom, const Pair& down_at_bottom, const Pair& below) {
     Eigen::Matrix<Complex, 4, 4> a;
     a << up_at_bottom, -below;
@@ -102,11 +135,106 @@ Continuation solve_bottom(const Pair& up_at_bottom, const Pair& down_at_bottom, 
     return {x.topRows<2>(), x.bottomRows<2>()};
 }
 
+using Strains = Eigen::Matrix<Complex, 3, 1>;
+
+/// The strains k U, W' and (U' + k W) / sqrt(2), the sum of whose squares is the square of the
+/// strain tensor.
+class StrainsOfState {
+public:
+    StrainsOfState(double k, Complex mu, Complex ratio, double scale)
+        : k_(k), p_wave_(mu / ratio), lambda_(p_wave_ - 2.0 * mu), scale_(scale),
+          shear_(scale / (mu * std::numbers::sqrt2)) {}
+    Strains operator()(const State& s) const {
+        return {k_ * s[0], (scale_ * s[2] + lambda_ * k_ * s[0]) / p_wave_, shear_ * s[3]};
+    }
+
+private:
+    double k_;
+    Complex p_wave_, lambda_;
+    double scale_;
+    Complex shear_;
+};
+
+/// (1 - e^-x) / x for Re x >= 0.
+Complex mean_decay(Complex x) {
+    if (x == 0.0) return 1.0;
+    return std::abs(x) < 0.5 ? -exp_minus_one(-x) / x : (1.0 - std::exp(-x)) / x;
+}
+
+/// The integral of e^{-a z - b (h - z)} from 0 to h.
+Complex opposite_decays(Complex a, Complex b, double h) {
+    if (a.real() < b.real()) std::swap(a, b);
+    return std::exp(-b * h) * h * mean_decay((a - b) * h);
+}
+
+/// The integral of the squares of the strains over a layer of thickness h, or a half-space, from
+/// the products of its exponentials.
+double by_exponentials(const LayerModes<double>& modes, const StrainsOfState& strains,
+                       const InLayer& at, double h) {
+    struct Term {
+        Strains strains;
+        Complex rate;
+    };
+    const std::array<Complex, 2> rates = {modes.alpha(), modes.beta()};
+    const std::array<Pair, 2> factors = {modes.of_alpha(), modes.of_beta()};
+    std::array<Term, 2> down, up;
+    for (std::size_t i = 0; i < 2; ++i) {
+        down[i] = {strains(factors[i] * at.down), rates[i]};
+        up[i] = {strains(LayerModes<double>::mirrored(factors[i]) * at.up), rates[i]};
+    }
+    double sum = 0.0;
+    for (const Term& a : down)
+        for (const Term& b : down) {
+            const Complex both = a.rate + std::conj(b.rate);
+            const Complex length = at.radiates ? 1.0 / both : h * mean_decay(both * h);
+            sum += (b.strains.dot(a.strains) * length).real();
+        }
+    if (at.radiates) return sum;
+    for (const Term& a : up)
+        for (const Term& b : up)
+            sum += (b.strains.dot(a.strains) * h * mean_decay((a.rate + std::conj(b.rate)) * h))
+                       .real();
+    for (const Term& a : down)
+        for (const Term& b : up)
+            sum +=
+                2.0 *
+                (b.strains.dot(a.strains) * opposite_decays(a.rate, std::conj(b.rate), h)).real();
+    return sum;
+}
+
+/// The same by Gauss-Legendre quadrature, for k so large that all exponentials decay like e^{-k z}.
+double by_quadrature(const LayerModes<double>& modes, const StrainsOfState& strains,
+                     const InLayer& at, double k, double h) {
+    const GaussRule& gauss = gauss_rule();
+    double sum = 0.0;
+    const auto add = [&](double from, double to) {
+        const int panels = std::max(1, static_cast<int>(std::ceil((to - from) * k / 6.0)));
+        const double half = 0.5 * (to - from) / panels;
+        for (int panel = 0; panel < panels; ++panel)
+            for (std::size_t i = 0; i < GaussRule::order; ++i) {
+                const double z = from + half * (2 * panel + 1 + gauss.node[i]);
+                State state = modes.down(z) * at.down;
+                if (!at.radiates) state += modes.up(h - z) * at.up;
+                sum += half * gauss.weight[i] * strains(state).squaredNorm();
+            }
+    };
+    const double reach = 18.0 / k; // e^{-2 k z} is 2e-16 there
+    if (at.radiates) {
+        add(0.0, reach);
+    } else if (h < 2.0 * reach) {
+        add(0.0, h);
+    } else {
+        add(0.0, reach);
+        add(h - reach, h);
+    }
+    return sum;
+}
+
 } // namespace
 
 StackResponse::StackResponse(const Medium& medium, Complex omega_rad_s,
                              std::span<const double> depths_m, StackQuantity quantity)
-    : base_(medium.base), quantity_(quantity) {
+    : omega_rad_s_(omega_rad_s.real()), base_(medium.base), quantity_(quantity) {
     double top_m = 0.0;
     std::size_t next = 0;
     for (std::size_t i = 0; i < medium.layers.size(); ++i) {
@@ -133,18 +261,18 @@ StackResponse::StackResponse(const Medium& medium, Complex omega_rad_s,
 }
 
 void StackResponse::evaluate(double k, std::span<Complex> out) const {
-    evaluate_at(k, out);
+    if (quantity_ == StackQuantity::loss)
+        out[0] = loss(k);
+    else
+        evaluate_at(k, out);
 }
 
 void StackResponse::evaluate(Complex k, std::span<Complex> out) const {
     evaluate_at(k, out);
 }
 
-template <class Wavenumber>
-void StackResponse::evaluate_at(Wavenumber given, std::span<Complex> out) const {
-    // U / k is regular at k = 0, but its quotient is not.
-    const Wavenumber k =
-        quantity_ == StackQuantity::tangential && given == 0.0 ? Wavenumber(least_k_rad_m) : given;
+template <class Wavenumber, class Visit>
+void StackResponse::solve(Wavenumber k, const Visit& visit) const {
     // Stresses are scaled by mu times this wavenumber, so that all rows have the same magnitude.
     const double wavenumber = std::max(std::abs(k), std::sqrt(std::abs(layers_.front().ks2)));
     const double scale = stress_scale_Pa_ * wavenumber;
@@ -175,36 +303,62 @@ void StackResponse::evaluate_at(Wavenumber given, std::span<Complex> out) const 
     // The load: sigma_zz = -1 Pa and sigma_rz = 0 at the surface.
     Eigen::Matrix<Complex, 2, 2> stress = states.bottomRows<2>();
     const Complex determinant = stress(0, 0) * stress(1, 1) - stress(0, 1) * stress(1, 0);
-    Eigen::Matrix<Complex, 2, 1> amplitude;
+    Amplitudes amplitude;
     amplitude << -stress(1, 1) / (scale * determinant), stress(1, 0) / (scale * determinant);
 
-    // Downward pass: the amplitudes in each layer that contains a requested depth.
-    const int row = quantity_ == StackQuantity::compression  ? 2
-                    : quantity_ == StackQuantity::tangential ? 0
-                                                             : 1;
-    const Wavenumber unit = quantity_ == StackQuantity::compression  ? Wavenumber(-scale)
-                            : quantity_ == StackQuantity::tangential ? 1.0 / k
-                                                                     : Wavenumber(1.0);
+    // Downward pass.
+    const State top = states * amplitude;
     for (std::size_t i = 0; i < n; ++i) {
-        const LayerAtOmega& layer = layers_[i];
-        const bool radiating = i >= bounded;
+        InLayer at{.layer = i, .scale = scale, .surface = top, .down = amplitude};
+        at.radiates = i >= bounded;
+        if (!at.radiates) at.up = continuations[i].up * amplitude;
+        if (!visit(at) || at.radiates) break;
+        amplitude = continuations[i].below * amplitude;
+    }
+}
+
+template <class Wavenumber>
+void StackResponse::evaluate_at(Wavenumber given, std::span<Complex> out) const {
+    const bool is_stress = quantity_ == StackQuantity::compression,
+               is_tangential = quantity_ == StackQuantity::tangential;
+    // U / k is regular at k = 0, but its quotient is not.
+    const Wavenumber k = is_tangential && given == 0.0 ? Wavenumber(least_k_rad_m) : given;
+    const int row = is_stress ? 2 : is_tangential ? 0 : 1;
+    solve(k, [&](const InLayer& at) {
+        const LayerAtOmega& layer = layers_[at.layer];
+        const Wavenumber unit = is_stress       ? Wavenumber(-at.scale)
+                                : is_tangential ? 1.0 / k
+                                                : Wavenumber(1.0);
         for (std::size_t d = 0; d < layer.depths_m.size(); ++d) {
             const double z = layer.depths_m[d];
-            Complex w;
-            if (i == 0 && z == 0.0) {
-                w = states.row(row) * amplitude;
-            } else {
-                const LayerModes<Wavenumber> modes = modes_of(layer);
-                w = modes.down(z).row(row) * amplitude;
-                if (!radiating)
-                    w += Complex(modes.up(layer.thickness_m - z).row(row) *
-                                 (continuations[i].up * amplitude));
+            Complex w = at.surface[row];
+            if (at.layer > 0 || z > 0.0) {
+                const LayerModes<Wavenumber> modes(k, layer.mu, layer.kp2, layer.ks2, layer.ratio,
+                                                   at.scale);
+                w = modes.down(z).row(row) * at.down;
+                if (!at.radiates) w += Complex(modes.up(layer.thickness_m - z).row(row) * at.up);
             }
             out[layer.first_depth + d] = unit * w;
         }
-        if (layer.first_depth + layer.depths_m.size() >= out.size() || radiating) break;
-        amplitude = continuations[i].below * amplitude;
-    }
+        return layer.first_depth + layer.depths_m.size() < out.size();
+    });
+}
+
+Complex StackResponse::loss(double k) const {
+    if (omega_rad_s_ == 0.0) return 0.0;
+    double in_layers = 0.0, below = 0.0;
+    solve(k, [&](const InLayer& at) {
+        const LayerAtOmega& layer = layers_[at.layer];
+        const LayerModes<double> modes(k, layer.mu, layer.kp2, layer.ks2, layer.ratio, at.scale);
+        const StrainsOfState strains(k, layer.mu, layer.ratio, at.scale);
+        // Up to here the exponentials are integrated one by one with an error of 1e-10.
+        const bool cancels = k > 20.0 * std::sqrt(std::abs(layer.ks2));
+        const double squares = cancels ? by_quadrature(modes, strains, at, k, layer.thickness_m)
+                                       : by_exponentials(modes, strains, at, layer.thickness_m);
+        (at.radiates ? below : in_layers) += 2.0 * omega_rad_s_ * layer.mu.imag() * squares;
+        return true;
+    });
+    return {in_layers, below};
 }
 
 Complex half_space_response(const Layer& layer, Complex omega_rad_s, double k) {

@@ -9,9 +9,9 @@
 
 namespace shearwake::layered {
 
-/// Computed quantity: W / p [m/Pa], -sigma_zz / p [1], positive in compression, or U / (k p)
-/// [m^2/Pa], the potential of the tangential displacement.
-enum class StackQuantity { displacement, compression, tangential };
+/// Computed quantity: W / p [m/Pa]; -sigma_zz / p [1], positive in compression; U / (k p) [m^2/Pa],
+/// the potential of the tangential displacement; or the loss (see StackResponse::loss).
+enum class StackQuantity { displacement, compression, tangential, loss };
 
 /// Exact response of a stack of layers to a normal surface load at one complex frequency, H(k,
 /// omega; z) = W(z) / p, see docs/developer/physics.md: u_r = i U(z), u_z = W(z), with the traction
@@ -28,14 +28,24 @@ public:
                   StackQuantity quantity = StackQuantity::displacement);
 
     /// Stores the quantity at each depth in `out`. k >= 0 [rad/m]; k and omega
-    /// must not both be 0.
+    /// must not both be 0. The loss does not depend on the depths.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
     /// The analytic continuation to the first quadrant of k, where H has no poles.
     void evaluate(std::complex<double> k_rad_m, std::span<std::complex<double>> out) const;
 
+    /// Mean power that viscosity absorbs per |p|^2 and area [m/(Pa s)], for real frequencies: the
+    /// integral over depth of 2 omega Im(mu) (k^2 |U|^2 + |W'|^2 + |U' + k W|^2 / 2). The real part
+    /// belongs to the layers of finite thickness, the imaginary part to the half-space below them,
+    /// where it equals the power that is radiated into it. Without a lossless layer their sum
+    /// equals the power of the load, -omega Im H.
+    std::complex<double> loss(double k_rad_m) const;
+
 private:
     template <class Wavenumber>
     void evaluate_at(Wavenumber k_rad_m, std::span<std::complex<double>> out) const;
+    /// Calls visit(InLayer) for the layers from the top until it returns false.
+    template <class Wavenumber, class Visit>
+    void solve(Wavenumber k_rad_m, const Visit& visit) const;
 
     struct LayerAtOmega {
         double thickness_m = 0.0; // 0: half-space
@@ -47,6 +57,7 @@ private:
         std::size_t first_depth = 0;
     };
     std::vector<LayerAtOmega> layers_;
+    double omega_rad_s_ = 0.0; // real part
     Base base_ = Base::rigid;
     double stress_scale_Pa_ = 1.0;
     StackQuantity quantity_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/transfer_table.hpp"
 
+#include "engines/layered/loss_tables.hpp"
 #include "engines/layered/work_kinds.hpp"
 
 #include "fft/cosine_transform.hpp"
@@ -104,6 +105,22 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
     std::vector<Complex> tables;
     bool stops = false;
     fail_together(team, [&] {
+        if (key_.quantity == StackQuantity::loss) {
+            std::vector<RadialInterpolant> losses;
+            for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
+                stops = checkpoints && checkpoints->stop_asked();
+                const std::ptrdiff_t m = first + team.rank();
+                if (stops || m >= frequencies()) continue;
+                const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
+                losses.push_back(fit_loss(response, key_.spacing_m, key_.tolerance));
+            }
+            const engines::Timed radial(of_radial);
+            if (!stops)
+                tables = loss_tables(losses, key_.spacing_m,
+                                     key_.spacing_m * std::hypot(key_.nx / 2, key_.ny / 2),
+                                     point.radii());
+            return;
+        }
         std::vector<Complex> h, of_node(depths);
         for (std::ptrdiff_t m = team.rank(); m < frequencies(); m += team.size()) {
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
@@ -117,6 +134,7 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
             }
         }
         stops = checkpoints && checkpoints->stop_asked();
+        const engines::Timed radial(of_radial);
         if (!stops) tables = point.tables(h, h.size() / nodes);
     });
     if (stops) throw engines::StopRequested{};

@@ -46,8 +46,9 @@ struct TransferKey {
     bool operator==(const TransferKey&) const = default;
 };
 
-/// H(|k|, omega; z) [m/Pa], or the compression [1], of one medium: Chebyshev panels in |k| for
-/// every frequency and, if memory permits, their values on the points (ky, kx >= 0) of this rank.
+/// H(|k|, omega; z) [m/Pa], or the compression [1], or the loss [m/(Pa s)] of one medium: Chebyshev
+/// panels in |k| for every frequency and, if memory permits, their values on the points (ky, kx >=
+/// 0) of this rank.
 ///
 /// With open edges the values are those for which the periodic convolution on the grid of the key
 /// equals the convolution on the infinite plane, for loads and points less than half of the grid

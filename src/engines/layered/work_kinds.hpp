@@ -14,6 +14,8 @@ inline constexpr engines::WorkKind of_frame = {"layered.frame.cached", 5e-9};
 inline constexpr engines::WorkKind of_far_frame = {"layered.frame.memory", 7e-9};
 inline constexpr engines::WorkKind of_response = {"layered.response",
                                                   4e-7}; // per evaluation of H and layer
+// Unit: one product of a node of the contour and a radius, see radial_products().
+inline constexpr engines::WorkKind of_radial = {"layered.radial", 2.5e-10};
 inline constexpr engines::WorkKind of_expansion = {"layered.expansion",
                                                    2.5e-9}; // per point, time sample and depth
 

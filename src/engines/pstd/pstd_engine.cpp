@@ -57,7 +57,7 @@ std::ptrdiff_t steps_per_frame(const Case& c, const PstdOptions& options) {
 template <class Real>
 void run_with(const Case& c, const PstdOptions& options, const Comm& team,
               engines::Observer& observer, engines::Checkpoints* checkpoints) {
-    const engines::Timed timed(is_uneven(c) ? of_inclusions : of_begin);
+    const engines::Timed timed(varies_laterally(c.scene().medium) ? of_inclusions : of_begin);
     const CaseGrid grid = case_grid(c, options);
     const StepChoice step = choose_step(c, options, extremes_of_grid(c, options, grid, team));
     if (step.refused) throw CaseFailure(refusal(options, step));
@@ -97,7 +97,7 @@ engines::Estimate PstdEngine::estimate(const Case& c, int ranks) const {
                         .steps = steps,
                         .absorption = lossy ? Absorption::kelvin_voigt : Absorption::none,
                         .precision = options.precision,
-                        .uneven = is_uneven(c),
+                        .uneven = varies_laterally(c.scene().medium),
                         .ranks = ranks});
     e.work.push_back(work_of_frames(c));
     e.work.push_back(work_of_columns(c, steps));
@@ -122,7 +122,8 @@ std::vector<std::string> PstdEngine::choices(const Case& c) const {
 }
 
 bool PstdEngine::probes_step(const Case& c) const {
-    return !c.study() && is_uneven(c) && !std::get<PstdOptions>(c.solver).time_step_s;
+    return !c.study() && varies_laterally(c.scene().medium) &&
+           !std::get<PstdOptions>(c.solver).time_step_s;
 }
 
 double PstdEngine::probed_step_s(const Case& c) const {

@@ -14,7 +14,7 @@ namespace {
 /// of all nodes, which only `plan` and `run` compute.
 std::vector<Remark> step_remarks(const Case& c) {
     const auto& options = std::get<PstdOptions>(c.solver);
-    if (!options.time_step_s || is_uneven(c)) return {};
+    if (!options.time_step_s || varies_laterally(c.scene().medium)) return {};
     const StepChoice step =
         choose_step(c, options, extremes_of_grid(c, options, case_grid(c, options)));
     auto remarks = engines::warnings_of(step_choices(options, step));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/energy_watch.hpp"
 #include "engines/march.hpp"
 #include "engines/pstd/scene/displacement_volumes.hpp"
 #include "engines/pstd/scene/frames.hpp"
@@ -26,7 +27,7 @@ public:
     PstdMarch(const Case& c, std::ptrdiff_t steps_per_frame, Stepper<Real>& stepper,
               Outputs& outputs, std::string displacement, const Comm& team)
         : case_(c), per_frame_(steps_per_frame), stepper_(stepper), outputs_(outputs),
-          displacement_(std::move(displacement)), team_(team) {}
+          displacement_(std::move(displacement)), team_(team), watch_(energy_watch()) {}
 
     std::ptrdiff_t step() const override { return stepper_.steps(); }
     void advance() override;
@@ -35,12 +36,17 @@ public:
     void restore(const StateReader& state) override;
 
 private:
+    engines::EnergyWatch energy_watch() const;
+    void watch();
+
     const Case& case_;
     std::ptrdiff_t per_frame_;
     Stepper<Real>& stepper_;
     Outputs& outputs_;
     std::string displacement_;
     Comm team_;
+    engines::EnergyWatch watch_;
+    double watched_work_J_ = 0.0; // the part of stepper_.work_J() that watch_ has
 };
 
 } // namespace shearwake::pstd

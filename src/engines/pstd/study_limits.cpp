@@ -15,10 +15,14 @@ Extremes extremes_of(const StudyData& study, double spacing_m) {
     const MaterialOfNode material = material_of(study);
     const auto points = is_uneven(study) ? study.points : std::array<std::ptrdiff_t, 3>{1, 1, 1};
     Extremes extremes;
+    NodeMaterial last; // most neighbours along z are equal
     for (std::ptrdiff_t x = 0; x < points[0]; ++x)
         for (std::ptrdiff_t y = 0; y < points[1]; ++y)
             for (std::ptrdiff_t z = 0; z < points[2]; ++z)
-                extremes.add(material({x, y, z}), spacing_m);
+                if (const NodeMaterial here = material({x, y, z}); here != last) {
+                    extremes.add(here, spacing_m);
+                    last = here;
+                }
     return extremes;
 }
 

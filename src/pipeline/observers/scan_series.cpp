@@ -40,11 +40,13 @@ ScanSeries::ScanSeries(const Case& c, const Comm& team) : case_(c), team_(team) 
 void ScanSeries::add(std::ptrdiff_t number, double factor, View2<const double> values) {
     if (factor == 0.0) return;
     const std::vector<SpotSample> samples = spot_samples(case_.vibrometer->spot_m);
+    const Vec2 offset = {case_.vibrometer->offset_x_m, case_.vibrometer->offset_y_m};
     std::size_t at = static_cast<std::size_t>(number);
     for (const Vec2 point : case_.vibrometer->points_m) {
         for (const SpotSample& sample : samples)
-            displacements_m_[at] += factor * sample.weight *
-                                    value_at(point + sample.offset_m, values, case_.domain, slab_);
+            displacements_m_[at] +=
+                factor * sample.weight *
+                value_at(point + offset + sample.offset_m, values, case_.domain, slab_);
         at += static_cast<std::size_t>(case_.time.frames);
     }
 }

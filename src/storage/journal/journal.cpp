@@ -174,6 +174,18 @@ std::string journal_name(const std::string& part, const std::string& host) {
                        host.empty() ? "" : "@", host);
 }
 
+namespace {
+
+/// The part of the sweep in the name of a journal, the opposite of journal_name().
+std::string part_of(const std::string& name) {
+    std::string part = name.substr(std::string("journal").size());
+    part.resize(part.find_last_of('.'));
+    part.resize(std::min(part.size(), part.find('@')));
+    return part.empty() ? part : part.substr(1);
+}
+
+} // namespace
+
 JournalContents read_journals(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> paths;
     std::error_code missing; // a missing folder has none
@@ -183,7 +195,6 @@ JournalContents read_journals(const std::filesystem::path& folder) {
     }
     std::ranges::sort(paths); // gives a deterministic order
     JournalContents all;
-    int active_teams = 0;
     for (const auto& path : paths) {
         JournalContents one = read_journal(path);
         for (auto& [id, history] : one.cases) {
@@ -202,9 +213,8 @@ JournalContents read_journals(const std::filesystem::path& folder) {
             all.unix_time_s = one.unix_time_s;
             all.teams = one.teams;
         }
-        if (one.running) active_teams += one.teams;
+        if (one.running) all.teams_of_parts[part_of(path.filename().string())] = one.teams;
     }
-    all.teams = std::max(all.teams, active_teams);
     return all;
 }
 

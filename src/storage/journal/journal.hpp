@@ -77,10 +77,11 @@ struct JournalContents {
     bool preparing = false;     // the last run has not started its cases yet
     std::string last_run_ended; // how the last run ended
     RunTimes last_run_times;
-    std::vector<std::string> overrides; // overrides of the last run, key=value
-    std::string resumed_by;             // RunStart::resumed_by of the last run
-    double unix_time_s = 0.0;           // when the last run started
-    int teams = 1;             // of the last run; of all active runs together if there are several
+    std::vector<std::string> overrides;        // overrides of the last run, key=value
+    std::string resumed_by;                    // RunStart::resumed_by of the last run
+    double unix_time_s = 0.0;                  // when the last run started
+    int teams = 1;                             // of the last run
+    std::map<std::string, int> teams_of_parts; // teams of the runs without an end, by part
     long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
 };
 

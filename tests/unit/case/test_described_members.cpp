@@ -49,6 +49,9 @@ auto members(auto& s) {
     } else if constexpr (N == 13) {
         auto& [a, b, c, d, e, f, g, h, i, j, k, l, m] = s;
         return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m);
+    } else if constexpr (N == 14) {
+        auto& [a, b, c, d, e, f, g, h, i, j, k, l, m, n] = s;
+        return std::tie(a, b, c, d, e, f, g, h, i, j, k, l, m, n);
     }
 }
 
@@ -102,7 +105,7 @@ void check_members(T object = Example<T>::make()) {
 TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, LayeredOptions>();
     check_members<9, SpectralOptions>();
-    check_members<12, PstdOptions>();
+    check_members<14, PstdOptions>();
     check_members<5, Domain>();
     check_members<3, TimeAxis>();
     check_members<6, MeasureOptions>();

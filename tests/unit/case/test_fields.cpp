@@ -235,7 +235,7 @@ std::vector<Case> samples() {
     third.afferents =
         AfferentOptions{.places = HandAfferents{"fingertip", 2}, .input = StressInput{}};
     Case fourth = third;
-    fourth.solver = PstdOptions{};
+    fourth.solver = PstdOptions{.load = PstdLoad::velocity};
     fourth.afferents.reset();
     LensFootprint lens;
     lens.foci_m = {{1e-3, 0.0}};

@@ -196,6 +196,23 @@ TEST_CASE("the instant is the nearest frame, and a note states this", "[summary]
           Approx(0.2)); // none later
 }
 
+TEST_CASE("there is no reading at an instant at which the focus jumps back to the start",
+          "[summary]") {
+    Case c = thesis_case();
+    auto& travel = std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+    travel.at_end = AtEnd::repeat; // 98 mm at 7 m/s end at 14 ms
+    const auto read = [&] { return measures::summarise(c, {growing(0.0, 280)}, {}, {}); };
+    const measures::Column jumps = find(read(), "eta_at_1");
+    CHECK(std::isnan(jumps.value));
+    CHECK(jumps.note.starts_with("the focus jumps at the instant, 14 ms"));
+    CHECK(find(read(), "eta_period_1").value == Approx(0.2)); // 20 of 100 samples in the disc
+    c.measure.at_s = 13e-3;
+    CHECK(find(read(), "eta_at_1").value == Approx(0.2));
+    c.measure.at_s = 14e-3;
+    travel.at_end = AtEnd::back_and_forth;
+    CHECK(find(read(), "eta_at_1").value == Approx(0.2));
+}
+
 TEST_CASE("further depths add columns that carry the depth", "[summary]") {
     const auto columns = measures::summarise(
         thesis_case(), {growing(0.0, 280), growing(1.5e-3, 280, 0.5), growing(4e-3, 280, 0.1)}, {},

@@ -15,11 +15,17 @@ enum class PstdTop { nothing, continued, fluid };
 constexpr auto names_of(std::type_identity<PstdTop>) {
     return std::array{"void", "continued", "fluid"};
 }
-/// Effect of the load in `pstd`: it exerts pressure, or prescribes the displacement of the skin
-/// (PstdOptions).
-enum class PstdLoad { traction, displacement };
+/// Effect of the load in `pstd`: it exerts pressure, or prescribes the displacement or the velocity
+/// of the skin (PstdOptions).
+enum class PstdLoad { traction, displacement, velocity };
 constexpr auto names_of(std::type_identity<PstdLoad>) {
-    return std::array{"traction", "displacement"};
+    return std::array{"traction", "displacement", "velocity"};
+}
+/// Where the motion of the skin is prescribed: wherever a focus passes during the run, or only
+/// where it is at the moment.
+enum class PstdPrescribed { path, focus };
+constexpr auto names_of(std::type_identity<PstdPrescribed>) {
+    return std::array{"path", "focus"};
 }
 /// Edges of the domain in x and y: periodic (or absorbing within the sponge), or with an absorbing
 /// layer outside.
@@ -48,10 +54,12 @@ struct PstdOptions {
     double absorbing_strength = 1.0; // Np per point at its outer edge
     PstdEdges edges = PstdEdges::periodic;
     Precision precision = Precision::double_precision;
+    double velocity_m_s = 0.0; // for PstdLoad::velocity: of the skin at the peak of the load
+    PstdPrescribed prescribed = PstdPrescribed::path; // for a prescribed motion
     bool operator==(const PstdOptions&) const = default;
 };
 
-/// The first part: the scheme, and what drives it.
+/// The first part: the scheme.
 template <class Walk, Is<PstdOptions> Options>
 void walk_scheme(Walk& walk, Options& o) {
     walk.key({.key = "study",
@@ -89,22 +97,46 @@ void walk_scheme(Walk& walk, Options& o) {
           .applies = o.top == PstdTop::fluid,
           .only_with = "top = \"fluid\"",
           .meaning = "c_p of the fluid, at most `c_p_over_c_s` times c_s of the uppermost layer"});
+}
+
+/// The second part: what drives the skin.
+template <class Walk, Is<PstdOptions> Options>
+void walk_drive(Walk& walk, Options& o) {
     walk(o.load,
          {.key = "load",
           .meaning = "`\"traction\"`: the load exerts pressure; `\"displacement\"`: it prescribes "
                      "the displacement of the skin, with u_z = `displacement_um` at its peak, "
-                     "independently of `peak_Pa`. Use `ramp_ms` for a smooth start in this case"});
+                     "independently of `peak_Pa`; `\"velocity\"`: it prescribes the velocity of "
+                     "the skin, with `velocity_mm_s` at its peak. Use `ramp_ms` for a smooth start "
+                     "of a prescribed motion"});
     walk(o.displacement_m, {.key = "displacement_um",
                             .range = Range::above(0.0),
                             .given = Given::required,
                             .applies = o.load == PstdLoad::displacement,
                             .only_with = "load = \"displacement\"",
                             .meaning = "displacement of the skin at the peak of the load"});
+    walk(o.velocity_m_s, {.key = "velocity_mm_s",
+                          .range = Range::above(0.0),
+                          .given = Given::required,
+                          .applies = o.load == PstdLoad::velocity,
+                          .only_with = "load = \"velocity\"",
+                          .meaning = "velocity of the skin at the peak of the load"});
+    walk(o.prescribed,
+         {.key = "prescribed",
+          .applies = o.load != PstdLoad::traction,
+          .only_with = "load = \"displacement\" or \"velocity\"",
+          .in_text = o.prescribed != PstdPrescribed::path,
+          .meaning =
+              "where the motion is prescribed. `\"path\"`: at all points that a focus "
+              "reaches during the run, even while it is elsewhere; `\"focus\"`: only at the "
+              "points that a focus covers at the moment, at the rate at which the prescribed "
+              "displacement changes; the skin elsewhere is free"});
 }
 
 template <class Walk, Is<PstdOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
     walk_scheme(walk, o);
+    walk_drive(walk, o);
     walk(o.depth_m, {.key = "depth_mm",
                      .range = Range::above(0.0),
                      .in_text = o.depth_m > 0.0,

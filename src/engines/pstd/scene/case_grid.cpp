@@ -112,6 +112,11 @@ CaseGrid case_grid(const Case& c, const PstdOptions& options) {
     return grid;
 }
 
+Node CaseGrid::domain_point(const Domain& domain, const Node& node) const {
+    return {std::clamp<std::ptrdiff_t>(node[0] - first_x, 0, domain.nx - 1),
+            std::clamp<std::ptrdiff_t>(node[1] - first_y, 0, domain.ny - 1), node[2]};
+}
+
 PmlOptions absorbing_layer(const Case& c, const PstdOptions& options) {
     const std::ptrdiff_t layer = options.absorbing_points;
     const auto margin =
@@ -146,18 +151,14 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
         return base;
     }
     if (z_m < 0.0) return capped_material(c.scene().medium.layers.front(), options);
-    const std::ptrdiff_t i = std::clamp<std::ptrdiff_t>(node[0] - grid.first_x, 0, c.domain.nx - 1),
-                         j = std::clamp<std::ptrdiff_t>(node[1] - grid.first_y, 0, c.domain.ny - 1);
-    return capped(cell_material(c, {c.domain.x_m(i), c.domain.y_m(j), z_m}, c.domain.spacing_m),
-                  options.c_p_over_c_s, fluid_limit_m_s(c.scene().medium, options.c_p_over_c_s));
+    const Node point = grid.domain_point(c.domain, node);
+    return capped(
+        cell_material(c, {c.domain.x_m(point[0]), c.domain.y_m(point[1]), z_m}, c.domain.spacing_m),
+        options.c_p_over_c_s, fluid_limit_m_s(c.scene().medium, options.c_p_over_c_s));
 }
 
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options) {
     return capped(material_of(layer), options.c_p_over_c_s);
-}
-
-bool is_uneven(const Case& c) {
-    return !c.scene().medium.bodies.empty() || c.scene().medium.map;
 }
 
 bool is_lossy(const Medium& medium) {

@@ -21,6 +21,8 @@ struct CaseGrid {
     double node_depth_m(std::ptrdiff_t z) const {
         return (static_cast<double>(z - surface) + 0.5) * spacing_m;
     }
+    /// The point (i, j) of the domain nearest to a node.
+    Node domain_point(const Domain& domain, const Node& node) const;
 };
 /// Chooses the grid of a case. Not collective.
 CaseGrid case_grid(const Case& c, const PstdOptions& options);
@@ -37,9 +39,6 @@ NodeMaterial material_at(const Case& c, const PstdOptions& options, const CaseGr
 
 /// The material of a layer with its capped c_p.
 NodeMaterial capped_material(const Layer& layer, const PstdOptions& options);
-
-/// Whether the medium varies laterally.
-bool is_uneven(const Case& c);
 
 /// Whether a layer, a body or the map has viscosity.
 bool is_lossy(const Medium& medium);

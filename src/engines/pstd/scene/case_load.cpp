@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace shearwake::pstd {
@@ -31,7 +32,18 @@ public:
     void each(double t_s, const Add& add) {
         if (t_s > off_s_) return;
         const auto places = foci(load_.modulation, t_s);
-        const double scale = amplitude(load_, t_s) / static_cast<double>(places.size());
+        add_each(places, amplitude(load_, t_s) / static_cast<double>(places.size()), add);
+    }
+
+    /// The same with an amplitude of 1 for each focus.
+    template <class Add>
+    void each_focus(double t_s, const Add& add) {
+        if (t_s <= off_s_) add_each(foci(load_.modulation, t_s), 1.0, add);
+    }
+
+private:
+    template <class Add>
+    void add_each(const std::vector<Vec2>& places, double scale, const Add& add) {
         if (scale == 0.0) return;
         for (const Vec2& focus : places) {
             const Range x = near(focus.x, domain_.nx), y = near(focus.y, domain_.ny);
@@ -47,7 +59,6 @@ public:
         }
     }
 
-private:
     struct Range {
         std::ptrdiff_t begin, end;
     };
@@ -142,6 +153,61 @@ Source force_sheet(const Case& c, const PstdOptions& options, const CaseGrid& gr
     return source;
 }
 
+/// Values of the source of moved_skin().
+class SkinMotion {
+public:
+    /// `number`: index of the node at each point of the domain, or -1.
+    SkinMotion(const Case& c, const PstdOptions& options, double step_s,
+               std::vector<std::ptrdiff_t> number)
+        : load_(c), number_(std::move(number)), ny_(c.domain.ny), step_s_(step_s),
+          prescribed_(options.prescribed), kind_(options.load),
+          peak_m_s_(kind_ == PstdLoad::velocity ? options.velocity_m_s
+                                                : options.displacement_m / step_s) {}
+
+    void operator()(std::ptrdiff_t sample, std::span<const std::size_t> which,
+                    std::span<double> values) {
+        constexpr double is_free = std::numeric_limits<double>::quiet_NaN();
+        const bool on_path = prescribed_ == PstdPrescribed::path;
+        std::fill(values.begin(), values.end(), on_path ? 0.0 : is_free);
+        first_ = static_cast<std::ptrdiff_t>(which.front());
+        const double t_s = static_cast<double>(sample) * step_s_;
+        if (!on_path)
+            load_.each_focus(t_s + 0.5 * step_s_,
+                             [&](std::ptrdiff_t i, std::ptrdiff_t j, double share) {
+                                 double* value = share > moved_share ? at(i, j, values) : nullptr;
+                                 if (value) *value = 0.0;
+                             });
+        if (kind_ == PstdLoad::velocity) {
+            add(t_s + 0.5 * step_s_, peak_m_s_, values);
+            return;
+        }
+        // The difference quotient over the step, so that the sum of the steps equals the
+        // displacement.
+        add(t_s + step_s_, peak_m_s_, values);
+        if (sample > 0) add(t_s, -peak_m_s_, values); // starts from rest
+    }
+
+private:
+    /// The value of a point, or null if it is not a node of this rank.
+    double* at(std::ptrdiff_t i, std::ptrdiff_t j, std::span<double> values) const {
+        const std::ptrdiff_t n = number_[static_cast<std::size_t>(i * ny_ + j)] - first_;
+        return n >= 0 && n < std::ssize(values) ? &values[static_cast<std::size_t>(n)] : nullptr;
+    }
+    void add(double t_s, double scale, std::span<double> values) {
+        load_.each(t_s, [&](std::ptrdiff_t i, std::ptrdiff_t j, double share) {
+            if (double* value = at(i, j, values)) *value += scale * share;
+        });
+    }
+
+    MovingGaussians load_;
+    std::vector<std::ptrdiff_t> number_;
+    std::ptrdiff_t ny_, first_ = 0;
+    double step_s_;
+    PstdPrescribed prescribed_;
+    PstdLoad kind_;
+    double peak_m_s_;
+};
+
 Source moved_skin(const Case& c, const CaseGrid& grid, const PstdOptions& options, double step_s) {
     Source source{.field = Field::uz,
                   .mode = SourceMode::whole,
@@ -160,30 +226,14 @@ Source moved_skin(const Case& c, const CaseGrid& grid, const PstdOptions& option
         number[static_cast<std::size_t>(at)] = std::ssize(source.nodes);
         source.nodes.push_back({grid.first_x + at / ny, grid.first_y + at % ny, grid.surface - 1});
     }
-    // The difference quotient over the step, so that the sum of the steps equals the displacement.
-    source.values = [=, load = MovingGaussians(c), moved_m = options.displacement_m](
-                        std::ptrdiff_t sample, std::span<const std::size_t> which,
-                        std::span<double> values) mutable {
-        std::fill(values.begin(), values.end(), 0.0);
-        const auto first = static_cast<std::ptrdiff_t>(which.front());
-        const auto move = [&](double t_s, double scale) {
-            load.each(t_s, [&](std::ptrdiff_t i, std::ptrdiff_t j, double value) {
-                const std::ptrdiff_t n = number[static_cast<std::size_t>(i * ny + j)];
-                if (n >= first && n - first < std::ssize(values))
-                    values[static_cast<std::size_t>(n - first)] += scale * value;
-            });
-        };
-        const double t_s = static_cast<double>(sample) * step_s, per_m = moved_m / step_s;
-        move(t_s + step_s, per_m);
-        if (sample > 0) move(t_s, -per_m); // starts from rest
-    };
+    source.values = SkinMotion(c, options, step_s, std::move(number));
     return source;
 }
 
 } // namespace
 
 Source load_source(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s) {
-    if (options.load == PstdLoad::displacement) return moved_skin(c, grid, options, step_s);
+    if (options.load != PstdLoad::traction) return moved_skin(c, grid, options, step_s);
     if (options.top == PstdTop::nothing) return stress_above(c, grid, step_s);
     return force_sheet(c, options, grid, step_s);
 }

@@ -18,7 +18,9 @@ namespace shearwake::pstd {
 /// PstdLoad::displacement: u_z at z = 0 is prescribed wherever a focus reaches more than a
 /// thousandth of its peak during the run. The total velocity is prescribed, because k-Wave's
 /// Dirichlet source sets one of three split parts only, and the skin then moves several times as
-/// far. Not collective.
+/// far. PstdLoad::velocity prescribes the velocity of the load's pattern instead of the rate of its
+/// displacement. With PstdPrescribed::focus the nodes are prescribed only while a focus covers
+/// them. Not collective.
 Source load_source(const Case& c, const PstdOptions& options, const CaseGrid& grid, double step_s);
 
 } // namespace shearwake::pstd

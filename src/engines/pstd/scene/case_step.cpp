@@ -3,6 +3,7 @@
 
 #include "case/edge_absorption.hpp"
 #include "engines/pstd/scheme/grid.hpp"
+#include "medium/body.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -73,16 +74,57 @@ double safe_step_s(const Extremes& e, double spacing_m) {
 
 namespace {
 
-/// Extremes of the nodes in `x_count` rows from `x_start`.
+/// Where the medium varies along x and y: within the bounds of bodies and the depths of a map.
+class Varied {
+public:
+    explicit Varied(const Case& c) : c_(c), half_m_(0.5 * c.domain.spacing_m) {
+        for (const Body& body : c.scene().medium.bodies)
+            bodies_.push_back(bounds(body));
+        if (c.scene().medium.map) map_ = depths(*c.scene().medium.map);
+    }
+    /// Whether a cell of the domain may differ from others at its depth.
+    bool operator()(std::ptrdiff_t i, std::ptrdiff_t j, double z_m) const {
+        if (overlap(z_m, map_.top_m, map_.bottom_m)) return true;
+        return std::any_of(bodies_.begin(), bodies_.end(), [&](const Bounds& b) {
+            return overlap(z_m, b.low_m.z, b.high_m.z) &&
+                   overlap(c_.domain.x_m(i), b.low_m.x, b.high_m.x) &&
+                   overlap(c_.domain.y_m(j), b.low_m.y, b.high_m.y);
+        });
+    }
+
+private:
+    bool overlap(double centre_m, double low_m, double high_m) const {
+        return centre_m + half_m_ >= low_m && centre_m - half_m_ <= high_m;
+    }
+    const Case& c_;
+    double half_m_;
+    std::vector<Bounds> bodies_;
+    DepthRange map_{infinite, -infinite};
+};
+
+/// Extremes of the nodes in `x_count` rows from `x_start`. Of equal nodes at a depth one is
+/// evaluated.
 Extremes extremes_of_rows(const Case& c, const PstdOptions& options, const CaseGrid& grid,
                           std::ptrdiff_t x_start, std::ptrdiff_t x_count) {
     Extremes e;
-    const std::ptrdiff_t nx = is_uneven(c) ? x_count : std::min<std::ptrdiff_t>(1, x_count),
-                         ny = is_uneven(c) ? grid.points[1] : 1;
-    for (std::ptrdiff_t x = 0; x < nx; ++x)
-        for (std::ptrdiff_t y = 0; y < ny; ++y)
-            for (std::ptrdiff_t z = 0; z < grid.points[2]; ++z)
+    const bool varies = varies_laterally(c.scene().medium);
+    const std::ptrdiff_t nx = varies ? x_count : std::min<std::ptrdiff_t>(1, x_count),
+                         ny = varies ? grid.points[1] : 1;
+    const Varied varied(c);
+    std::vector<char> done(static_cast<std::size_t>(grid.points[2]), 0); // the layers at a depth
+    for (std::ptrdiff_t x = 0; x < nx; ++x) {
+        for (std::ptrdiff_t y = 0; y < ny; ++y) {
+            const Node column = grid.domain_point(c.domain, {x_start + x, y, 0});
+            for (std::ptrdiff_t z = 0; z < grid.points[2]; ++z) {
+                if (!varied(column[0], column[1], grid.node_depth_m(z))) {
+                    char& known = done[static_cast<std::size_t>(z)];
+                    if (known != 0) continue;
+                    known = 1;
+                }
                 e.add(material_at(c, options, grid, {x_start + x, y, z}), c.domain.spacing_m);
+            }
+        }
+    }
     return e;
 }
 

@@ -1,7 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/placed_source.hpp"
 
+#include <cmath>
+
 namespace shearwake::pstd {
+
+template <class Real>
+double PlacedSource<Real>::work_factor(const Slabs& slabs, const MaterialOfNode& material,
+                                       const Node& node) const {
+    const auto& d_m = slabs.grid.spacing_m;
+    if (is_velocity(source_.field))
+        return d_m[0] * d_m[1] * d_m[2] *
+               density_between(slabs.grid, material, node, index_of(source_.field));
+    if (source_.field != Field::szz || !material(node).empty || node[2] + 1 == slabs.nz() ||
+        material({node[0], node[1], node[2] + 1}).empty)
+        return 0.0;
+    return -d_m[0] * d_m[1] * slabs.grid.dt_s;
+}
 
 template <class Real>
 PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
@@ -24,7 +39,10 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
         Place place{.total = slabs.offset(node),
                     .part = {-1, -1},
                     .keeps_own = false,
-                    .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0};
+                    .scale = scaled ? 2.0 * c_p_m_s * grid.dt_s / d_m : 1.0,
+                    .per_work = work_factor(slabs, material, node),
+                    .before = 0.0};
+        unknown_ = unknown_ || (!is_velocity(source.field) && !material(node).empty);
         if (const SplitRun* run = state.runs.run_at(row, node[2])) {
             const Parts parts = parts_of(source.field);
             const auto kept = [&](std::size_t p) {
@@ -42,16 +60,26 @@ PlacedSource<Real>::PlacedSource(const Source& source, const Slabs& slabs,
 }
 
 template <class Real>
+void PlacedSource<Real>::resume(const FieldState<Real>& state) {
+    for (Place& place : places_)
+        place.before = static_cast<double>(state.total[static_cast<std::size_t>(place.total)]);
+}
+
+template <class Real>
 void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
-                               std::span<Real> leaps) {
+                               std::span<const Real> uz, std::span<Real> leaps) {
     if (sample >= source_.samples || which_.empty()) return;
     source_.values(sample, which_, values_);
     const Parts parts = parts_of(source_.field);
     const bool velocity = is_velocity(source_.field);
     for (std::size_t i = 0; i < places_.size(); ++i) {
-        const Place& place = places_[i];
-        const double value = values_[i] * place.scale, third = value / 3.0;
+        Place& place = places_[i];
         auto& total = state.total[static_cast<std::size_t>(place.total)];
+        if (std::isnan(values_[i])) {
+            place.before = static_cast<double>(total);
+            continue;
+        }
+        const double value = values_[i] * place.scale, third = value / 3.0;
         const Real was = total;
         const double into_total = velocity ? value : third * static_cast<double>(parts.count);
         double kept = 0.0; // sum of the other parts of a prescribed velocity
@@ -76,6 +104,12 @@ void PlacedSource<Real>::apply(std::ptrdiff_t sample, FieldState<Real>& state,
                 static_cast<Real>(source_.mode == SourceMode::whole ? value : kept + into_total);
         if (source_.in_rates && !leaps.empty())
             leaps[static_cast<std::size_t>(place.total)] += total - was;
+        // Both times the mean over the step: of the velocity, or of the stress.
+        const double mean = 0.5 * (place.before + static_cast<double>(total));
+        place.before = static_cast<double>(total);
+        work_J_ +=
+            place.per_work * mean *
+            static_cast<double>(velocity ? total - was : uz[static_cast<std::size_t>(place.total)]);
     }
 }
 

@@ -14,9 +14,21 @@ public:
     PlacedSource(const Source& source, const Slabs& slabs, const FieldState<Real>& state,
                  const MaterialOfNode& material, double first_node_c_p_m_s);
     Field field() const { return source_.field; }
-    /// Applies a sample, or nothing after the last one. `leaps` are the accelerations of the field
-    /// times the time step, or empty.
-    void apply(std::ptrdiff_t sample, FieldState<Real>& state, std::span<Real> leaps);
+    /// Applies a sample, or nothing after the last one. `uz` is the total of that velocity; `leaps`
+    /// are the accelerations of the field times the time step, or empty.
+    void apply(std::ptrdiff_t sample, FieldState<Real>& state, std::span<const Real> uz,
+               std::span<Real> leaps);
+    /// Continues from a field that was restored.
+    void resume(const FieldState<Real>& state);
+
+    /// Work so far at the nodes of this rank: m v dv for a velocity, exact for the energy that the
+    /// scheme preserves; -s_zz u_z dA dt for a stress s_zz in the empty nodes next to a medium
+    /// below them, an estimate, because the Fourier derivative distributes the force over several
+    /// planes.
+    double work_J() const { return work_J_; }
+    /// Whether it adds energy that is not in work_J(): a stress within the medium. Rank by rank.
+    bool is_unknown() const { return unknown_; }
+    std::ptrdiff_t samples() const { return source_.samples; }
 
 private:
     struct Place {
@@ -24,11 +36,16 @@ private:
         std::array<std::ptrdiff_t, 2> part; // -1 for a part that is not stored
         bool keeps_own;                     // the first array is the part of the field's own axis
         double scale;
+        double per_work; // mass in kg for a velocity, -dA dt for the stress above a medium, or 0
+        double before;   // total after the previous sample
     };
+    double work_factor(const Slabs& slabs, const MaterialOfNode& material, const Node& node) const;
     Source source_;
     std::vector<std::size_t> which_;
     std::vector<Place> places_;
     std::vector<double> values_;
+    double work_J_ = 0.0;
+    bool unknown_ = false;
 };
 
 } // namespace shearwake::pstd

@@ -34,8 +34,8 @@ struct Source {
     /// millisecond at 1 Pa s).
     bool in_rates = false;
     std::ptrdiff_t samples = std::numeric_limits<std::ptrdiff_t>::max();
-    /// Computes the values of a sample at nodes[which[...]]. Not collective: each rank evaluates
-    /// its own nodes.
+    /// Computes the values of a sample at nodes[which[...]]. A node whose value is not a number
+    /// (NaN) receives nothing from this sample. Not collective: each rank evaluates its own nodes.
     std::function<void(std::ptrdiff_t sample, std::span<const std::size_t> which,
                        std::span<double> values)>
         values = {};

@@ -29,6 +29,14 @@ public:
         return nodes_[static_cast<std::size_t>(
             ((n[0] - start_) * slabs_.ny() + n[1]) * slabs_.nz() + n[2])];
     }
+    /// The highest plane of z with nodes that are not empty; the number of planes without any.
+    std::ptrdiff_t top() const {
+        for (std::ptrdiff_t z = 0; z < slabs_.nz(); ++z)
+            for (auto at = static_cast<std::size_t>(z); at < nodes_.size();
+                 at += static_cast<std::size_t>(slabs_.nz()))
+                if (!nodes_[at].empty) return z;
+        return slabs_.nz();
+    }
     double largest_c_p_m_s() const {
         double largest = 0.0;
         for (const NodeMaterial& m : nodes_)
@@ -67,6 +75,7 @@ Stepper<Real>::Stepper(const Setup& setup, const Comm& team)
     const MaterialOfNode material = [&](Node n) { return (*nodes)(n); };
     double reference_m_s = setup.pml.reference_speed_m_s;
     if (reference_m_s == 0.0) reference_m_s = team.max(nodes->largest_c_p_m_s());
+    top_ = static_cast<std::ptrdiff_t>(team.min(static_cast<double>(nodes->top())));
     together(team, [&] {
         for (std::size_t f = 0; f < field_count; ++f) {
             const auto field = static_cast<Field>(f);
@@ -84,6 +93,10 @@ Stepper<Real>::Stepper(const Setup& setup, const Comm& team)
         const auto planes = static_cast<std::ptrdiff_t>(lossy ? 12 : 6);
         scratch_.assign(static_cast<std::size_t>(planes * slabs_.ny() * slabs_.pitch), Real(0));
     });
+    for (const PlacedSource<Real>& source : sources_)
+        if (source.is_unknown())
+            unknown_until_ = std::max(unknown_until_, static_cast<double>(source.samples()));
+    unknown_until_ = team.max(unknown_until_);
     make_coefficients(setup, material);
 }
 
@@ -134,7 +147,7 @@ void Stepper<Real>::put_in_sources(SourcesOf fields) {
     const bool velocities = fields == SourcesOf::velocities;
     for (PlacedSource<Real>& source : sources_)
         if (is_velocity(source.field()) == velocities)
-            source.apply(steps_, state(source.field()),
+            source.apply(steps_, state(source.field()), state(Field::uz).total,
                          velocities ? std::span<Real>(acceleration_[index_of(source.field())])
                                     : std::span<Real>());
 }

@@ -45,9 +45,19 @@ public:
     /// This rank's slab of totals: [x][y][z], rows `slabs().pitch` apart.
     std::span<const Real> total(Field field) const { return state(field).total; }
 
+    /// This rank's part of the kinetic energy of the medium, of the elastic energy (deviatoric
+    /// stresses of fluids, which never change, are omitted), and of the work of the sources. Empty
+    /// nodes do not contribute. Not collective.
+    double kinetic_J() const;
+    double elastic_J() const;
+    double work_J() const;
+    /// Number of samples after which no source acts whose work is not known: one of stresses within
+    /// the medium. Identical on all ranks. Not collective.
+    double unknown_until() const { return unknown_until_; }
+
     /// Totals, kept parts and the count of steps ("step"), for a stepper of the same setup on any
-    /// number of ranks; sources keep nothing. Names: "step", "ux", "ux_part_0" and the like.
-    /// Collective.
+    /// number of ranks; the work of the sources is not saved. Names: "step", "ux", "ux_part_0" and
+    /// the like. Collective.
     void save(StateWriter& state) const;
     void restore(const StateReader& state);
 
@@ -55,6 +65,10 @@ private:
     FieldState<Real>& state(Field field) { return states_[index_of(field)]; }
     const FieldState<Real>& state(Field field) const { return states_[index_of(field)]; }
     void make_coefficients(const Setup& setup, const MaterialOfNode& material);
+    double volume_m3() const {
+        const auto& d_m = slabs_.grid.spacing_m;
+        return d_m[0] * d_m[1] * d_m[2];
+    }
     void derive_velocities(std::ptrdiff_t x);
     enum class SourcesOf { velocities, stresses };
     void put_in_sources(SourcesOf fields);
@@ -81,6 +95,8 @@ private:
     fft::StaggeredDerivative<Real> derivative_y_, derivative_z_;
     fft::AlignedVector<Real> scratch_; // planes of derivatives
     std::vector<PlacedSource<Real>> sources_;
+    double unknown_until_ = 0.0;
+    std::ptrdiff_t top_ = 0; // the highest plane of z with nodes that are not empty
 };
 
 } // namespace shearwake::pstd

@@ -75,6 +75,8 @@ void Stepper<Real>::restore(const StateReader& state) {
             std::transform(values.begin(), values.end(), field.part[p].begin(), to_real);
         }
     }
+    for (PlacedSource<Real>& source : sources_)
+        source.resume(this->state(source.field()));
 }
 
 template void Stepper<double>::save(StateWriter&) const;

@@ -8,7 +8,13 @@
 namespace shearwake::spectral {
 
 InsideBodies::InsideBodies(const Case& c, const fft::SlabShare& share)
-    : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {}
+    : bodies_(rigid_bodies(c)), domain_(c.domain), share_(share) {
+    // Complete layers are at rest and have no motion.
+    std::size_t moving = 0;
+    for (const Body& body : bodies_)
+        motion_.push_back(endless_along(body, c.domain) == Endless::both ? std::nullopt
+                                                                         : std::optional(moving++));
+}
 
 template <class Use>
 void InsideBodies::each_point(double depth_m, const Use& use) const {
@@ -32,8 +38,7 @@ void InsideBodies::each_point(double depth_m, const Use& use) const {
 void InsideBodies::set_displacement(double depth_m, std::size_t component,
                                     const std::vector<RigidMotion>& motions, double* plane) const {
     each_point(depth_m, [&](std::ptrdiff_t at, std::size_t body, Vec3 offset) {
-        // Without motions all bodies are slabs, which are at rest.
-        const Vec3 u = motions.empty() ? Vec3{} : motions[body].at(offset);
+        const Vec3 u = motion_[body] ? motions[*motion_[body]].at(offset) : Vec3{};
         plane[at] = component == 0 ? u.x : component == 1 ? u.y : u.z;
     });
 }

@@ -5,6 +5,7 @@
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "fft/slab_transform.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -29,6 +30,7 @@ private:
     void each_point(double depth_m, const Use& use) const;
 
     std::vector<Body> bodies_;
+    std::vector<std::optional<std::size_t>> motion_; // index of a body's motion
     Domain domain_;
     fft::SlabShare share_;
 };

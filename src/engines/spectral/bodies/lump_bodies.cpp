@@ -52,6 +52,12 @@ LumpBodies::LumpBodies(const Case& c, const DepthMesh& mesh, const fft::SlabTran
     : RigidBodies(lump_bodies(c), lump_freedoms, c, step_s, team), domain_(c.domain), mesh_(mesh),
       slabs_(slabs), vectors_(vectors), clock_(clock),
       inverse_(3 * placed_markers(c, mesh).size(), team) {
+    // Its periodic images keep a body that crosses the domain from turning about the other axes.
+    for (std::size_t i = 0; i < bodies().size(); ++i) {
+        const Endless along = endless_along(bodies()[i], c.domain);
+        if (along == Endless::along_x) hold(i, {4, 5});
+        if (along == Endless::along_y) hold(i, {3, 5});
+    }
     place_markers(c, mesh);
     planes_ = std::make_unique<DisplacementPlanes>(depths_, place_taps(), mesh, vectors, slabs,
                                                    team, clock);
@@ -188,6 +194,10 @@ void LumpBodies::solve(const std::vector<double>& target, double scale) {
         lack[i] = (goal[i] - lack[i]) / scale;
     std::vector<double> forces = inverse_.multiply(lack);
     move(lack.data(), forces.data());
+    exert(forces);
+}
+
+void LumpBodies::exert(const std::vector<double>& forces) {
     std::fill(values_.begin(), values_.end(), 0.0);
     for (const Tap& tap : taps_)
         for (std::size_t c = 0; c < 3; ++c)

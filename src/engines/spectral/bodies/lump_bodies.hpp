@@ -20,7 +20,7 @@ constexpr std::ptrdiff_t kernel_points = 3;
 /// of the force on a sphere is two to three times as large.
 std::array<double, kernel_points> kernel_weights(double offset);
 
-/// Rigid bodies that do not cross the domain along x or y. Their markers evaluate the displacement
+/// Rigid bodies of any shape. Their markers evaluate the displacement
 /// and exert their forces on 3 x 3 points of the grid. G = J B^-1 J' is one matrix for all bodies.
 /// Between two points of the grid B^-1 depends on their depths and their lateral distance alone, so
 /// it is determined by one solve per depth and direction. The inverse of G is distributed over the
@@ -39,7 +39,6 @@ public:
                const WaveVectors& vectors, double step_s, const Comm& team, StepClock& clock);
 
     void assemble(const VerticalOperator& op, const Solve& solve) override;
-    void clear() override {}
     void evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) override;
     void end_row(std::ptrdiff_t row) override;
     void begin_forces(std::ptrdiff_t row) override;
@@ -52,6 +51,8 @@ public:
     std::vector<double> forces(const std::vector<double>& displacement) const {
         return inverse_.multiply(displacement);
     }
+    /// Sets the forces of all markers that add_force() exerts. Collective.
+    void exert(const std::vector<double>& forces);
 
 private:
     /// A point of a marker on this rank.

@@ -100,64 +100,86 @@ std::vector<Vec3> on_ellipsoid(Vec3 r, const Spacings& h) {
     return points;
 }
 
-/// Points from -half to half, about `spacing` apart.
-std::vector<double> along_line(double half, double spacing) {
-    const auto parts = std::max(1L, std::lround(2.0 * half / spacing));
+/// Positions along a line, symmetric about its middle: with the surface of the body at both ends,
+/// or around the periodic domain.
+struct Line {
     std::vector<double> at;
+    bool has_ends;
+
+    std::size_t size() const { return at.size(); }
+    bool is_end(std::size_t index) const {
+        return has_ends && (index == 0 || index + 1 == at.size());
+    }
+    /// Whether an inner point may be kept at this index: every second one.
+    bool is_second(std::size_t index) const {
+        return std::min(index, at.size() - 1 - index) % 2 == 0;
+    }
+};
+
+/// Points from -half to half, about `spacing` apart.
+Line along_line(double half, double spacing) {
+    const auto parts = std::max(1L, std::lround(2.0 * half / spacing));
+    Line line{{}, true};
     for (long i = 0; i <= parts; ++i)
-        at.push_back(half * (2.0 * static_cast<double>(i) / static_cast<double>(parts) - 1.0));
-    return at;
+        line.at.push_back(half * (2.0 * static_cast<double>(i) / static_cast<double>(parts) - 1.0));
+    return line;
 }
 
-/// Whether an inner point may be kept at this index of a line with the surface at both of its ends:
-/// every second one, symmetric about the middle.
-bool is_second(std::size_t index, std::size_t count) {
-    return std::min(index, count - 1 - index) % 2 == 0;
-}
-bool is_end(std::size_t index, std::size_t count) {
-    return index == 0 || index + 1 == count;
+/// Points at equal distances around a period.
+Line around_domain(double extent, double spacing) {
+    const auto parts = std::max(1L, std::lround(extent / spacing));
+    Line line{{}, false};
+    for (long i = 0; i < parts; ++i)
+        line.at.push_back(extent *
+                          ((static_cast<double>(i) + 0.5) / static_cast<double>(parts) - 0.5));
+    return line;
 }
 
-std::vector<Vec3> on_box(Vec3 size_m, const Spacings& h) {
+std::vector<Vec3> on_box(Vec3 size_m, Endless along, const Spacings& h) {
     const double inset_m = flat_inset * h.across_m, apart_m = marker_spacing * h.across_m;
-    const auto x = along_line(0.5 * size_m.x - inset_m, apart_m),
-               y = along_line(0.5 * size_m.y - inset_m, apart_m),
+    const auto line = [&](double length_m, Endless endless) {
+        return along == endless ? around_domain(length_m, apart_m)
+                                : along_line(0.5 * length_m - inset_m, apart_m);
+    };
+    const Line x = line(size_m.x, Endless::along_x), y = line(size_m.y, Endless::along_y),
                z = along_line(0.5 * size_m.z, marker_spacing * h.down_m);
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < x.size(); ++i)
         for (std::size_t j = 0; j < y.size(); ++j)
             for (std::size_t k = 0; k < z.size(); ++k)
-                if (is_end(i, x.size()) || is_end(j, y.size()) || is_end(k, z.size()) ||
-                    (is_second(i, x.size()) && is_second(j, y.size()) && is_second(k, z.size())))
-                    points.push_back({x[i], y[j], z[k]});
+                if (x.is_end(i) || y.is_end(j) || z.is_end(k) ||
+                    (x.is_second(i) && y.is_second(j) && z.is_second(k)))
+                    points.push_back({x.at[i], y.at[j], z.at[k]});
     return points;
 }
 
 std::vector<Vec3> on_upright(double radius_m, double length_m, const Spacings& h) {
     const double inner_m = radius_m - curved_inset * h.across_m;
     const double apart_m = marker_spacing * h.across_m;
-    const auto z = along_line(0.5 * length_m, marker_spacing * h.down_m);
+    const Line z = along_line(0.5 * length_m, marker_spacing * h.down_m);
     std::vector<Vec3> points;
     for (std::size_t k = 0; k < z.size(); ++k) {
-        add_ellipse(inner_m, inner_m, z[k], apart_m, points);
-        if (is_end(k, z.size()) || is_second(k, z.size()))
-            fill_ellipse(inner_m, inner_m, z[k],
-                         is_end(k, z.size()) ? apart_m : inner_spacing * h.across_m, points);
+        add_ellipse(inner_m, inner_m, z.at[k], apart_m, points);
+        if (z.is_end(k) || z.is_second(k))
+            fill_ellipse(inner_m, inner_m, z.at[k],
+                         z.is_end(k) ? apart_m : inner_spacing * h.across_m, points);
     }
     return points;
 }
 
-/// The cross-section at equal distances along the axis, and both ends filled.
-std::vector<Vec3> on_lying(const Cylinder& shape, const Spacings& h) {
+/// The cross-section at equal distances along the axis, and both ends filled if there are any.
+std::vector<Vec3> on_lying(const Cylinder& shape, Endless along, const Spacings& h) {
     const std::vector<SectionMarker> section = section_markers(
         {.name = {}, .shape = shape, .centre_m = {}}, Endless::along_x, h.across_m, h.down_m);
-    const auto along_m =
-        along_line(0.5 * shape.length_m - flat_inset * h.across_m, marker_spacing * h.across_m);
+    const double apart_m = marker_spacing * h.across_m;
+    const Line axis = along == Endless::no
+                          ? along_line(0.5 * shape.length_m - flat_inset * h.across_m, apart_m)
+                          : around_domain(shape.length_m, apart_m);
     const double turn = shape.azimuth_deg * std::numbers::pi / 180.0;
     std::vector<Vec3> points;
-    const auto add = [&](double along, double across, double down) {
-        points.push_back({along * std::cos(turn) - across * std::sin(turn),
-                          along * std::sin(turn) + across * std::cos(turn), down});
+    const auto add = [&](double on_axis, double across, double down) {
+        points.push_back({on_axis * std::cos(turn) - across * std::sin(turn),
+                          on_axis * std::sin(turn) + across * std::cos(turn), down});
     };
     double last_filled_m = -std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0, end; begin < section.size(); begin = end) {
@@ -166,18 +188,17 @@ std::vector<Vec3> on_lying(const Cylinder& shape, const Spacings& h) {
         const double half_m = std::abs(section[begin].across_m), down_m = section[begin].down_m;
         const bool fills = down_m - last_filled_m > 0.8 * h.down_m;
         if (fills) last_filled_m = down_m;
-        for (std::size_t i = 0; i < along_m.size(); ++i) {
-            if (fills && is_end(i, along_m.size())) {
-                const auto across = along_line(half_m, marker_spacing * h.across_m);
+        for (std::size_t i = 0; i < axis.size(); ++i) {
+            if (fills && axis.is_end(i)) {
+                const Line across = along_line(half_m, apart_m);
                 for (std::size_t j = 1; j + 1 < across.size(); ++j)
-                    add(along_m[i], across[j], down_m);
+                    add(axis.at[i], across.at[j], down_m);
             }
             for (std::size_t j = begin; j < end; ++j) {
                 const double across_m = section[j].across_m;
                 const bool inside = std::abs(across_m) < 0.999 * half_m;
-                if (inside && (is_end(i, along_m.size()) || !is_second(i, along_m.size())))
-                    continue;
-                add(along_m[i], across_m, down_m);
+                if (inside && (axis.is_end(i) || !axis.is_second(i))) continue;
+                add(axis.at[i], across_m, down_m);
             }
         }
     }
@@ -201,6 +222,11 @@ void join_depths(double within_m, std::vector<Vec3>& points) {
 
 Body lump_in(const Body& body, const Domain& domain) {
     Body part = body;
+    const Endless along = endless_along(body, domain);
+    if (auto* box = std::get_if<Box>(&part.shape)) {
+        if (along == Endless::along_x) part.centre_m.x = 0.0, box->size_m.x = domain.extent_x_m();
+        if (along == Endless::along_y) part.centre_m.y = 0.0, box->size_m.y = domain.extent_y_m();
+    }
     auto* cylinder = std::get_if<Cylinder>(&part.shape);
     if (!cylinder || !cylinder->is_endless()) return part;
     if (cylinder->axis == CylinderAxis::vertical) return part;
@@ -224,15 +250,16 @@ Body lump_in(const Body& body, const Domain& domain) {
 std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double spacing_z_m) {
     const Spacings h{domain.spacing_m, spacing_z_m};
     const Body lump = lump_in(body, domain);
+    const Endless along = endless_along(body, domain);
     std::vector<Vec3> points =
         std::visit(overloaded{
                        [&](const Ellipsoid& shape) { return on_ellipsoid(shape.semi_axes_m, h); },
                        [&](const Cylinder& shape) {
                            return shape.axis == CylinderAxis::vertical
                                       ? on_upright(shape.radius_m, shape.length_m, h)
-                                      : on_lying(shape, h);
+                                      : on_lying(shape, along, h);
                        },
-                       [&](const Box& shape) { return on_box(shape.size_m, h); },
+                       [&](const Box& shape) { return on_box(shape.size_m, along, h); },
                    },
                    lump.shape);
     for (Vec3& p : points)

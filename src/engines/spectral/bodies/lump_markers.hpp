@@ -8,14 +8,15 @@
 
 namespace shearwake::spectral {
 
-/// A lump: the body, or the part of an oblique endless cylinder inside the domain. Not collective.
+/// A lump: the body, or the part of an endless cylinder or box inside the domain. Not collective.
 Body lump_in(const Body& body, const Domain& domain);
 
 /// The points at which a lump is constrained, as offsets [m] from `body.centre_m`, ordered by
 /// depth: about marker_spacing apart on its surface, which is shifted inwards by curved_inset or
 /// flat_inset in the lateral directions, and about inner_spacing apart inside. Points whose depths
 /// differ by less than 0.3 of `spacing_z_m`, the distance of levels, share a depth. They are
-/// symmetric as the body is. Not collective.
+/// symmetric as the body is. A body that crosses the domain along x or y has markers all around the
+/// period. Not collective.
 std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double spacing_z_m);
 
 /// The degrees of freedom of a lump: displacement along x, y and z, and rotation about these axes

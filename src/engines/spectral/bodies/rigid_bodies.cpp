@@ -30,6 +30,11 @@ RigidBodies::RigidBodies(std::vector<Body> bodies, std::size_t freedoms, const C
             free_.push_back(i * freedoms + j);
 }
 
+void RigidBodies::hold(std::size_t body, const std::vector<std::size_t>& freedoms) {
+    for (const std::size_t freedom : freedoms)
+        std::erase(free_, body * freedoms_ + freedom);
+}
+
 std::vector<double> RigidBodies::unit(std::size_t free) const {
     std::vector<double> q(now_.size(), 0.0);
     q[free_[free]] = 1.0;

@@ -52,7 +52,7 @@ public:
     virtual void assemble(const VerticalOperator& op, const Solve& solve) = 0;
 
     // Not collective.
-    virtual void clear() = 0;
+    virtual void clear() {}
     virtual void evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) = 0;
     virtual void end_row(std::ptrdiff_t row) = 0;
     virtual void begin_forces(std::ptrdiff_t row) = 0;
@@ -92,6 +92,8 @@ protected:
     const Medium& medium() const { return medium_; }
     const Comm& team() const { return team_; }
     std::size_t free_count() const { return free_.size(); }
+    /// Keeps some degrees of freedom of a body at zero; before set_mass().
+    void hold(std::size_t body, const std::vector<std::size_t>& freedoms);
     /// The degrees of freedom with a unit of the free one with this index.
     std::vector<double> unit(std::size_t free) const;
     /// Takes the mass of each body, [row][column] of its degrees of freedom, and the factor that
@@ -118,7 +120,7 @@ private:
     double step_s_, per_area_ = 0.0;
     std::size_t freedoms_; // of one body
     std::vector<double> now_, before_, acceleration_;
-    std::vector<std::size_t> free_; // degrees of freedom of bodies that are not held
+    std::vector<std::size_t> free_; // degrees of freedom that are not held
     std::vector<double> mass_;      // of the free ones, [row][column]
     /// With K = M/dt^2 + R' G^-1 R: G^-1 R and K^-1 of the free degrees of freedom.
     std::vector<double> per_freedom_, mobility_;

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <optional>
 
 namespace shearwake::spectral {
 namespace {
@@ -18,8 +17,8 @@ namespace {
 constexpr double least_spacings = 2.0;
 /// Samples along each axis of the box that two bodies share.
 constexpr int overlap_samples = 24;
-/// Markers of a lump above which it is treated as rigid only on request: their matrix then needs
-/// 300 MB, and a step takes longer than one with an elastic body.
+/// Markers above which a lump is treated as rigid only on request: their matrix then needs 300 MB,
+/// and a step takes longer than one with an elastic body.
 constexpr std::size_t most_markers = 2000;
 
 bool spans(double centre_m, double size_m, double extent_m) {
@@ -82,6 +81,32 @@ std::string trouble_of(const Case& c, const Body& body, Endless along) {
     return "";
 }
 
+/// Whether each wavenumber along an axis can be treated by itself: all rigid bodies that are not
+/// complete layers cross the domain along this axis.
+bool decouples(const std::vector<Body>& moving, const Domain& domain) {
+    return std::all_of(moving.begin(), moving.end(), [&](const Body& body) {
+        const Endless along = endless_along(body, domain);
+        return along != Endless::no && along == endless_along(moving.front(), domain);
+    });
+}
+
+/// The rigid bodies that are not complete layers.
+std::vector<Body> moving_bodies(const Case& c) {
+    std::vector<Body> bodies = rigid_bodies(c);
+    std::erase_if(bodies,
+                  [&](const Body& body) { return endless_along(body, c.domain) == Endless::both; });
+    return bodies;
+}
+
+/// Number of markers of the lumps below the surface.
+std::size_t lump_marker_count(const Case& c) {
+    std::size_t count = 0;
+    for (const Body& body : lump_bodies(c))
+        if (bounds(body).low_m.z > 0.0)
+            count += lump_markers(body, c.domain, c.domain.spacing_m).size();
+    return count;
+}
+
 } // namespace
 
 Endless endless_along(const Body& body, const Domain& domain) {
@@ -121,12 +146,11 @@ Case with_rigid_bodies(Case c) {
         if (body.rigid || is_light ||
             !(stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9)))
             continue;
-        if (endless_along(body, c.domain) == Endless::no && bounds(body).low_m.z > 0.0 &&
-            lump_markers(body, c.domain, c.domain.spacing_m).size() > most_markers)
-            continue;
         Case chosen = c;
         chosen.scene().medium.bodies[i].rigid = true;
-        if (rigid_limits(chosen).size() <= rigid_limits(c).size()) c = std::move(chosen);
+        if (rigid_limits(chosen).size() <= rigid_limits(c).size() &&
+            lump_marker_count(chosen) <= lump_marker_count(c) + most_markers)
+            c = std::move(chosen);
     }
     return c;
 }
@@ -139,18 +163,14 @@ std::vector<Body> rigid_bodies(const Case& c) {
 }
 
 std::vector<Body> section_bodies(const Case& c) {
-    std::vector<Body> bodies = rigid_bodies(c);
-    std::erase_if(bodies, [&](const Body& body) {
-        const Endless along = endless_along(body, c.domain);
-        return along == Endless::both || along == Endless::no;
-    });
+    std::vector<Body> bodies = moving_bodies(c);
+    if (!decouples(bodies, c.domain)) bodies.clear();
     return bodies;
 }
 
 std::vector<Body> lump_bodies(const Case& c) {
-    std::vector<Body> bodies = rigid_bodies(c);
-    std::erase_if(bodies,
-                  [&](const Body& body) { return endless_along(body, c.domain) != Endless::no; });
+    std::vector<Body> bodies = moving_bodies(c);
+    if (decouples(bodies, c.domain)) bodies.clear();
     return bodies;
 }
 
@@ -171,7 +191,6 @@ std::string held_by(const Body& body, const Medium& medium, const Domain& domain
 std::vector<Remark> rigid_limits(const Case& c) {
     std::vector<Remark> refused;
     const std::vector<Body>& bodies = c.scene().medium.bodies;
-    std::optional<Endless> common;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid) continue;
         const auto refuse = [&](std::string message) {
@@ -184,12 +203,6 @@ std::vector<Remark> rigid_limits(const Case& c) {
             refuse(trouble);
             continue;
         }
-        if (!common) common = along;
-        if (along != *common)
-            refuse(along == Endless::no || *common == Endless::no
-                       ? "a rigid body that crosses the domain along x or y excludes other rigid "
-                         "bodies that do not"
-                       : "all rigid bodies must be parallel to the same axis");
         for (std::size_t j = 0; j < bodies.size(); ++j)
             if ((j < i || !bodies[j].rigid) && j != i &&
                 shares_volume(bodies[i], bodies[j], c.domain))

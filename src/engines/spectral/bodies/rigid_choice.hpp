@@ -18,15 +18,16 @@ Endless endless_along(const Body& body, const Domain& domain);
 /// a body without c_s_m_s. Not collective.
 double stiffness_contrast(const Body& body, const Medium& medium);
 /// The case with all bodies marked as rigid that the engine treats as such: those whose contrast
-/// exceeds solver.spectral.rigid_above, unless they are lighter than the layers around them, lumps
-/// with so many markers that elastic bodies are faster, or rejected by rigid_limits(). Not
+/// exceeds solver.spectral.rigid_above, unless they are lighter than the layers around them, add so
+/// many markers of lumps that elastic bodies are faster, or are rejected by rigid_limits(). Not
 /// collective.
 Case with_rigid_bodies(Case c);
 
 /// The bodies that are marked as rigid. Not collective.
 std::vector<Body> rigid_bodies(const Case& c);
-/// Those of them that cross the domain along x or y, and those that do not cross it in this way.
-/// Not collective.
+/// Those of them that are not complete layers: the first list contains them if all cross the domain
+/// along the same axis, so that each wavenumber along it is constrained by itself, the second one
+/// otherwise. Not collective.
 std::vector<Body> section_bodies(const Case& c);
 std::vector<Body> lump_bodies(const Case& c);
 /// The case without its rigid bodies: the material in their place is that of the surroundings, and
@@ -36,9 +37,8 @@ Case without_rigid_bodies(Case c);
 /// collective.
 std::string held_by(const Body& body, const Medium& medium, const Domain& domain);
 
-/// Errors for rigid bodies that the engine does not support: bodies along different axes, bodies
-/// that cross the domain next to lumps, bodies that overlap or touch the surface, and bodies that
-/// the grid does not resolve. Not collective.
+/// Errors for rigid bodies that the engine does not support: bodies that overlap or touch the
+/// surface, and bodies that the grid does not resolve. Not collective.
 std::vector<Remark> rigid_limits(const Case& c);
 
 } // namespace shearwake::spectral

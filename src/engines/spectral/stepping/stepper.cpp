@@ -15,6 +15,16 @@ namespace shearwake::spectral {
 
 using namespace kinds;
 
+namespace {
+
+/// E >= 1/2 v.(A - K/4) v >= 0.02 (1/2 v.M v/dt^2) where the scheme is stable
+/// (vertical_operator.hpp).
+constexpr double most_kinetic_1 = 50.0;
+constexpr const char* watch_advice =
+    "a shorter solver.spectral.time_step_us, a smaller contrast_cap or a smaller residual may help";
+
+} // namespace
+
 Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
                  double step_s, const Comm& team)
     : case_(c), layers_(without_rigid_bodies(c)), mesh_(mesh), slabs_(slabs), team_(team),
@@ -33,19 +43,29 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       slab_bodies_(c, mesh, vectors_),
       // Checked at every step if steps iterate, because the failure of an iteration describes the
       // cause less well.
-      watch_(team, step_s, field_.variation().iterates ? 1 : 16), kinetic_(c.domain.ny / 2 + 1),
-      work_(c.domain.ny / 2 + 1), kernels_(simd::kernels<PencilKernels>()),
-      strain_kernels_(simd::kernels<StrainKernels>()) {
+      watch_(team, step_s,
+             {.most_1 = most_kinetic_1,
+              .interval = field_.variation().iterates ? 1 : 16,
+              .advice = watch_advice}),
+      kinetic_(c.domain.ny / 2 + 1), work_(c.domain.ny / 2 + 1),
+      kernels_(simd::kernels<PencilKernels>()), strain_kernels_(simd::kernels<StrainKernels>()) {
     planes_.emplace(field_.cells(), slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
     together(team, [&] { slab_bodies_.assemble(operator_, background_solve()); });
-    bodies_->assemble(operator_, background_solve());
+    bodies_->assemble(operator_, held_solve());
     assemble_box();
 }
 
 RigidBodies::Solve Stepper::background_solve() const {
     return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
         operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+    };
+}
+
+RigidBodies::Solve Stepper::held_solve() {
+    return [this](std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
+        operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
+        slab_bodies_.hold(row, block, background_solve(), force);
     };
 }
 
@@ -156,7 +176,7 @@ void Stepper::first_pass() {
         if (!bodies_->empty()) bodies_->evaluate(row, block, before);
         clock_.lap(Phase::solves);
     });
-    watch_.look(step_, 0.5 * kinetic_.mine());
+    if (watch_.due(step_)) watch_.judge(step_, 0.5 * kinetic_.mine());
     watch_.add_work(scale * work_.mine());
     if (solver_) reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);
@@ -316,7 +336,7 @@ void Stepper::save(StateWriter& state) const {
     state.put("step", static_cast<double>(step_));
     state.put("iterations", static_cast<double>(statistics_.iterations));
     state.put("most_iterations", statistics_.most_iterations);
-    state.put("work_J_m2", watch_.work_J_m2());
+    watch_.save(state);
     state.put("now", state_rows(), scalars(now_.data()));
     state.put("before", state_rows(), scalars(before_.data()));
     bodies_->save(state);
@@ -331,7 +351,7 @@ void Stepper::restore(const StateReader& state) {
     statistics_.steps = step_;
     statistics_.iterations = std::lround(state.get("iterations"));
     statistics_.most_iterations = static_cast<int>(std::lround(state.get("most_iterations")));
-    watch_.restore(state.get("work_J_m2"));
+    watch_.restore(state);
     state.get("now", state_rows(), scalars(now_.data()));
     state.get("before", state_rows(), scalars(before_.data()));
     bodies_->restore(state);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/energy_watch.hpp"
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
@@ -13,7 +14,6 @@
 #include "engines/spectral/lateral/strain_planes.hpp"
 #include "engines/spectral/lateral/strain_solver.hpp"
 #include "engines/spectral/lateral/strain_transfer.hpp"
-#include "engines/spectral/stepping/energy_watch.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <functional>
@@ -33,7 +33,7 @@ struct StepStatistics {
     int most_iterations = 0; // maximum in one step
 };
 
-/// The energy that the scheme preserves (energy_watch.hpp), half a step before the current time,
+/// The energy that the scheme preserves (stepper_energy.cpp), half a step before the current time,
 /// and the work of the load so far.
 struct EnergyBalance {
     double energy_J = 0.0, work_J = 0.0;
@@ -134,8 +134,9 @@ private:
     template <class Use>
     void each_pencil(Use use);
     void add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force);
-    /// B^-1 of a pencil, for the bodies.
+    /// B^-1 of a pencil, for the slabs; and with the slabs held, for the other bodies.
     RigidBodies::Solve background_solve() const;
+    RigidBodies::Solve held_solve();
     void put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement);
     const Block* factor(std::ptrdiff_t pencil) const;
     const Block* pencil(const fft::AlignedVector<Block>& of, std::ptrdiff_t row,
@@ -177,7 +178,7 @@ private:
     std::unique_ptr<RigidBodies> bodies_;
     SlabBodies slab_bodies_;
     StepStatistics statistics_;
-    EnergyWatch watch_;
+    engines::EnergyWatch watch_;
     RowSums kinetic_, work_; // per ky: twice the kinetic energy before a step, and its work
     double reference_ = 0.0; // the larger of both, sum over all ranks
     const PencilKernels& kernels_;

@@ -18,6 +18,7 @@ void Stepper::each_reaction(const Reaction& use) {
             std::fill(pencil_.begin(), pencil_.end(), Block{});
             bodies_->add_force(row, block, force);
             operator_.solve_implicit(factor(at), force);
+            slab_bodies_.hold(row, block, background_solve(), force);
             if (use) use(row, block, at, force);
             clock_.lap(Phase::solves, pencil_bytes(2.0));
             put_strain(row, block, force);

@@ -7,6 +7,9 @@
 
 namespace shearwake::spectral {
 
+// With v+ = u+ - u and the implicit operator A the scheme preserves
+//     E = 1/2 v+.(A - C/(2 dt)) v+ + 1/2 u.K u+.
+// Each step adds the work f.(u+ - u-)/2 and removes the losses by viscosity and drag.
 EnergyBalance Stepper::energy() {
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     const double rate = 1.0 / step_s_;

@@ -279,3 +279,36 @@ TEST_CASE("the tangential displacement keeps the surface free of shear stress", 
     tangential.evaluate(1e-3, near_zero);
     CHECK(std::abs(at_zero[0] - near_zero[0]) < 1e-6 * std::abs(near_zero[0]));
 }
+
+TEST_CASE("the loss over depth equals the power of the load", "[layered]") {
+    // The loss is an integral over the strains of all depths, the power follows from H at the
+    // surface alone. Both are equal by Poynting's theorem.
+    Layer film = test::tissue(1500.0, 0.5), dermis = test::tissue(1500.0, 2.0);
+    film.thickness_m = 0.3e-3;
+    film.c_s_m_s = 20.0;
+    dermis.thickness_m = 8e-3;
+    dermis.c_s_m_s = 3.0;
+    const Medium media[] = {test::half_space(test::tissue(1500.0)),
+                            {{film, test::tissue(50.0)}, Base::half_space},
+                            {{dermis}, Base::rigid},
+                            {{film, dermis}, Base::rigid}};
+    for (const Medium& medium : media)
+        for (const double frequency_Hz : {7.0, 120.0, 900.0}) {
+            const Complex omega = 2.0 * pi * frequency_Hz;
+            const double depth_m = 0.0;
+            const layered::StackResponse stack(medium, omega, std::span(&depth_m, 1));
+            for (const double k : wavenumbers()) {
+                INFO(frequency_Hz << " Hz, k = " << k << "/m");
+                Complex h;
+                stack.evaluate(k, std::span(&h, 1));
+                const double power = -omega.real() * h.imag();
+                const Complex loss = stack.loss(k);
+                // Products of cancelling exponentials lose digits up to k = 20 k_s, and Im H is as
+                // small as 1e-3 |H|.
+                CHECK(std::abs(loss.real() + loss.imag() - power) < 1e-7 * power);
+                if (medium.base == Base::rigid) CHECK(loss.imag() == 0.0);
+                if (medium.layers.size() == 1 && medium.base == Base::half_space)
+                    CHECK(loss.real() == 0.0);
+            }
+        }
+}

@@ -89,24 +89,45 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
     }
 }
 
-TEST_CASE("bodies along different axes: the first one is rigid", "[rigid_choice]") {
+TEST_CASE("bodies along different axes and complete layers are rigid together", "[rigid_choice]") {
     Case c = bone_case();
     Body across = c.scene().medium.bodies[0];
     across.shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 0.0};
     across.centre_m.z = 14e-3;
     c.scene().medium.bodies.push_back(across);
-    const Case chosen = spectral::with_rigid_bodies(c);
-    CHECK(chosen.scene().medium.bodies[0].rigid);
-    CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
-    auto notes = spectral::rigid_notes(c);
-    for (const std::string& note : engines::notes_of(
-             spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
-        notes.push_back(note);
-    const auto mentions = [&](const std::string& text) {
-        return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
-            return note.find(text) != std::string::npos;
-        });
-    };
-    CHECK(mentions("medium.body[1] is rigid because it is 1.99e+05 times stiffer"));
-    CHECK(mentions("medium.body[2]: shear stiffness 1.99e+05 times"));
+    Body layer = across;
+    layer.shape = Box{{1.0, 1.0, 2e-3}};
+    layer.centre_m.z = 18e-3;
+    c.scene().medium.bodies.push_back(layer);
+    SECTION("with a common matrix") {
+        const Case chosen = spectral::with_rigid_bodies(c);
+        CHECK(spectral::rigid_bodies(chosen).size() == 3);
+        CHECK(spectral::section_bodies(chosen).empty());
+        CHECK(spectral::lump_bodies(chosen).size() == 2);
+    }
+    SECTION("with one matrix per wavenumber if they are parallel") {
+        std::get<Cylinder>(c.scene().medium.bodies[1].shape).azimuth_deg = -90.0;
+        const Case chosen = spectral::with_rigid_bodies(c);
+        CHECK(spectral::rigid_bodies(chosen).size() == 3);
+        CHECK(spectral::section_bodies(chosen).size() == 2);
+        CHECK(spectral::lump_bodies(chosen).empty());
+    }
+    SECTION("unless their matrix would be too large") {
+        c.domain = {.nx = 160, .ny = 120, .spacing_m = 0.5e-3};
+        const Case chosen = spectral::with_rigid_bodies(c);
+        CHECK(chosen.scene().medium.bodies[0].rigid);
+        CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
+        CHECK(chosen.scene().medium.bodies[2].rigid);
+        auto notes = spectral::rigid_notes(c);
+        for (const std::string& note : engines::notes_of(
+                 spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
+            notes.push_back(note);
+        const auto mentions = [&](const std::string& text) {
+            return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) {
+                return note.find(text) != std::string::npos;
+            });
+        };
+        CHECK(mentions("medium.body[1] is rigid because it is 1.99e+05 times stiffer"));
+        CHECK(mentions("medium.body[2]: shear stiffness 1.99e+05 times"));
+    }
 }

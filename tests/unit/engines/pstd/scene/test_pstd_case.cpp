@@ -175,6 +175,41 @@ TEST_CASE("prescribes the displacement of the skin under the focus only", "[pstd
     CHECK(*std::max_element(moved.begin(), moved.end()) == Approx(4e-6).epsilon(1e-9));
 }
 
+TEST_CASE("prescribes the motion only where the focus is at the moment, and elsewhere nothing",
+          "[pstd]") {
+    Case c = small_case();
+    c.scene().load.modulation.trajectory = {
+        {Travel{{{-6e-3, 0.0}, {6e-3, 0.0}}, ConstantSpeed{7.0}}}};
+    c.scene().load.modulation.envelope = {};
+    PstdOptions options;
+    options.load = PstdLoad::velocity;
+    options.velocity_m_s = 2e-3;
+    const double step_s = 1e-5;
+    const auto source_of = [&] {
+        return pstd::load_source(c, options, pstd::case_grid(c, options), step_s);
+    };
+    pstd::Source path = source_of();
+    options.prescribed = PstdPrescribed::focus;
+    pstd::Source focus = source_of();
+    REQUIRE(path.nodes == focus.nodes);
+    const auto everywhere = values_of(path, 50), moving = values_of(focus, 50);
+    std::size_t released = 0;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        largest = std::max(largest, everywhere[i]);
+        if (std::isnan(moving[i])) {
+            ++released;
+            CHECK(everywhere[i] <= 1e-3 * options.velocity_m_s); // the limit of "covers"
+        } else {
+            CHECK(moving[i] == everywhere[i]);
+        }
+    }
+    CHECK(released > 20);
+    CHECK(released + 20 < moving.size());
+    CHECK(largest > 0.8 * options.velocity_m_s); // half a cell of 1 mm from the centre of 3 mm
+    CHECK(largest <= options.velocity_m_s);
+}
+
 TEST_CASE("interpolates depths between planes and the oscillating surface from five planes",
           "[pstd]") {
     CHECK(pstd::depth_weights(0.0, 1e-3, pstd::SurfacePlane::kept) == std::vector{1.0});

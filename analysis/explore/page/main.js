@@ -1,0 +1,196 @@
+"use strict";
+// Connects the parts: settings to requests, results to the pictures.
+const PATIENCE_ms = 250;  // a request that takes longer gives way to a newer one
+const SHOWN = [["eta_at_1", "η at the end"], ["eta_period_1", "η over the last periods"], ["peak_um", "strength: peak"],
+  ["focal_rms_um", "RMS at the focus"], ["ipr_at_1", "participation ratio"], ["mach_angle_deg", "Mach angle, fitted"], ["mach_angle_theory_deg", "Mach angle, theory"]];
+
+class Explorer {
+  constructor() {
+    const get = id => document.getElementById(id);
+    this.parts = Object.fromEntries(["state", "play", "time", "now", "slow", "style", "show-focus", "show-mach", "show-receptors",
+      "scale-low", "scale-high", "numbers", "warnings", "probe-at"].map(id => [id, get(id)]));
+    this.settings = settingsFrom(location.hash);
+    this.frame = 0;
+    this.clock_s = 0;
+    this.slow = 300;
+    this.is_playing = true;
+    this.waits_ms = [];   // from a change to the first picture of its result
+    this.draws = [];      // times of the last pictures
+    this.surface = new Surface(get("surface"));
+    this.overlay = new Overlay(get("overlay"), () => this.moveProbe());
+    this.plots = new Plots();
+    this.pins = new Pins(get("pins"), settings => this.use(settings));
+    this.tour = new Tour();
+    const receive = (message, result) => this.receive(message, result);
+    this.source = CONFIGURATION.stored ? new StoredSource(receive) : new EngineSource(receive);
+    this.sweeps = new SweepDialog(this.source, () => ({settings: this.shown ?? this.settings, job: this.job}));
+    this.controls = CONFIGURATION.stored ? this.choices(get("controls"))
+      : new Controls(get("controls"), this.settings, () => this.change(), () => this.sketch());
+    drawScale(get("scale-map"));
+    this.listen(get);
+    new ResizeObserver(() => { this.plots.fit(); this.draw(); }).observe(document.querySelector("main"));
+    requestAnimationFrame(now => this.tick(now));
+  }
+  listen(get) {
+    for (const factor of [100, 300, 1000, 3000]) this.parts.slow.add(new Option(`${factor} times`, factor, false, factor === this.slow));
+    this.parts.slow.addEventListener("change", () => { this.slow = Number(this.parts.slow.value); });
+    this.parts.play.addEventListener("click", () => this.play(!this.is_playing));
+    this.parts.time.addEventListener("input", () => { this.play(false); this.show(Number(this.parts.time.value)); });
+    for (const name of ["style", "show-focus", "show-mach", "show-receptors"]) this.parts[name].addEventListener("change", () => this.draw());
+    get("pin").addEventListener("click", () => { if (this.result) this.report(this.pins.add(this.shown, this.result)); });
+    get("link").addEventListener("click", () => this.copy("Link", location.href.split("#")[0] + linkText(this.settings)));
+    get("copy").addEventListener("click", () => this.copy("Job", this.job ?? jobText(this.settings)));
+    get("to-sweep").addEventListener("click", () => this.sweeps.open());
+    if (CONFIGURATION.stored) for (const id of ["link", "to-sweep"]) get(id).hidden = true;
+    window.addEventListener("hashchange", () => this.use(settingsFrom(location.hash)));
+    document.addEventListener("keydown", event => this.key(event));
+  }
+  // The demonstration offers its stored settings instead of the form.
+  choices(form) {
+    const options = Object.fromEntries(CONFIGURATION.stored.map((one, i) => [i, one.title]));
+    form.append(choice("Setting", options, 0, value => {
+      this.settings = {...CONFIGURATION.stored[value].settings, stored: Number(value)};
+      this.change();
+    }), element("p", {textContent: CONFIGURATION.note}));
+    this.settings = {...CONFIGURATION.stored[0].settings, stored: 0};
+    return null;
+  }
+  key(event) {
+    if (event.target.closest("input, select, textarea, button, dialog") || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === " ") { event.preventDefault(); this.play(!this.is_playing); }
+    if (event.key === "," || event.key === ".") { this.play(false); this.show(this.frame + (event.key === "." ? 1 : -1)); }
+  }
+  use(settings) {
+    for (const key of Object.keys(this.settings)) delete this.settings[key];
+    Object.assign(this.settings, settings);
+    this.controls?.build();
+    this.change();
+  }
+  sketch() {
+    this.play(false);
+    this.report("Draw the path on the surface with the pointer. Escape cancels.");
+    drawByHand(this.overlay, () => this.draw(), points => {
+      if (points) this.settings.drawn = points; else if (!this.settings.drawn) this.settings.path = "line";
+      this.play(true);
+      this.controls.build();
+      this.change();
+    });
+  }
+  // Requests. At most one is active; a change replaces it at once if it takes long, else when its result is there.
+  change() {
+    this.changed_ms ??= performance.now();
+    this.pump();
+  }
+  pump() {
+    if (this.changed_ms === undefined) return;
+    const active_ms = this.active ? performance.now() - this.active.sent_ms : Infinity;
+    if (active_ms < PATIENCE_ms) {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.pump(), PATIENCE_ms - active_ms + 1);
+      return;
+    }
+    const settings = structuredClone(this.settings), id = this.source.compute(settings);
+    if (id < 0) return;  // the connection will open again
+    this.active = {id, settings, sent_ms: performance.now(), changed_ms: this.changed_ms};
+    this.changed_ms = undefined;
+  }
+  receive(message, result) {
+    if (message.type === "open") { this.change(); return; }
+    if (message.type === "closed") { this.active = undefined; this.report("The connection to the engine is closed.", true); return; }
+    if (message.type === "sweep") { this.sweeps.receive(message); return; }
+    const active = this.active;
+    if (active && message.id !== active.id) return;  // of an older request
+    this.active = undefined;
+    if (message.type === "result" && active) this.accept(active, result);
+    if (message.type === "error") this.report(message.message, true);
+    this.pump();
+  }
+  accept(active, result) {
+    this.result = result;
+    this.shown = active.settings;
+    this.job = CONFIGURATION.stored ? CONFIGURATION.stored[active.settings.stored].job : jobText(active.settings);
+    this.parts.time.max = result.frames - 1;
+    this.showNumbers();
+    this.plots.show(result, this.overlay.probe);
+    this.show(Math.min(this.frame, result.frames - 1));
+    this.waits_ms.push(performance.now() - active.changed_ms);
+    this.report(`Computed in ${(1e3 * result.header.seconds).toFixed(0)} ms`);
+  }
+  showNumbers() {
+    const rows = SHOWN.map(([name, label]) => [name, label, this.result.column(name)]);
+    this.parts.numbers.replaceChildren(...rows.flatMap(([name, label, column]) => {
+      const value = element("dd", {textContent: digits(column.value) + (column.value === null ? "" : unitOf(column)), title: column.note || column.meaning || ""});
+      value.dataset.column = name;
+      return [element("dt", {textContent: label}), value];
+    }));
+    this.parts.warnings.replaceChildren(...this.result.header.warnings.map(w => element("li", {textContent: `${w.key}: ${w.message}`})));
+  }
+  // Pictures.
+  tick(now) {
+    if (this.is_playing && this.result && this.last_ms !== undefined) {
+      const step_s = this.result.time[0], duration_s = step_s * this.result.frames;
+      this.clock_s = (this.clock_s + 1e-3 * Math.min(100, now - this.last_ms) / this.slow) % duration_s;
+      const frame = Math.min(this.result.frames - 1, Math.floor(this.clock_s / step_s));
+      if (frame !== this.frame) this.show(frame);
+      this.draws.push(now);
+      if (this.draws.length > 200) this.draws.shift();
+    }
+    this.last_ms = now;
+    requestAnimationFrame(later => this.tick(later));
+  }
+  play(on) {
+    this.is_playing = on;
+    this.parts.play.textContent = on ? "❚❚" : "▶";
+    this.parts.play.setAttribute("aria-label", on ? "Pause" : "Play");
+    if (on && this.result) this.clock_s = this.frame * this.result.time[0];
+  }
+  show(frame) {
+    if (!this.result) return;
+    this.frame = Math.min(this.result.frames - 1, Math.max(0, frame));
+    this.parts.time.value = this.frame;
+    this.parts.now.value = `${(1e3 * this.result.time[this.frame]).toFixed(2)} ms`;
+    this.parts.time.setAttribute("aria-valuetext", this.parts.now.value);
+    this.draw();
+    this.plots.showTime(this.frame);
+  }
+  draw() {
+    const scale_m = roundScale(Math.max(this.result?.peak ?? 0, this.pins.peak));
+    const relief = this.parts.style.value === "relief";
+    this.overlay.fit();
+    if (this.result) {
+      this.surface.fit();
+      this.surface.draw(this.result, this.frame, scale_m, relief);
+      this.pins.draw(this.result.time[this.frame], scale_m, relief);
+      this.parts["scale-low"].textContent = `−${(1e6 * scale_m).toPrecision(2)} µm`;
+      this.parts["scale-high"].textContent = `${(1e6 * scale_m).toPrecision(2)} µm into the skin`;
+    }
+    this.overlay.draw(this.result, this.frame, {focus: this.parts["show-focus"].checked, mach: this.parts["show-mach"].checked,
+      receptors: this.parts["show-receptors"].checked});
+  }
+  moveProbe() {
+    const [x, y] = this.overlay.probe;
+    this.parts["probe-at"].value = `(${x.toFixed(0)} mm, ${y.toFixed(0)} mm)`;
+    if (this.result) this.plots.showProbe(this.result, this.overlay.probe);
+    this.draw();
+  }
+  report(text, is_error = false) {
+    this.parts.state.textContent = text;
+    this.parts.state.classList.toggle("error", is_error);
+  }
+  copy(what, text) {
+    const show = () => {
+      document.getElementById("text-title").textContent = what;
+      document.getElementById("text").value = text;
+      document.getElementById("text-dialog").showModal();
+      document.getElementById("text").select();
+    };
+    this.copied = text;
+    if (!navigator.clipboard) { show(); return; }
+    navigator.clipboard.writeText(text).then(() => this.report(`${what} copied to the clipboard`), show);
+  }
+}
+
+if (location.search) history.replaceState(null, "", location.pathname + location.hash);  // keeps the token out of copied links
+const explorer = new Explorer();
+explorer.moveProbe();
+if (!CONFIGURATION.stored) explorer.tour.startOnFirstVisit();

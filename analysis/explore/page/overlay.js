@@ -1,0 +1,135 @@
+"use strict";
+// What lies over the surface: focus, path, Mach lines, receptors, probe and the length scale.
+class Overlay {
+  constructor(canvas, moved) {
+    this.canvas = canvas;
+    this.context = canvas.getContext("2d");
+    this.probe = [0, 0];  // mm
+    this.moved = moved;
+    this.sketch = null;  // a path that is being drawn
+    canvas.addEventListener("pointerdown", event => { canvas.setPointerCapture(event.pointerId); this.point(event); });
+    canvas.addEventListener("pointermove", event => { if (event.buttons) this.point(event); });
+    canvas.addEventListener("keydown", event => this.key(event));
+  }
+  fit() {
+    const box = this.canvas.getBoundingClientRect(), factor = window.devicePixelRatio || 1;
+    const width = Math.round(factor * box.width), height = Math.round(factor * box.height);
+    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, {width, height});
+    this.factor = factor;
+  }
+  get extent() { return this.result ? [this.result.nx * this.result.spacing, this.result.ny * this.result.spacing] : [NX, NY]; }
+  pixels([x, y]) {
+    const [width, height] = this.extent;
+    return [(x / width + 0.5) * this.canvas.width, (0.5 - y / height) * this.canvas.height];
+  }
+  place(event) {  // in mm
+    const box = this.canvas.getBoundingClientRect(), [width, height] = this.extent;
+    return [((event.clientX - box.left) / box.width - 0.5) * width, (0.5 - (event.clientY - box.top) / box.height) * height];
+  }
+  point(event) {
+    if (this.sketch) return;
+    this.move(this.place(event));
+  }
+  key(event) {
+    const step = event.shiftKey ? 10 : 1;
+    const by = {ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step]}[event.key];
+    if (!by) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.move([this.probe[0] + by[0], this.probe[1] + by[1]]);
+  }
+  move([x, y]) {
+    const [width, height] = this.extent;
+    this.probe = [Math.min(0.5 * width, Math.max(-0.5 * width, x)), Math.min(0.5 * height, Math.max(-0.5 * height, y))];
+    this.moved();
+  }
+  line(points, style, width) {
+    const context = this.context;
+    context.strokeStyle = style;
+    context.lineWidth = width * this.factor;
+    context.beginPath();
+    points.forEach((point, i) => context[i ? "lineTo" : "moveTo"](...this.pixels(point)));
+    context.stroke();
+  }
+  dot(point, radius, style) {
+    this.context.fillStyle = style;
+    this.context.beginPath();
+    this.context.arc(...this.pixels(point), radius * this.factor, 0, 2 * Math.PI);
+    this.context.fill();
+  }
+  ring(point, radius_mm, style) {
+    this.context.strokeStyle = style;
+    this.context.lineWidth = 2 * this.factor;
+    this.context.beginPath();
+    this.context.arc(...this.pixels(point), radius_mm * this.canvas.width / this.extent[0], 0, 2 * Math.PI);
+    this.context.stroke();
+  }
+  draw(result, n, options) {
+    this.result = result;
+    this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
+    if (result) {
+      if (options.receptors) this.drawReceptors(result, n);
+      if (options.mach) this.drawMach(result, n);
+      if (options.focus) this.drawFocus(result, n);
+      this.drawProbe();
+      this.drawLength();
+    }
+    if (this.sketch) this.line(this.sketch, "#d55e00", 3);
+  }
+  drawFocus(result, n) {
+    const from = Math.max(0, n - 40), trail = [];
+    for (let k = from; k <= n; ++k) trail.push(result.focus(k));
+    this.line(trail, "#0009", 1.5);
+    const shifts = result.header.foci_m.length ? result.header.foci_m : [[0, 0]], [x, y] = result.focus(n);
+    for (const shift of shifts) this.ring([x + 1e3 * shift[0], y + 1e3 * shift[1]], 0.5e3 * result.header.fwhm_m, "#111");
+  }
+  // The lines along which waves of the surface add up behind a focus that is faster than they are.
+  drawMach(result, n) {
+    if (n < 1) return;
+    const [x, y] = result.focus(n), [x0, y0] = result.focus(n - 1), dt = result.time[n] - result.time[n - 1];
+    const vx = 1e-3 * (x - x0) / dt, vy = 1e-3 * (y - y0) / dt, speed = Math.hypot(vx, vy);
+    this.mach_deg = speed > result.header.surface_wave_m_s ? Math.asin(result.header.surface_wave_m_s / speed) * 180 / Math.PI : null;
+    if (this.mach_deg === null) return;
+    const back = Math.atan2(-vy, -vx), angle = Math.asin(result.header.surface_wave_m_s / speed), length = 1e3 * speed * result.time[n];
+    for (const side of [-1, 1]) {
+      const along = length * Math.cos(angle), direction = back + side * angle;
+      this.context.setLineDash([6 * this.factor, 4 * this.factor]);
+      this.line([[x, y], [x + along * Math.cos(direction), y + along * Math.sin(direction)]], "#000b", 1.5);
+      this.context.setLineDash([]);
+    }
+  }
+  // Receptors are dots, which are filled for 2 ms after each spike.
+  drawReceptors(result, n) {
+    const a = result.arrays;
+    if (!a["afferents/x"]) return;
+    const colours = ["#009e73", "#e69f00", "#cc79a7"], now = result.time[n];
+    let spike = 0;
+    for (let k = 0; k < a["afferents/x"].length; ++k) {
+      let fires = false;
+      for (let s = 0; s < a["afferents/spike_count"][k]; ++s, ++spike) {
+        const since = now - a["afferents/spike_time"][spike];
+        fires = fires || (since >= 0 && since < 2e-3);
+      }
+      const at = [1e3 * a["afferents/x"][k], 1e3 * a["afferents/y"][k]], style = colours[a["afferents/class"][k]];
+      if (fires) this.dot(at, 6, style); else this.dot(at, 2, style);
+    }
+  }
+  drawProbe() {
+    const [x, y] = this.pixels(this.probe), size = 9 * this.factor, context = this.context;
+    context.lineWidth = 2 * this.factor;
+    for (const [style, shift] of [["#fff", 1], ["#000", 0]]) {
+      context.strokeStyle = style;
+      context.beginPath();
+      context.moveTo(x - size + shift, y + shift); context.lineTo(x + size + shift, y + shift);
+      context.moveTo(x + shift, y - size + shift); context.lineTo(x + shift, y + size + shift);
+      context.stroke();
+    }
+  }
+  drawLength() {
+    const [width, height] = this.extent, x = -0.48 * width, y = -0.46 * height, context = this.context;
+    this.line([[x, y], [x + 20, y]], "#000", 3);
+    context.fillStyle = "#000";
+    context.font = `${12 * this.factor}px system-ui, sans-serif`;
+    context.fillText("20 mm", ...this.pixels([x, y + 0.015 * height]));
+  }
+}

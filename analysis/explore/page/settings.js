@@ -1,0 +1,128 @@
+"use strict";
+// The settings of the page and the job that they stand for. The job is the only thing that is computed and copied.
+const MODULATIONS = {"STM": "moving focus (STM)", "AM-STM": "moving, amplitude-modulated (AM-STM)",
+  "SM-STM": "moving, speed-modulated (SM-STM)", "AM": "resting, amplitude-modulated (AM)", "LM": "oscillating (LM)"};
+const PATHS = {line: "line", circle: "circle", drawn: "drawn by hand"};
+const FOCI = {gaussian: "Gaussian", array: "array of 16 x 16"};
+const NX = 128, NY = 96;
+
+const DEFAULTS = {preset: "thesis-tissue", base: "rigid", layers: null, kind: "AM-STM", path: "line", speed: 7, radius: 12,
+  drawn: null, am: 400, depth: 1, dv: 2, lm: 2, focus: "gaussian", fwhm: 4.5, peak: 100, distance: 200, pressure: 3.4,
+  spacing: 1, duration: 12, receptors: false};
+
+// One entry per slider; `shows` decides whether the setting has an effect.
+const MOVES = s => s.kind.includes("STM");
+const SLIDERS = {
+  speed: {label: "Speed", unit: "m/s", min: 0.5, max: 15, step: 0.1, shows: MOVES, key: "load.modulation.speed_m_s"},
+  radius: {label: "Radius of the circle", unit: "mm", min: 3, max: 30, step: 0.5, shows: s => MOVES(s) && s.path === "circle",
+    key: "load.modulation.path.radius_mm"},
+  am: {label: "Modulation frequency", unit: "Hz", min: 20, max: 1000, step: 5, shows: s => s.kind !== "STM"},
+  depth: {label: "Modulation depth", unit: "", min: 0, max: 1, step: 0.05, shows: s => s.kind.startsWith("AM"),
+    key: "load.modulation.am_depth"},
+  dv: {label: "Speed deviation", unit: "m/s", min: 0, max: 5, step: 0.1, shows: s => s.kind === "SM-STM",
+    key: "load.modulation.speed_deviation_m_s"},
+  lm: {label: "Amplitude of the motion", unit: "mm", min: 0.5, max: 10, step: 0.1, shows: s => s.kind === "LM",
+    key: "load.modulation.lm_amplitude_mm"},
+  fwhm: {label: "Size (FWHM)", unit: "mm", min: 3, max: 15, step: 0.1, shows: s => s.focus === "gaussian",
+    key: "load.footprint.fwhm_mm"},
+  peak: {label: "Peak pressure on the skin", unit: "Pa", min: 10, max: 300, step: 5, shows: s => s.focus === "gaussian",
+    key: "load.peak_Pa"},
+  distance: {label: "Distance of the array", unit: "mm", min: 120, max: 300, step: 5, shows: s => s.focus === "array",
+    key: "load.footprint.distance_mm"},
+  pressure: {label: "Pressure of a transducer", unit: "Pa m", min: 0.5, max: 5, step: 0.1, shows: s => s.focus === "array",
+    key: "load.footprint.pressure_Pa_m"},
+};
+const SWEPT_FREQUENCY = {"AM": "load.modulation.am_frequency_Hz", "AM-STM": "load.modulation.am_frequency_Hz",
+  "SM-STM": "load.modulation.sm_frequency_Hz", "LM": "load.modulation.lm_frequency_Hz"};
+const LAYER_SLIDERS = {
+  thickness_mm: {label: "Thickness", unit: "mm", min: 0.1, max: 40, step: 0.1},
+  c_s_m_s: {label: "Shear-wave speed", unit: "m/s", min: 1, max: 40, step: 0.1},
+  viscosity_Pa_s: {label: "Viscosity", unit: "Pa s", min: 0, max: 10, step: 0.1},
+};
+
+const number = value => {  // a TOML float
+  const text = String(Number(Number(value).toPrecision(12)));
+  return /[.e]/.test(text) ? text.replace("e+", "e") : text + ".0";
+};
+const pair = (x, y) => `[${number(x)}, ${number(y)}]`;
+
+function speedOf(s) { return s.kind === "SM-STM" ? `speed_deviation_m_s = ${number(Math.min(s.dv, 0.9 * s.speed))}\n` : ""; }
+
+function pathOf(s) {
+  if (s.path === "circle") return `{ shape = "circle", radius_mm = ${number(s.radius)} }`;
+  if (s.path === "drawn" && s.drawn) {
+    const points = s.drawn.map(p => pair(...p)).join(", ");
+    return `{ shape = "polyline", points_mm = [${points}], at_end = "back-and-forth" }`;
+  }
+  const half = Math.min(0.36 * NX * s.spacing, 0.5 * s.speed * s.duration);  // one pass, far enough from the edges
+  return `{ shape = "line", from_mm = ${pair(-half, 0)}, to_mm = ${pair(half, 0)}, at_end = "back-and-forth" }`;
+}
+
+function modulationOf(s) {
+  let text = `[load.modulation]\nkind = "${s.kind}"\n`;
+  if (MOVES(s)) text += `path = ${pathOf(s)}\nspeed_m_s = ${number(s.speed)}\n`;
+  if (s.kind.startsWith("AM")) text += `am_frequency_Hz = ${number(s.am)}\nam_depth = ${number(s.depth)}\n`;
+  if (s.kind === "SM-STM") text += `${speedOf(s)}sm_frequency_Hz = ${number(s.am)}\n`;
+  if (s.kind === "LM") text += `lm_amplitude_mm = ${number(s.lm)}\nlm_frequency_Hz = ${number(s.am)}\n`;
+  return text;
+}
+
+function mediumOf(s) {
+  if (!s.layers) return `[medium]\npreset = "${s.preset}"\n`;
+  return `[medium]\nbase = "${s.base}"\n` + s.layers.map((layer, i) => {
+    const last = i === s.layers.length - 1 && s.base === "half-space";
+    const loss = layer.tau_us !== undefined
+      ? `loss = { law = "fractional", tau_us = ${number(layer.tau_us)}, exponent = ${number(layer.exponent)} }`
+      : `viscosity_Pa_s = ${number(layer.viscosity_Pa_s)}`;
+    return `\n[[medium.layer]]\nname = ${JSON.stringify(layer.name)}\n`
+      + (last ? "" : `thickness_mm = ${number(layer.thickness_mm ?? 20)}\n`)
+      + `density_kg_m3 = ${number(layer.density_kg_m3)}\nc_p_m_s = ${number(layer.c_p_m_s)}\n`
+      + `c_s_m_s = ${number(layer.c_s_m_s)}\n${loss}\n`;
+  }).join("");
+}
+
+function jobText(s) {
+  const footprint = s.focus === "array"
+    ? `footprint = { shape = "array", preset = "array-16x16", distance_mm = ${number(s.distance)}, pressure_Pa_m = ${number(s.pressure)} }\n`
+    : `peak_Pa = ${number(s.peak)}\nfootprint = { shape = "gaussian", fwhm_mm = ${number(s.fwhm)} }\n`;
+  const receptors = s.receptors
+    ? `\n[afferents]\nwhere = "grid"\nextent_mm = ${pair(64, 48)}\npitch_mm = 8.0\nclasses = ["RA", "PC"]\n` : "";
+  return `schema = 1\n\n[job]\nname = "explore"\ntitle = "A setting of shearwake explore"\n\n${mediumOf(s)}
+[load]\n${footprint}\n${modulationOf(s)}
+[domain]\nextent_mm = ${pair(NX * s.spacing, NY * s.spacing)}\nspacing_mm = ${number(s.spacing)}\nedges = "open"\n
+[time]\nduration_ms = ${number(s.duration)}\noutput_interval_us = ${number(1e3 * s.duration / 120)}\n
+[solver]\nengine = "layered"\n
+[record]\ntraces_mm = [[0.0, 0.0]]\nframes = true\n${receptors}`;
+}
+
+// Settings in the address: what differs from the defaults, as JSON in base64.
+function linkText(s) {
+  const changed = Object.fromEntries(Object.entries(s).filter(([key, value]) => JSON.stringify(value) !== JSON.stringify(DEFAULTS[key])));
+  return "#s=" + btoa(JSON.stringify(changed)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+const isNumber = value => typeof value === "number" && Number.isFinite(value);
+function isLayer(layer) {
+  return layer && typeof layer.name === "string" && layer.name.length < 60
+    && Object.entries(layer).every(([key, value]) => key === "name" || isNumber(value));
+}
+
+// The settings of an address. What is not valid keeps its default.
+function settingsFrom(hash) {
+  const s = structuredClone(DEFAULTS);
+  let given = {};
+  try {
+    if (hash.startsWith("#s=") && hash.length < 20000) given = JSON.parse(atob(hash.slice(3).replaceAll("-", "+").replaceAll("_", "/")));
+  } catch { return s; }
+  const words = {preset: PRESETS, kind: MODULATIONS, path: PATHS, focus: FOCI, base: {"rigid": 1, "half-space": 1}};
+  for (const [key, fallback] of Object.entries(DEFAULTS)) {
+    const value = given?.[key];
+    if (words[key] ? typeof value === "string" && Object.hasOwn(words[key], value)
+      : typeof fallback === "number" ? isNumber(value)
+      : typeof fallback === "boolean" && typeof value === "boolean") s[key] = value;
+  }
+  if (Array.isArray(given?.layers) && given.layers.length >= 1 && given.layers.length <= 4 && given.layers.every(isLayer)) s.layers = given.layers;
+  if (Array.isArray(given?.drawn) && given.drawn.length >= 2 && given.drawn.length <= 200
+    && given.drawn.every(p => Array.isArray(p) && p.length === 2 && p.every(isNumber))) s.drawn = given.drawn;
+  return s;
+}

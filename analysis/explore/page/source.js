@@ -1,0 +1,98 @@
+"use strict";
+// Where results come from: the engine behind the WebSocket, or the stored settings of the demonstration.
+
+// A result: the header of serve (docs/reference/serve.md) and its arrays by name.
+class Result {
+  constructor(header, bytes) {
+    this.header = header;
+    this.arrays = {};
+    let offset = 0;
+    for (const array of header.arrays) {
+      const count = array.shape.reduce((a, b) => a * b, 1), kind = array.type === "float32" ? Float32Array : Float64Array;
+      const size = count * kind.BYTES_PER_ELEMENT;  // a slice is aligned
+      this.arrays[array.name] = new kind(bytes.slice(offset, offset + size));
+      offset += size;
+    }
+    [this.frames, this.nx, this.ny] = header.arrays[0].shape;
+    this.u = this.arrays.u_z;
+    this.time = this.arrays.time;
+    this.spacing = 1e3 * header.spacing_m;
+    let peak = 0;
+    for (const value of this.u) if (Math.abs(value) > peak) peak = Math.abs(value);
+    this.peak = peak;
+  }
+  column(name) { return this.header.columns[name] ?? {value: null, note: ""}; }
+  frame(n) { return this.u.subarray(n * this.nx * this.ny, (n + 1) * this.nx * this.ny); }
+  focus(n) { return [1e3 * this.arrays.focus_x[n], 1e3 * this.arrays.focus_y[n]]; }
+  // Index of the grid point that is nearest to a place in mm.
+  index(x, y) {
+    const i = Math.min(this.nx - 1, Math.max(0, Math.round(x / this.spacing + this.nx / 2)));
+    const j = Math.min(this.ny - 1, Math.max(0, Math.round(y / this.spacing + this.ny / 2)));
+    return [i, j];
+  }
+  trace(x, y) {
+    const [i, j] = this.index(x, y), values = new Array(this.frames);
+    for (let n = 0; n < this.frames; ++n) values[n] = 1e6 * this.u[(n * this.nx + i) * this.ny + j];
+    return values;
+  }
+}
+
+class EngineSource {
+  constructor(receive) {
+    this.receive = receive;  // called with {type, ...} and, for results, a Result
+    this.number = 0;
+    this.pause_ms = 500;
+    this.connect();
+  }
+  connect() {
+    this.socket = new WebSocket(`ws://${location.host}/socket`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.addEventListener("open", () => { this.pause_ms = 500; this.receive({type: "open"}); });
+    this.socket.addEventListener("close", () => {
+      this.receive({type: "closed"});
+      setTimeout(() => this.connect(), this.pause_ms);
+      this.pause_ms = Math.min(10000, 2 * this.pause_ms);
+    });
+    this.socket.addEventListener("message", event => {
+      if (typeof event.data !== "string") {
+        this.receive(this.header, new Result(this.header, event.data));
+        return;
+      }
+      const message = JSON.parse(event.data);
+      if (message.type === "result") this.header = message; else this.receive(message);
+    });
+  }
+  send(message) {
+    if (this.socket.readyState !== WebSocket.OPEN) return -1;
+    this.socket.send(JSON.stringify({...message, id: ++this.number}));
+    return this.number;
+  }
+  compute(settings) { return this.send({type: "compute", job: jobText(settings)}); }
+  sweep(job, key, values) { return this.send({type: "sweep", job, key, values}); }
+  stopSweep() { this.socket.send(JSON.stringify({type: "stop_sweep"})); }
+}
+
+// The demonstration holds a few results. The frames of each are steps of its peak.
+class StoredSource {
+  constructor(receive) {
+    this.receive = receive;
+    this.number = 0;
+    setTimeout(() => receive({type: "open"}), 0);
+  }
+  static async unpack(text) {
+    const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Response(stream).arrayBuffer();
+  }
+  compute(settings) {
+    const id = ++this.number, stored = CONFIGURATION.stored[settings.stored ?? 0];
+    StoredSource.unpack(stored.data).then(bytes => {
+      const header = structuredClone(stored.header), [frames, nx, ny] = header.arrays[0].shape, count = frames * nx * ny;
+      const levels = new Int16Array(bytes, 0, count), whole = new Uint8Array(2 * count + bytes.byteLength);
+      new Float32Array(whole.buffer, 0, count).set(Float32Array.from(levels, level => level * stored.peak_m / 1023));
+      whole.set(new Uint8Array(bytes, 2 * count), 4 * count);
+      if (id === this.number) this.receive({...header, type: "result", id}, new Result(header, whole.buffer));
+    });
+    return id;
+  }
+}

@@ -1,0 +1,111 @@
+"use strict";
+// Draws one frame of the surface: with WebGL2 as shaded relief or colour map, otherwise as colour map.
+
+// Blue, white, red: equal lightness on both sides of rest.
+function colour(level) {
+  const t = Math.min(1, Math.max(-1, level)), a = Math.abs(t);
+  const end = t < 0 ? [0.13, 0.33, 0.66] : [0.70, 0.13, 0.17];
+  return end.map(channel => 0.97 + (channel - 0.97) * a ** 0.8);
+}
+
+const VERTEX = `#version 300 es
+in vec2 corner; out vec2 at;
+void main() { at = 0.5 * (corner + 1.0); gl_Position = vec4(corner, 0.0, 1.0); }`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 at; out vec4 shown;
+uniform highp sampler2D field;  // y along rows of x: texel (j, i) is u(x_i, y_j)
+uniform vec2 points; uniform float scale, relief;
+float u(ivec2 p) { return texelFetch(field, clamp(p, ivec2(0), ivec2(points) - 1).yx, 0).r / scale; }
+void main() {
+  vec2 p = at * points; vec2 base = floor(p); vec2 w = p - base; ivec2 i = ivec2(base);
+  float a = u(i), b = u(i + ivec2(1, 0)), c = u(i + ivec2(0, 1)), d = u(i + ivec2(1, 1));
+  float value = mix(mix(a, b, w.x), mix(c, d, w.x), w.y);
+  float t = clamp(value, -1.0, 1.0);
+  vec3 end = t < 0.0 ? vec3(0.13, 0.33, 0.66) : vec3(0.70, 0.13, 0.17);
+  vec3 flat_colour = mix(vec3(0.97), end, pow(abs(t), 0.8));
+  vec2 slope = vec2(mix(b - a, d - c, w.y), mix(c - a, d - b, w.x));
+  vec3 normal = normalize(vec3(9.0 * slope, 1.0));  // u is positive into the tissue
+  float light = clamp(dot(normal, normalize(vec3(-0.6, 0.7, 0.8))), 0.0, 1.0);
+  vec3 relief_colour = mix(vec3(0.78, 0.72, 0.68), flat_colour, 0.65) * (0.3 + 0.95 * light);
+  shown = vec4(mix(flat_colour, relief_colour, relief), 1.0);
+}`;
+
+class Surface {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.gl = canvas.getContext("webgl2", {antialias: false, alpha: false, preserveDrawingBuffer: true});
+    if (this.gl) this.prepare(); else this.flat = canvas.getContext("2d");
+  }
+  prepare() {
+    const gl = this.gl, program = gl.createProgram();
+    for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    gl.useProgram(program);
+    this.places = Object.fromEntries(["points", "scale", "relief"].map(name => [name, gl.getUniformLocation(program, name)]));
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), gl.STATIC_DRAW);
+    const corner = gl.getAttribLocation(program, "corner");
+    gl.enableVertexAttribArray(corner);
+    gl.vertexAttribPointer(corner, 2, gl.FLOAT, false, 0, 0);
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+  }
+  // Fits the pixels of the canvas to its size on the page.
+  fit(limit = 1000) {
+    const box = this.canvas.getBoundingClientRect(), factor = Math.min(window.devicePixelRatio || 1, limit / Math.max(1, box.width));
+    const width = Math.max(1, Math.round(factor * box.width)), height = Math.max(1, Math.round(factor * box.height));
+    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, {width, height});
+  }
+  // `scale_m` is the displacement at the ends of the scale.
+  draw(result, n, scale_m, relief) {
+    if (this.gl) this.drawWithShader(result, n, scale_m, relief); else this.drawFlat(result, n, scale_m);
+  }
+  drawWithShader(result, n, scale_m, relief) {
+    const gl = this.gl, {nx, ny} = result;
+    if (this.nx !== nx || this.ny !== ny) {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, ny, nx, 0, gl.RED, gl.FLOAT, result.frame(n));
+      Object.assign(this, {nx, ny});
+    } else {
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ny, nx, gl.RED, gl.FLOAT, result.frame(n));
+    }
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.uniform2f(this.places.points, nx, ny);
+    gl.uniform1f(this.places.scale, scale_m || 1);
+    gl.uniform1f(this.places.relief, relief ? 1 : 0);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+  drawFlat(result, n, scale_m) {
+    const {nx, ny} = result, frame = result.frame(n), image = new ImageData(nx, ny);
+    for (let i = 0; i < nx; ++i)
+      for (let j = 0; j < ny; ++j) {
+        const rgb = colour(frame[i * ny + j] / (scale_m || 1));
+        image.data.set([...rgb.map(c => Math.round(255 * c)), 255], 4 * ((ny - 1 - j) * nx + i));
+      }
+    const small = document.createElement("canvas");
+    Object.assign(small, {width: nx, height: ny});
+    small.getContext("2d").putImageData(image, 0, 0);
+    this.flat.drawImage(small, 0, 0, this.canvas.width, this.canvas.height);
+  }
+}
+
+// The scale is a round number, so that it stays the same while a setting changes little.
+function roundScale(peak_m) {
+  if (!(peak_m > 0)) return 1e-6;
+  const power = 10 ** Math.floor(Math.log10(peak_m));
+  return power * [1, 1.5, 2, 3, 5, 7, 10].find(step => step * power >= 0.999 * peak_m);
+}
+
+function drawScale(canvas) {
+  const context = canvas.getContext("2d"), image = new ImageData(256, 1);
+  for (let i = 0; i < 256; ++i) image.data.set([...colour((i - 127.5) / 127.5).map(c => Math.round(255 * c)), 255], 4 * i);
+  context.putImageData(image, 0, 0);
+}

@@ -1,0 +1,47 @@
+"use strict";
+// A short tour for a first visit.
+const STOPS = [
+  ["#stage", "This is the skin from above. The focus moves over it, and the colours are the displacement. Everything is computed by the engine of shearwake run."],
+  ["#controls", "Change a setting: the surface follows within a fraction of a second. A change of the tissue takes a little longer."],
+  ["#overlay", "Click on the surface, or use the arrow keys, to move the probe. Its motion and its spectrum are shown with the results."],
+  ["#results", "η is the share of the energy that is near the focus. Faster than the waves of the skin, the focus leaves a Mach cone, and η falls."],
+  ["nav", "Pin settings to compare them, copy a link or a job file, or send the setting to a sweep. The space bar stops and starts the playback."],
+];
+
+class Tour {
+  constructor() {
+    this.box = document.getElementById("tour");
+    document.getElementById("start-tour").addEventListener("click", () => this.show(0));
+    document.getElementById("tour-next").addEventListener("click", () => this.show(this.step + 1));
+    document.getElementById("tour-end").addEventListener("click", () => this.end());
+    document.addEventListener("keydown", event => { if (event.key === "Escape" && !this.box.hidden) this.end(); });
+  }
+  startOnFirstVisit() {
+    try {
+      if (localStorage.getItem("shearwake-tour")) return;
+    } catch { return; }
+    this.show(0);
+  }
+  show(step) {
+    this.target?.classList.remove("toured");
+    if (step >= STOPS.length) { this.end(); return; }
+    this.step = step;
+    const [selector, text] = STOPS[step];
+    this.target = document.querySelector(selector);
+    this.target.classList.add("toured");
+    this.target.scrollIntoView({block: "nearest"});
+    document.getElementById("tour-text").textContent = text;
+    document.getElementById("tour-step").textContent = `${step + 1} of ${STOPS.length}`;
+    this.box.hidden = false;
+    const around = this.target.getBoundingClientRect(), own = this.box.getBoundingClientRect();
+    this.box.style.left = `${Math.max(8, Math.min(innerWidth - own.width - 8, around.left))}px`;
+    const below = around.bottom + 10 + own.height < innerHeight;
+    this.box.style.top = `${below ? around.bottom + 10 : Math.max(8, innerHeight - own.height - 10)}px`;
+    document.getElementById("tour-next").focus();
+  }
+  end() {
+    this.target?.classList.remove("toured");
+    this.box.hidden = true;
+    try { localStorage.setItem("shearwake-tour", "seen"); } catch { /* a browser without storage shows the tour again */ }
+  }
+}

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the sweeps that the page starts, one at a time."""
+import asyncio
+import math
+import os
+import re
+import tempfile
+import time
+from pathlib import Path
+
+import shearwake
+
+MOST_VALUES = 60
+KEY = re.compile(r"[a-z]+(\.[A-Za-z_]+(\[\d\])?){1,4}")
+COLUMNS = ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um")
+
+
+class NotASweep(Exception):
+    """The request of a sweep is not valid."""
+
+
+class StopAsked(Exception):
+    """Ends a run from its report of progress."""
+
+
+def checked(key, values):
+    """The axis of a request. Raises NotASweep."""
+    if not isinstance(key, str) or len(key) > 80 or not KEY.fullmatch(key):
+        raise NotASweep("the key of the sweep is not valid")
+    numbers = isinstance(values, list) and all(type(v) in (int, float) and math.isfinite(v) for v in values)
+    if not numbers or not 2 <= len(values) <= MOST_VALUES:
+        raise NotASweep(f"a sweep needs 2 to {MOST_VALUES} finite numbers")
+    return key, [float(v) for v in values]
+
+
+def clean(value):
+    """The number, or None for a cell without a value, which JSON cannot express."""
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+class Sweeps:
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        self.task = None
+        self.is_stopping = False
+
+    @property
+    def is_running(self):
+        return self.task is not None and not self.task.done()
+
+    def start(self, job, key, values, report):
+        """Starts a sweep; `report` gets messages about its progress. Raises NotASweep."""
+        key, values = checked(key, values)
+        if self.is_running:
+            raise NotASweep("a sweep is running; stop it or wait for its end")
+        self.is_stopping = False
+        self.task = asyncio.create_task(self.work(job, key, values, report))
+
+    def stop(self):
+        self.is_stopping = True
+
+    async def close(self):
+        self.stop()
+        if self.is_running:
+            await self.task
+
+    async def work(self, job, key, values, report):
+        loop = asyncio.get_running_loop()
+
+        def progress(found):
+            if self.is_stopping:
+                raise StopAsked
+            loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total})
+
+        try:
+            report(await asyncio.to_thread(self.run, job, key, values, progress))
+        except StopAsked:
+            report({"state": "stopped"})
+        except (shearwake.ShearwakeError, OSError, ValueError) as error:
+            report({"state": "failed", "message": str(error)})
+
+    def run(self, job, key, values, progress):
+        """Runs the sweep in an output folder of its own and returns its table."""
+        name = time.strftime("explore-%Y%m%d-%H%M%S")
+        with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
+            made = shearwake.Job(job + "\n").sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
+            made.folder = Path(temporary)
+            sweep = made.run(out=self.folder / name, progress=progress)
+        table = sweep.table
+        shown = [column for column in COLUMNS if column in table.columns]
+        rows = [[clean(row[key]), *(clean(row[column]) for column in shown)] for _, row in table.reset_index().iterrows()]
+        return {"state": "done", "folder": os.fspath(self.folder / name), "columns": [key, *shown], "rows": rows}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laboratory/observed_model.hpp"
+
+#include "base/error.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/observers/scan_series.hpp"
+#include "pipeline/vibrometer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::laboratory {
+
+Case observed_case(Case c, const ConvertedData& data) {
+    if (!c.vibrometer) {
+        c.vibrometer.emplace();
+        const Vec3 along = data.direction;
+        c.vibrometer->tilt_rad = std::atan2(std::hypot(along.x, along.y), along.z);
+        c.vibrometer->azimuth_rad = std::atan2(along.y, along.x);
+        c.vibrometer->trigger_delay_s = data.delay_s;
+    }
+    VibrometerOptions& scan = *c.vibrometer;
+    scan.points_m = data.points_m;
+    scan.rate_Hz = data.rate_Hz;
+    scan.trigger_delay_s += data.start_s;
+    scan.noise_m_s_rtHz = scan.missing_share = 0.0;
+    c.record = {};
+    c.afferents.reset();
+    return c;
+}
+
+std::size_t covered_samples(const Case& observed, const ConvertedData& data) {
+    const double duration_s = observed.time.duration_s();
+    if (observed.time.regime == Regime::periodic) {
+        const double samples = duration_s * data.rate_Hz;
+        if (samples < 2.0 || std::abs(samples - std::round(samples)) > 1e-6 * samples)
+            throw UsageError(fmt::format("the period of the load, {:.6g} ms, is not a whole number "
+                                         "of samples at {:.6g} Hz: choose another sampling rate or "
+                                         "modulation frequency",
+                                         1e3 * duration_s, data.rate_Hz));
+        return data.samples;
+    }
+    const double samples =
+        std::floor((duration_s - observed.vibrometer->trigger_delay_s) * data.rate_Hz + 1e-9) + 1.0;
+    return std::min(data.samples, static_cast<std::size_t>(std::max(samples, 0.0)));
+}
+
+ObservedModel::ObservedModel(const ConvertedData& data, std::size_t samples, const Comm& team)
+    : data_(data), samples_(samples), team_(team) {}
+
+std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
+    std::vector<double> rows;
+    fail_together(team_, [&] {
+        const Case c = observed_case(given, data_);
+        if (!engine_) engine_ = engines::make_engine(c.solver);
+        pipeline::ScanSeries series(c, team_);
+        engine_->run(c, team_, series, nullptr);
+        series.finish();
+        if (!team_.is_root()) return;
+        const pipeline::Scan scan = pipeline::scan(c, series.displacements_m());
+        const std::size_t count = scan.time_s.size();
+        for (std::size_t point = 0; point < data_.points_m.size(); ++point)
+            for (std::size_t n = 0; n < samples_; ++n) {
+                const std::size_t at =
+                    c.time.regime == Regime::periodic ? n % count : std::min(n, count - 1);
+                rows.push_back(scan.velocity_m_s[point * count + at]);
+            }
+    });
+    return rows;
+}
+
+} // namespace shearwake::laboratory

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "serve/solver.hpp"
+
+#include "base/error.hpp"
+#include "config/job.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/afferent_estimate.hpp"
+#include "pipeline/afferent_result.hpp"
+#include "pipeline/case_results.hpp"
+#include "pipeline/case_warnings.hpp"
+#include "pipeline/memory.hpp"
+#include "pipeline/surface_recorder.hpp"
+#include "serve/frame_keeper.hpp"
+
+#include <chrono>
+#include <fmt/format.h>
+
+namespace shearwake::serve {
+namespace {
+
+using Object = nlohmann::ordered_json;
+
+/// The job without its sweep: a request computes one case.
+config::Job read_request(const std::string& text) {
+    const std::vector<config::Override> without_axes = {
+        {"sweep", "{}"}, {"uncertain", "{}"}, {"table", "{}"}};
+    return config::read_job(text, "job", without_axes);
+}
+
+/// Throws UsageError with the errors about the afferents.
+void check_receptors(const Case& c) {
+    if (!c.afferents) return;
+    std::string errors;
+    for (const Remark& remark : pipeline::check_afferents(c))
+        if (remark.severity == Severity::error)
+            errors += fmt::format("{}afferents.{}: {}", errors.empty() ? "" : "\n", remark.key,
+                                  remark.message);
+    if (!errors.empty()) throw UsageError(errors, ExitCode::bad_job);
+}
+
+Object points(const std::vector<Vec2>& all) {
+    Object list = Object::array();
+    for (const Vec2 point : all)
+        list.push_back({point.x, point.y});
+    return list;
+}
+
+/// What a display needs in addition to the results.
+Object description(const PlannedCase& planned) {
+    const Case& c = planned.physics;
+    const double width_m = fwhm_m(c.scene().load.footprint);
+    return {
+        {"case", planned.id},
+        {"spacing_m", c.domain.spacing_m},
+        {"fwhm_m", width_m},
+        {"foci_m", points(c.scene().load.modulation.foci_m)},
+        {"surface_wave_m_s", rayleigh_speed_m_s(surface_wave_layer(c.scene().medium, width_m))}};
+}
+
+Object warnings_of(const Case& c, const pipeline::SurfaceRecorder& recorder,
+                   const std::vector<std::string>& afferents) {
+    Object list = Object::array();
+    for (const Remark& remark :
+         pipeline::case_warnings(c, recorder.solver().warnings, afferents, recorder.mean_u2()))
+        list.push_back({{"severity", remark.severity == Severity::error ? "error" : "warning"},
+                        {"key", remark.key},
+                        {"message", remark.message}});
+    return list;
+}
+
+} // namespace
+
+Solver::Solver(const Limits& limits, const Comm& world) : limits_(limits), world_(world) {}
+
+void Solver::refuse_unsuitable(const Case& c) const {
+    if (!std::holds_alternative<LayeredOptions>(c.solver))
+        throw UsageError(fmt::format("solver.engine: serve computes with engine \"layered\" only, "
+                                     "not with \"{}\"; use run",
+                                     engine_name(c.solver)));
+    const double values = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny) *
+                          static_cast<double>(c.time.frames);
+    if (!(values <= limits_.values))
+        throw UsageError(fmt::format("the case has {} x {} points and {} frames, {:.3g} values; "
+                                     "serve computes at most {:.3g}",
+                                     c.domain.nx, c.domain.ny, c.time.frames, values,
+                                     limits_.values));
+    const double afferents_s = engines::time_s(pipeline::receptors_work(c), {});
+    if (!(afferents_s <= limits_.time_s))
+        throw UsageError(fmt::format("the receptors would take about {:.3g} s; serve computes for "
+                                     "at most {:.3g} s",
+                                     afferents_s, limits_.time_s));
+    const double frames_B = 2.0 * values * sizeof(float);
+    const double needed_B = pipeline::memory_needed_B(c, world_.size(), *engine_) + frames_B;
+    if (!(needed_B <= limits_.memory_per_rank_B))
+        throw UsageError(fmt::format("the case needs {:.2f} GB per rank; serve uses at most {:.2f} "
+                                     "GB",
+                                     needed_B / 1e9, limits_.memory_per_rank_B / 1e9));
+}
+
+bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answer) {
+    const auto began = std::chrono::steady_clock::now();
+    const config::Job job = read_request(text);
+    const PlannedCase& planned = job.plan.cases.front();
+    const Case& c = planned.physics;
+    if (!engine_) engine_ = engines::make_engine(LayeredOptions{});
+    refuse_unsuitable(c);
+    check_receptors(c);
+    pipeline::SurfaceRecorder recorder(c, world_, nullptr, {});
+    pipeline::keep_receptors(c, recorder);
+    FrameKeeper keeper(c, world_, recorder, rows_);
+    fail_together(world_, [&] { engine_->run(c, world_, keeper, &interrupt); });
+    if (interrupt.stop()) return false;
+    pipeline::CaseResults results;
+    fail_together(world_, [&] {
+        recorder.finish();
+        results = pipeline::case_results(planned, recorder, world_);
+        keeper.gather(frames_);
+    });
+    on_root(world_, [&] {
+        answer.members = description(planned);
+        answer.members["warnings"] = warnings_of(c, recorder, results.afferents);
+        answer.members["seconds"] =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        answer.groups = std::move(results.groups);
+        answer.frames = {frames_, c.time.frames, c.domain.nx, c.domain.ny};
+    });
+    return true;
+}
+
+} // namespace shearwake::serve

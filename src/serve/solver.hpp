@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/record.hpp"
+#include "engines/engine.hpp"
+#include "serve/interrupt.hpp"
+#include "serve/output.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace shearwake::serve {
+
+/// Limits of a request.
+struct Limits {
+    double memory_per_rank_B = 2e9;
+    double time_s = 60.0;
+    double values = 6.4e7; // points of the surface times frames
+};
+
+/// The result of a request, on rank 0; empty elsewhere. The frames are valid until the next
+/// request.
+struct Answer {
+    nlohmann::ordered_json members;
+    std::vector<VariableGroup> groups;
+    Frames frames;
+};
+
+/// Computes cases one after the other and keeps what they can share: the engine with its transfer
+/// functions and transforms, and the memory of the frames.
+class Solver {
+public:
+    /// Not collective.
+    Solver(const Limits& limits, const Comm& world);
+    /// Computes the first case of a job. Returns false if it was interrupted. Throws on all ranks
+    /// together: BadJob for a job with errors, UsageError for one that exceeds the limits, and
+    /// CaseFailure. Collective.
+    bool compute(const std::string& job, Interrupt& interrupt, Answer& answer);
+
+private:
+    /// Throws UsageError. Not collective; all ranks come to the same result.
+    void refuse_unsuitable(const Case& c) const;
+
+    Limits limits_;
+    const Comm& world_;
+    std::unique_ptr<engines::Engine> engine_;
+    std::vector<float> rows_, frames_; // of this rank; of all ranks, on rank 0
+};
+
+} // namespace shearwake::serve

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`shearwake serve` gives the results of `run`, cancels, and survives hostile requests."""
+import json
+import threading
+import unittest
+
+import h5py
+import numpy
+
+from program import ProgramTest, case_files
+from serving import Server, one
+
+RECEPTORS = '[afferents]\nwhere = "grid"\nextent_mm = [16.0, 8.0]\npitch_mm = 8.0\nclasses = ["RA"]\n'
+LARGE = one().replace("48.0]", "600.0]").replace("64.0,", "600.0,")  # 160 000 points
+
+
+def columns(message):
+    return {name: column["value"] for name, column in message["columns"].items()}
+
+
+class Serve(ProgramTest):
+    def stored(self, job):
+        """The columns and the frames of the case that `run` computes."""
+        out = self.folder / "run"
+        self.shearwake("run", self.write_job(job), "--out", out, "--quiet")
+        with h5py.File(case_files(out)[0]) as file:
+            scalars = {name: float(item[()]) for name, item in file.items()
+                       if isinstance(item, h5py.Dataset) and item.shape == ()}
+            spikes = file["afferents/spike_time"][()] if "afferents" in file else None
+            return scalars, file["surface/u_z"][:, 0], spikes, case_files(out)[0].stem
+
+    def assert_equal_to_run(self, message, arrays, job):
+        scalars, frames, spikes, case = self.stored(job)
+        self.assertEqual(message["type"], "result")
+        self.assertEqual(message["case"], case)
+        found = columns(message)
+        self.assertEqual(set(found), set(scalars))
+        for name, value in scalars.items():
+            if not numpy.isfinite(value):
+                self.assertIsNone(found[name], name)
+            else:  # the same arithmetic; only the order of sums over ranks may differ
+                self.assertLessEqual(abs(found[name] - value), 1e-9 * max(abs(value), 1e-30), name)
+        # Frames have single precision, whose relative error is 6e-8.
+        self.assertLessEqual(numpy.abs(arrays["u_z"] - frames).max(), 1e-7 * numpy.abs(frames).max())
+        if spikes is not None:
+            numpy.testing.assert_allclose(arrays["afferents/spike_time"], spikes, rtol=1e-9)
+
+    def test_a_result_equals_the_case_that_run_computes(self):
+        job = one(more=RECEPTORS)
+        with Server() as server:
+            self.assertEqual((server.hello["type"], server.hello["protocol"], server.hello["ranks"]), ("hello", 1, 1))
+            server.compute(one(peak=70.0))  # leaves transfer functions and buffers
+            self.assert_equal_to_run(*server.compute(job), job)
+            self.assertEqual(server.end(), 0)
+
+    def test_two_ranks_give_the_result_of_run(self):
+        job = one(peak=50.0)
+        with Server(ranks=2) as server:
+            self.assertEqual(server.hello["ranks"], 2)
+            server.compute(one(width=96.0))
+            self.assert_equal_to_run(*server.compute(job), job)
+            self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")
+            self.assertEqual(server.end(), 0)
+
+    def test_a_newer_request_a_message_and_the_end_of_the_input_cancel(self):
+        with Server() as server:
+            first = server.send(LARGE)
+            second = server.send(one())
+            message, _ = server.receive()
+            self.assertEqual((message["type"], message["id"]), ("cancelled", first))
+            self.assertIn("newer", message["reason"])
+            self.assertEqual(server.receive()[0]["id"], second)
+            third = server.send(LARGE)
+            server.send_text('{"type": "cancel"}\n')
+            message, _ = server.receive()
+            self.assertEqual((message["type"], message["id"]), ("cancelled", third))
+            server.send(LARGE)
+            self.assertEqual(server.end(), 0)
+
+    def test_the_sweep_of_a_job_is_ignored(self):
+        with Server() as server:
+            plain, _ = server.compute(one())
+            swept, _ = server.compute(one(more='[sweep]\n"load.peak_Pa" = { linspace = [1, 100, 100000] }\n'))
+            self.assertEqual(swept["case"], plain["case"])
+
+    def test_a_request_ends_after_the_time_limit(self):
+        with Server("--time-limit", "0.05") as server:
+            message, _ = server.compute(LARGE)
+            self.assertEqual((message["type"], message["code"]), ("error", "time_limit"))
+
+    def test_hostile_requests_have_clear_errors_and_the_process_survives(self):
+        def requested(**members):
+            return json.dumps(members) + "\n"
+
+        unusable = [
+            ("{\n", "not a JSON object"), ("[1, 2]\n", "not a JSON object"), ("null\n", "not a JSON object"),
+            (b"\xff\xfe\x00\x01\n", "not a JSON object"), ("[" * 500_000 + "\n", "not a JSON object"),
+            ('{"a":' * 100_000 + "\n", "not a JSON object"), ("x" * 1_500_000 + "\n", "more than 1000000 bytes"),
+            (requested(type="compute", job=one()), 'needs an "id"'), (requested(type="compute", id=-1, job="a"), 'needs an "id"'),
+            (requested(type="compute", id="1", job="a"), 'needs an "id"'), (requested(type="compute", id=10**30, job="a"), 'needs an "id"'),
+            (requested(type="compute", id=1), 'needs a "job"'), (requested(type="compute", id=1, job=[1]), 'needs a "job"'),
+            (requested(type="delete", id=1, job="a"), 'must be "compute"'), ("{}\n", 'must be "compute"'),
+        ]
+        jobs = [
+            (one(peak="nan"), "load.peak_Pa"), (one(peak="-inf"), "load.peak_Pa"), ("schema = 1", "job is missing"),
+            ("\x00\x01", "not valid TOML"), ("a = [[[[" * 1000, "TOML"),
+            (one().replace("1.5", "1e-5"), "at most"), (one(width=1e9), "domain.extent_mm"), (one(width=9000.0).replace("48.0]", "9000.0]"), "at most"),
+            (one().replace("duration_ms = 4.0", "duration_ms = 1e9"), "time.duration_ms"),
+            (one().replace("= 100.0\n[record]", "= 1e-5\n[record]"), "at most"),
+            (one(more='[solver]\nengine = "spectral"\n'), "layered"),
+            (one(more='[afferents]\nwhere = "csv"\nfile = "/etc/passwd"\n'), "file"),
+            (one().replace('preset = "thesis-tissue"', 'preset = "thesis-tissue"\nmap = "/dev/zero"'), "map"),
+            (one(more='[afferents]\nwhere = "grid"\nextent_mm = [10000.0, 10000.0]\npitch_mm = 0.001\n'), "afferents"),
+        ]
+        with Server() as server:
+            for text, expected in unusable:
+                server.send_text(text)
+                message, _ = server.receive()
+                self.assertEqual((message["type"], message["code"]), ("error", "bad_request"), text[:60])
+                self.assertIn(expected, message["message"], text[:60])
+            for job, expected in jobs:
+                message, _ = server.compute(job)
+                self.assertEqual(message["type"], "error", job)
+                self.assertIn(expected, message["message"], job)
+            self.assertEqual(server.compute(one())[0]["type"], "result")
+            self.assertEqual(server.end(), 0)
+
+    def test_a_thousand_rapid_changes_do_not_let_the_memory_grow(self):
+        def changes(server, first):
+            """Sends a thousand requests without waiting for answers, and returns the last answer."""
+            answers = []
+            reader = threading.Thread(target=lambda: answers.append(server.receive_until(server_last)))
+            server_last = server.number + 1000
+            reader.start()
+            for n in range(first, first + 1000):
+                server.send(one(peak=50.0 + 0.01 * n))
+            reader.join()
+            return answers[0][0]
+
+        with Server() as server:
+            for _ in range(3):
+                server.compute(one())
+            self.assertEqual(changes(server, 0)["type"], "result")
+            before = server.resident_kB()
+            self.assertEqual(changes(server, 1000)["type"], "result")
+            # A leak of one result per request would be 200 MB; the allocator may keep some pages.
+            self.assertLess(server.resident_kB() - before, 8000)
+
+    def test_a_reader_that_ends_ends_the_process(self):
+        with Server() as server:
+            server.process.stdout.close()
+            server.send(one())
+            server.process.wait(60)
+
+
+if __name__ == "__main__":
+    unittest.main()

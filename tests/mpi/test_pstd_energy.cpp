@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The energy of engine pstd: what its sources supply limits the kinetic energy of a stable field,
+// and ends a run whose field grows by itself.
+#include "base/error.hpp"
+#include "engines/pstd/scene/case_load.hpp"
+#include "engines/pstd/scene/case_step.hpp"
+#include "support/cases.hpp"
+#include "support/pstd_recording.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+using namespace shearwake;
+using namespace shearwake::pstd;
+
+namespace {
+
+constexpr double spacing_m = 1e-3;
+const pstd::NodeMaterial solid{1000.0, 20.0, 5.0}, fluid{1000.0, 20.0, 0.0};
+
+/// A periodic box without absorbing layer, of which the step is `share` of the largest stable one.
+pstd::Setup box(const pstd::NodeMaterial& material, double share) {
+    pstd::Setup s;
+    s.grid = {{11, 9, 16},
+              {spacing_m, spacing_m, spacing_m},
+              share * pstd::largest_step_s(material, spacing_m)};
+    s.pml.strength_1 = {0.0, 0.0, 0.0};
+    s.material = [material](pstd::Node) { return material; };
+    return s;
+}
+
+/// Pa on all normal stresses of a node, in the first step.
+void add_pressure(pstd::Setup& setup, double pressure_Pa) {
+    for (const pstd::Field field : {pstd::Field::sxx, pstd::Field::syy, pstd::Field::szz}) {
+        pstd::Source source{.field = field, .scaling = pstd::SourceScaling::none};
+        source.nodes = {{5, 4, 7}};
+        setup.sources.push_back(pstd::sampled_source(source, {pressure_Pa}));
+    }
+}
+
+/// A study of a uniform solid that a velocity or a normal stress excites in the first steps.
+Case study_case(pstd::Field field, double step_s) {
+    StudyData study;
+    study.points = {11, 9, 16};
+    study.spacing_m = {spacing_m, spacing_m, spacing_m};
+    study.time_step_s = step_s;
+    study.steps = 600;
+    study.density_kg_m3 = {solid.density_kg_m3};
+    study.c_p_m_s = {solid.c_p_m_s};
+    study.c_s_m_s = {solid.c_s_m_s};
+    NodeSource source;
+    source.field = pstd::index_of(field);
+    source.nodes = {{5, 4, 7}};
+    source.weights = {1e-6};
+    source.rows = {0};
+    source.series = {1.0, 2.0, 1.0};
+    source.samples = 3;
+    study.sources = {source};
+    Case c = test::moving_focus(test::half_space(test::tissue(20.0, 0.0)), ConstantSpeed{7.0});
+    c.domain = {8, 8, spacing_m, 0.0};
+    c.time = {2, 200.0 * step_s};
+    c.solver = PstdOptions{};
+    c.problem = GridStudy{std::make_shared<const StudyData>(study), c.scene()};
+    return c;
+}
+
+std::string failure(const Case& c) {
+    test::FrameStore frames;
+    try {
+        engines::make_engine(c.solver)->run(c, Comm::world(), frames);
+    } catch (const FieldDiverges& failure) {
+        return failure.what();
+    }
+    return "no failure";
+}
+
+bool contains(const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+}
+
+/// A focus over tissue with a light, stiff lump, of few points.
+Case scene(PstdTop top, PstdLoad load) {
+    Case c = test::moving_focus(test::half_space(test::tissue(50.0, 0.2)), ConstantSpeed{7.0});
+    Body lump;
+    lump.shape = Ellipsoid{{6e-3, 5e-3, 4e-3}};
+    lump.centre_m = {1e-3, -2e-3, 7e-3};
+    lump.density_kg_m3 = 600.0;
+    c.scene().medium.bodies = {lump};
+    c.domain = {20, 14, 1.5e-3, 0.0};
+    c.scene().load.footprint = GaussianFootprint{6e-3};
+    std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
+        .from_m = {-8e-3, 1e-3};
+    c.time = {8, 250e-6};
+    c.measure.at_s = 1e-3;
+    PstdOptions options;
+    options.depth_m = 12e-3;
+    options.absorbing_points = 8;
+    options.top = top;
+    options.load = load;
+    options.displacement_m = 1e-6;
+    c.solver = options;
+    return c;
+}
+
+/// Largest kinetic energy relative to the largest work until then, from the step `first`.
+double largest_ratio(const Case& c) {
+    const auto& options = std::get<PstdOptions>(c.solver);
+    const pstd::CaseGrid grid = pstd::case_grid(c, options);
+    const pstd::StepChoice step =
+        pstd::choose_step(c, options, pstd::extremes_of_grid(c, options, grid));
+    pstd::Setup setup;
+    setup.grid = {grid.points, {grid.spacing_m, grid.spacing_m, grid.spacing_m}, step.step_s};
+    setup.pml = pstd::absorbing_layer(c, options);
+    setup.material = [&](pstd::Node node) { return pstd::material_at(c, options, grid, node); };
+    setup.absorption = pstd::Absorption::kelvin_voigt;
+    setup.sources = {pstd::load_source(c, options, grid, step.step_s)};
+    const Comm world = Comm::world();
+    pstd::Stepper<double> stepper(setup, world);
+    double work_J = 0.0, ratio = 0.0;
+    while (stepper.steps() < c.time.frames * step.per_frame) {
+        stepper.step();
+        work_J = std::max(work_J, world.sum(stepper.work_J()));
+        ratio = std::max(ratio, world.sum(stepper.kinetic_J()) / work_J);
+    }
+    return ratio;
+}
+
+} // namespace
+
+TEST_CASE("the work of a force on a lossless medium of engine pstd is its energy", "[mpi][pstd]") {
+    const Comm world = Comm::world();
+    pstd::Setup setup = box(solid, 0.02);
+    pstd::Source force{.field = pstd::Field::uz, .scaling = pstd::SourceScaling::none};
+    force.nodes = {{5, 4, 7}, {6, 4, 7}, {0, 0, 0}};
+    setup.sources.push_back(pstd::sampled_source(force, std::vector<double>(3 * 120, 1e-3)));
+    pstd::Stepper<double> stepper(setup, world);
+    while (stepper.steps() < 300)
+        stepper.step();
+    const double energy_J = world.sum(stepper.kinetic_J() + stepper.elastic_J()),
+                 work_J = world.sum(stepper.work_J());
+    CAPTURE(energy_J, work_J);
+    CHECK(work_J > 0.0);
+    // The preserved energy has the velocities of two successive steps. The two differ by r = 0.02
+    // of the energy at most (pstd_march.cpp).
+    CHECK(energy_J == Approx(work_J).epsilon(0.02));
+}
+
+TEST_CASE("elastic energy of a pressure in engine pstd is p^2/(2 K)", "[mpi][pstd]") {
+    const pstd::NodeMaterial material = GENERATE(solid, fluid);
+    const Comm world = Comm::world();
+    pstd::Setup setup = box(material, 0.5);
+    add_pressure(setup, 3.0);
+    pstd::Stepper<double> stepper(setup, world);
+    stepper.step();
+    const double bulk_Pa = material.lambda_Pa() + 2.0 / 3.0 * material.mu_Pa();
+    const double elastic_J = world.sum(stepper.elastic_J());
+    // Rounding errors.
+    CHECK(elastic_J == Approx(9.0 / (2.0 * bulk_Pa) * std::pow(spacing_m, 3)).epsilon(1e-12));
+    CHECK(stepper.unknown_until() == 1.0);
+}
+
+TEST_CASE("kinetic energy in engine pstd does not exceed the work of the load", "[mpi][pstd]") {
+    const PstdTop top = GENERATE(PstdTop::nothing, PstdTop::continued, PstdTop::fluid);
+    const PstdLoad load = GENERATE(PstdLoad::traction, PstdLoad::displacement);
+    const double ratio = largest_ratio(scene(top, load));
+    CAPTURE(static_cast<int>(top), static_cast<int>(load), ratio);
+    CHECK(ratio > 0.5);
+    // In the first step from rest all of the work is kinetic energy, apart from rounding errors. A
+    // run is ended at 20.
+    CHECK(ratio < 1.0 + 1e-9);
+}
+
+TEST_CASE("engine pstd ends a study whose field grows after its source", "[mpi][pstd]") {
+    const pstd::Field field = GENERATE(pstd::Field::uz, pstd::Field::szz);
+    // Along an axis with an odd number of points n the largest wave number is 1 - 1/n of the
+    // others'.
+    const double k2_1 = (std::pow(10.0 / 11.0, 2) + std::pow(8.0 / 9.0, 2) + 1.0) / 3.0;
+    const double limit_s = pstd::largest_step_s(solid, spacing_m) / std::sqrt(k2_1);
+    const std::string stable = failure(study_case(field, 0.999 * limit_s)),
+                      grows = failure(study_case(field, 1.003 * limit_s));
+    CAPTURE(stable, grows);
+    CHECK(stable == "no failure");
+    const bool says = contains(grows, " ms: the field diverges: its kinetic energy is ") &&
+                      contains(grows, "a smaller kgrid.dt of the study may help");
+    CHECK(static_cast<int>(Comm::world().sum(says ? 1.0 : 0.0)) == Comm::world().size());
+}

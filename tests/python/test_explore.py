@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The server of `shearwake explore` refuses strangers, survives hostile requests, and runs sweeps."""
+import asyncio
+import contextlib
+import http.client
+import json
+import os
+import signal
+import socket
+import unittest
+from pathlib import Path
+
+import aiohttp
+
+from exploring import Page
+from study import InFolder, program
+from serving import one
+
+LARGE = one().replace("48.0]", "600.0]").replace("64.0,", "600.0,")
+
+
+def resident_kB(pid):
+    with open(f"/proc/{pid}/status", encoding="utf-8") as file:
+        return next(int(line.split()[1]) for line in file if line.startswith("VmRSS:"))
+
+
+class Explore(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.page = cls.enterClassContext(Page(cls.folder))
+
+    def in_session(self, work):
+        async def run():
+            async with aiohttp.ClientSession(timeout=aiohttp.ClientTimeout(total=program.PATIENCE_s)) as session:
+                return await work(session)
+        return asyncio.run(run())
+
+    def connected(self, work):
+        """Runs `work(socket)` with a connection that the page itself could have opened."""
+        async def connect(session):
+            async with self.connection(session) as ws:
+                return await work(ws)
+        return self.in_session(connect)
+
+    def connection(self, session, **options):
+        return session.ws_connect(f"{self.page.origin}/socket?token={self.page.token}", max_msg_size=1 << 28,
+                                  **{"origin": self.page.origin, **options})
+
+    async def answer(self, ws, number=None):
+        """The next answer to this request; of a result, the bytes as well."""
+        while True:
+            message = json.loads(await ws.receive_str())
+            content = await ws.receive_bytes() if message["type"] == "result" else b""
+            if number is None or message.get("id") == number:
+                return message, content
+
+    def status(self, path, **headers):
+        async def get(session):
+            async with session.get(f"{self.page.origin}{path}", headers=headers) as response:
+                return response.status, dict(response.headers), await response.text()
+        return self.in_session(get)
+
+    def status_of_raw(self, path):
+        """The status of a path that aiohttp's client would normalise or refuse to send."""
+        connection = http.client.HTTPConnection(self.page.host, timeout=program.PATIENCE_s)
+        try:
+            connection.putrequest("GET", path)
+            connection.endheaders()
+            return connection.getresponse().status
+        finally:
+            connection.close()
+
+    def test_the_page_needs_the_token_and_loads_nothing_from_elsewhere(self):
+        self.assertEqual(self.status("/")[0], 403)
+        self.assertEqual(self.status("/?token=" + "x" * 32)[0], 403)
+        self.assertEqual(self.status("/?token=%C3%A9")[0], 403)
+        code, headers, text = self.status(f"/?token={self.page.token}")
+        self.assertEqual(code, 200)
+        self.assertIn("default-src 'none'", headers["Content-Security-Policy"])
+        self.assertIn("HttpOnly", headers["Set-Cookie"])
+        self.assertIn("SameSite=Strict", headers["Set-Cookie"])
+        self.assertNotIn("https://", text.replace("https://github.com/leeoniya/uPlot", ""))
+        self.assertEqual(self.status(f"/?token={self.page.token}", Host="evil.example")[0], 403)
+        for path in ("/etc/passwd", "/page/main.js", "/page.html", "/../explore.py", "/%2e%2e/explore.py"):
+            self.assertIn(self.status_of_raw(f"{path}?token={self.page.token}"), (400, 403, 404), path)
+
+    def test_only_this_machine_is_served(self):
+        port = int(self.page.host.rsplit(":", 1)[1])
+        with socket.socket() as other:  # another address of this machine is free
+            other.bind(("127.0.0.2", port))
+
+    def test_other_origins_and_wrong_tokens_cannot_connect(self):
+        async def refused(session):
+            for options in ({"origin": "http://evil.example"}, {"origin": None}, {"origin": "null"},
+                            {"headers": {"Host": "evil.example"}}):
+                with self.assertRaises(aiohttp.WSServerHandshakeError, msg=options) as caught:
+                    await self.connection(session, **options)
+                self.assertEqual(caught.exception.status, 403)
+            with self.assertRaises(aiohttp.WSServerHandshakeError):
+                await session.ws_connect(f"{self.page.origin}/socket?token=wrong", origin=self.page.origin)
+        self.in_session(refused)
+
+    def test_hostile_messages_have_clear_errors(self):
+        async def talk(ws):
+            for text, expected in (("{", "valid JSON"), ("[" * 100_000, "valid JSON"), ("[]", "JSON object"), ("NaN", "JSON object"),
+                                   ('{"type": "compute"}', '"id"'), ('{"type": "compute", "id": true}', '"id"'),
+                                   ('{"type": "compute", "id": 1, "job": 5}', '"job"'),
+                                   ('{"type": "read", "id": 1, "job": "a"}', '"type"'),
+                                   ('{"type": "sweep", "id": 1, "job": "a", "key": "load.peak_Pa", "values": [1, 2]}', "this page has computed")):
+                await ws.send_str(text)
+                message, _ = await self.answer(ws)
+                self.assertEqual((message["type"], message["code"]), ("error", "bad_request"), text[:50])
+                self.assertIn(expected, message["message"], text[:50])
+            await ws.send_bytes(b"\0" * 100)
+            self.assertIn("must be a text", (await self.answer(ws))[0]["message"])
+            for job, expected in ((one(width=1e9), "domain.extent_mm"), (one(width=9000.0).replace("48.0]", "9000.0]"), "at most"), (one(peak="nan"), "load.peak_Pa"),
+                                  (one(more='[afferents]\nwhere = "csv"\nfile = "/etc/passwd"\n'), "file")):
+                await ws.send_str(json.dumps({"type": "compute", "id": 7, "job": job}))
+                message, _ = await self.answer(ws, 7)
+                self.assertEqual(message["type"], "error")
+                self.assertIn(expected, message["message"])
+        self.connected(talk)
+
+    def test_a_message_that_is_too_long_closes_the_connection_only(self):
+        async def talk(ws):
+            await ws.send_str("x" * 2_000_000)
+            self.assertIn((await ws.receive()).type, (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.ERROR))
+        self.connected(talk)
+        self.assertEqual(self.status(f"/?token={self.page.token}")[0], 200)
+
+    def test_a_closed_tab_cancels_its_request_and_others_are_served(self):
+        async def talk(session):
+            first = await self.connection(session)
+            await first.send_str(json.dumps({"type": "compute", "id": 1, "job": LARGE}))
+            await asyncio.sleep(0.1)
+            await first.close()
+            async with self.connection(session) as second:
+                await second.send_str(json.dumps({"type": "compute", "id": 2, "job": one()}))
+                message, content = await self.answer(second, 2)
+                self.assertEqual((message["type"], message["bytes"]), ("result", len(content)))
+        self.in_session(talk)
+
+    def test_a_thousand_rapid_changes_do_not_let_the_memory_grow(self):
+        async def changes(ws, first):
+            async def send():
+                for n in range(first, first + 1000):
+                    await ws.send_str(json.dumps({"type": "compute", "id": n, "job": one(peak=50.0 + 0.001 * n)}))
+            sender = asyncio.create_task(send())
+            message, _ = await self.answer(ws, first + 999)
+            await sender
+            self.assertEqual(message["type"], "result")
+
+        async def talk(ws):
+            await changes(ws, 0)
+            pids = [pid for pid, command in self.page.children().items() if "explore.py" in command]
+            self.assertEqual(len(pids), 1)
+            before = resident_kB(pids[0])
+            await changes(ws, 1000)
+            # Each result has 250 kB: results that are not released would be more than 200 MB.
+            self.assertLess(resident_kB(pids[0]) - before, 20000)
+        self.connected(talk)
+
+    def test_a_sweep_runs_in_a_folder_of_its_own(self):
+        async def talk(ws):
+            job = one(more='[measure]\nat_ms = 4.0\n')
+            await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": job}))
+            self.assertEqual((await self.answer(ws, 1))[0]["type"], "result")
+            for key, values in (("load.peak_Pa", [1]), ("load.peak_Pa", ["a", 2]), ("../x", [1, 2]), ("load.peak_Pa", [1, float("inf")])):
+                await ws.send_str(json.dumps({"type": "sweep", "id": 2, "job": job, "key": key, "values": values}))
+                self.assertEqual((await self.answer(ws, 2))[0]["type"], "error")
+            await ws.send_str(json.dumps({"type": "sweep", "id": 3, "job": job, "key": "load.peak_Pa", "values": [50, 100]}))
+            while True:
+                message, _ = await self.answer(ws, 3)
+                if message.get("state") != "running":
+                    return message
+        message = self.connected(talk)
+        self.assertEqual(message["state"], "done", message)
+        self.assertEqual(message["columns"][0], "load.peak_Pa")
+        peak = message["columns"].index("peak_um")
+        (first, second) = message["rows"]
+        self.assertAlmostEqual(second[peak] / first[peak], 2.0, places=6)  # tables have nine digits
+        self.assertTrue((Path(message["folder"]) / "plan.json").is_file())
+
+    def test_the_engine_is_started_again_if_it_ends(self):
+        async def talk(ws):
+            engines = [pid for pid, command in self.page.children().items() if command.endswith(" serve")]
+            self.assertEqual(len(engines), 1)
+            await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": LARGE}))
+            await asyncio.sleep(0.05)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(engines[0], signal.SIGKILL)
+            message, _ = await self.answer(ws, 1)
+            self.assertEqual((message["type"], message["code"]), ("error", "ended"))
+            await ws.send_str(json.dumps({"type": "compute", "id": 2, "job": one()}))
+            self.assertEqual((await self.answer(ws, 2))[0]["type"], "result")
+        self.connected(talk)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of `shearwake explore` in a headless chromium: what it shows is what `run` computes."""
+import base64
+import statistics
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+from exploring import Page
+from study import InFolder, ROOT, program
+
+sys.path.insert(0, str(ROOT / "tests" / "report"))
+
+import browser  # noqa: E402
+from test_browser import need_chromium  # noqa: E402
+
+# Moves a slider as a user does, waits for the result of the change, and returns the time in ms until it was drawn.
+MOVE = """(async (name, value) => {
+  const input = document.querySelector(`[data-setting="${name}"] input`), before = explorer.waits_ms.length;
+  input.value = value;
+  input.dispatchEvent(new Event("input"));
+  while (explorer.waits_ms.length === before || explorer.active || explorer.changed_ms !== undefined) await new Promise(r => setTimeout(r, 2));
+  return explorer.waits_ms.at(-1);
+})"""
+SHOWN = """(() => { const r = explorer.result; return {id: r.header.case, columns: Object.fromEntries(Object.entries(r.header.columns)
+  .map(([name, c]) => [name, c.value])), shape: [r.frames, r.nx, r.ny], text: document.querySelector('[data-column="eta_at_1"]').textContent}; })()"""
+
+
+# Every tenth frame, as base64.
+FRAMES = """(() => { let text = ""; const r = explorer.result;
+  for (let n = 9; n < r.frames; n += 10) { const f = r.frame(n), bytes = new Uint8Array(f.buffer, f.byteOffset, f.byteLength);
+    for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192)); }
+  return btoa(text); })()"""
+
+
+class ExplorePage(InFolder):
+    @classmethod
+    def setUpClass(cls):
+        need_chromium()
+        super().setUpClass()
+        cls.server = cls.enterClassContext(Page(cls.folder))
+        cls.browser = cls.enterClassContext(browser.Browser(browser.SOFTWARE_WEBGL))
+
+    def open(self, width=1280, more=""):
+        page = self.browser.open(self.server.address + more, width, 900 if width > 700 else 844)
+        self.assertTrue(page.wait("typeof explorer === 'object' && explorer.waits_ms.length > 0"))
+        return page
+
+    def assert_equal_to_run(self, page, name):
+        """Runs the job that the page copies and compares the columns and every tenth frame."""
+        page.run("document.getElementById('copy').click()")
+        job = Path(name + ".toml")
+        job.write_text(page.run("explorer.copied"), encoding="utf-8")
+        out = Path(name)
+        program_run = subprocess.run([*program.command("run"), job, "--out", out, "--quiet"], check=False,
+                                                   env=program.environment(), capture_output=True, text=True)
+        self.assertEqual(program_run.returncode, 0, program_run.stdout + program_run.stderr)
+        shown = page.run(SHOWN)
+        path = program.case_files(out)[0]
+        self.assertEqual(shown["id"], path.stem)
+        with h5py.File(path) as file:
+            frames = file["surface/u_z"][:, 0]
+            self.assertEqual(list(frames.shape), shown["shape"])
+            for column in ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um", "ipr_at_1"):
+                value = float(file[column][()])
+                if numpy.isfinite(value):
+                    self.assertLessEqual(abs(shown["columns"][column] - value), 1e-6 * abs(value), column)
+            eta = float(file["eta_at_1"][()])
+        self.assertAlmostEqual(float(shown["text"]), eta, delta=1e-3 * eta)  # four digits are shown
+        field = numpy.frombuffer(base64.b64decode(page.run(FRAMES)), "<f4").reshape(-1, *frames.shape[1:])
+        self.assertEqual(len(field), 12)
+        self.assertLessEqual(numpy.abs(field - frames[9::10]).max(), 1e-6 * numpy.abs(frames).max())
+
+    def test_moved_sliders_show_what_run_computes(self):
+        page = self.open()
+        self.assertEqual(page.run("explorer.surface.gl !== null"), True)
+        loads = [page.run(f"{MOVE}('{name}', {value})") for name, value in
+                 (("speed", 6), ("am", 350), ("fwhm", 5.2), ("peak", 120), ("depth", 0.8), ("speed", 8.5), ("am", 240), ("fwhm", 6))]
+        self.assert_equal_to_run(page, "load")
+        page.run("Array.from(document.querySelectorAll('#controls button')).find(b => b.textContent === 'Edit the layers').click()")
+        self.assertTrue(page.wait("!explorer.active && explorer.shown.layers"))
+        media = [page.run(f"{MOVE}('layer1.{name}', {value})") for name, value in
+                 (("c_s_m_s", 4.2), ("viscosity_Pa_s", 0.8), ("thickness_mm", 15), ("c_s_m_s", 5.5))]
+        self.assert_equal_to_run(page, "medium")
+        page.run("explorer.draws.length = 0; explorer.play(true)")
+        page.run("new Promise(done => setTimeout(done, 2000))")
+        pictures = page.run("(d => 1000 * (d.length - 1) / (d.at(-1) - d[0]))(explorer.draws)")
+        # Stated for the record; a busy machine may be slower.
+        print(f"changed load {statistics.median(loads):.0f} ms, changed medium {statistics.median(media):.0f} ms (medians), "
+              f"{pictures:.0f} pictures per second", file=sys.stderr)
+        self.assertEqual(page.errors(), [])
+
+    def test_every_kind_of_setting_is_computed(self):
+        page = self.open()
+        for change in ("s.kind = 'STM'", "s.kind = 'SM-STM'", "s.kind = 'AM'", "s.kind = 'LM'", "s.kind = 'AM-STM'; s.path = 'circle'",
+                       "s.path = 'drawn'; s.drawn = [[-20, 0], [0, 10], [20, -5]]", "s.preset = 'ecoflex'", "s.preset = 'three-layer-skin'",
+                       "s.preset = 'ecoflex'; s.base = 'rigid'; s.layers = structuredClone(PRESETS.ecoflex.layers)",
+                       "s.layers = structuredClone(PRESETS['three-layer-skin'].layers); s.base = 'half-space'", "s.layers = null; s.receptors = true"):
+            with self.subTest(change=change):
+                page.run(f"(() => {{ const s = structuredClone(explorer.settings); {change}; explorer.waits_ms.length = 0; explorer.use(s); }})()")
+                self.assertTrue(page.wait("explorer.waits_ms.length || explorer.parts.state.classList.contains('error')"))
+                self.assertEqual(page.run("explorer.parts.state.className"), "", page.run("explorer.parts.state.textContent"))
+        self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
+        self.assertEqual(page.errors(), [])
+
+    def test_a_link_restores_the_settings_and_hides_the_token(self):
+        page = self.open()
+        page.run(f"{MOVE}('speed', 9)")
+        page.run("document.getElementById('link').click()")
+        link = page.run("explorer.copied")
+        self.assertNotIn("token", link)
+        self.assertNotIn(self.server.token, link)
+        again = self.browser.open(link, 1280, 900)  # the cookie replaces the token
+        self.assertTrue(again.wait("typeof explorer === 'object' && explorer.waits_ms.length > 0"))
+        self.assertEqual(again.run("explorer.settings.speed"), 9)
+        self.assertEqual(again.run("document.querySelector('[data-setting=speed] output').value"), "9.0 m/s")
+
+    def test_hostile_links_keep_the_defaults(self):
+        for text in ("#s=%%%", "#s=" + "A" * 30000, "#s=bnVsbA", "#s=eyJwcmVzZXQiOiJfX3Byb3RvX18iLCJzcGVlZCI6IjxpbWc-In0"):
+            with self.subTest(text=text[:30]):
+                page = self.open(more=text)
+                self.assertEqual(page.run("JSON.stringify(explorer.settings) === JSON.stringify(DEFAULTS)"), True)
+
+    def test_settings_are_pinned_and_compared(self):
+        page = self.open()
+        page.run("document.getElementById('pin').click()")
+        page.run(f"{MOVE}('speed', 3)")
+        page.run("document.getElementById('pin').click()")
+        self.assertEqual(page.run("document.querySelectorAll('.pinned canvas').length"), 2)
+        etas = page.run("Array.from(document.querySelectorAll('.pinned dd:first-of-type'), d => d.textContent)")
+        self.assertEqual(len(set(etas)), 2)
+        page.run("document.querySelector('.pinned button').click()")  # Use
+        self.assertTrue(page.wait("explorer.shown.speed === 7"))
+        page.run("document.querySelectorAll('.pinned button')[1].click()")  # Remove
+        self.assertEqual(page.run("document.querySelectorAll('.pinned').length"), 1)
+
+    def test_the_page_sends_the_shown_setting_to_a_sweep(self):
+        page = self.open()
+        page.run("document.getElementById('to-sweep').click()")
+        page.run("for (const [id, v] of [['from', 4], ['to', 8], ['count', 2]]) document.getElementById('sweep-' + id).value = v")
+        page.run("document.getElementById('sweep-start').click()")
+        self.assertTrue(page.wait("document.querySelectorAll('#sweep-table tbody tr').length === 2"),
+                        page.run("document.getElementById('sweep-state').textContent"))
+        self.assertEqual(page.run("document.querySelector('#sweep-table td').textContent"), "4.000")
+
+    def test_the_keyboard_moves_the_probe_and_stops_the_playback(self):
+        page = self.open()
+        page.run("explorer.tour.end(); document.getElementById('overlay').focus()")
+        page.press("ArrowRight", 39)
+        page.press("ArrowUp", 38)
+        self.assertEqual(page.run("explorer.overlay.probe"), [1, 1])
+        self.assertEqual(page.run("document.getElementById('probe-at').value"), "(1 mm, 1 mm)")
+        page.press(" ", 32)
+        self.assertEqual(page.run("explorer.is_playing"), False)
+
+    def test_every_control_has_a_name(self):
+        page = self.open()
+        page.run("explorer.settings.layers = structuredClone(PRESETS.forearm.layers); explorer.controls.build()")
+        nameless = page.run("""Array.from(document.querySelectorAll('input, select, button, textarea, canvas[tabindex]')).filter(e =>
+            !(e.labels && e.labels.length) && !e.getAttribute('aria-label') && !e.getAttribute('aria-labelledby') && !e.textContent.trim())
+            .map(e => e.outerHTML)""")
+        self.assertEqual(nameless, [])
+
+    def test_the_tour_leads_through_the_page(self):
+        page = self.open()
+        page.run("explorer.tour.show(0)")
+        steps = page.run("STOPS.length")
+        for _ in range(steps):
+            self.assertFalse(page.run("document.getElementById('tour').hidden"))
+            page.run("document.getElementById('tour-next').click()")
+        self.assertTrue(page.run("document.getElementById('tour').hidden"))
+
+    def test_the_page_fits_a_desktop_and_a_phone(self):
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.open(width)
+                self.assertLessEqual(page.run("document.documentElement.scrollWidth"), width)
+                self.assertEqual(page.errors(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()

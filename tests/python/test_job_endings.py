@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of jobs that fail, stop or are interrupted."""
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+from study import InFolder, program, shearwake
+
+PEAK = "load.peak_Pa"
+
+
+class Endings(InFolder):
+    def test_failed_cases_are_an_exception_that_contains_the_sweep(self):
+        made = shearwake.Job(program.without_reference((program.SWEEP, f'"{PEAK}" = [100.0, 1e200]'),
+                                                       ('x = "load.modulation.am_frequency_Hz"', f'x = "{PEAK}"'), ('"small"', '"failing"')))
+        with self.assertRaises(shearwake.CasesFailed) as caught:
+            made.run()
+        self.assertEqual(caught.exception.exit_code, 4)
+        self.assertIn("not finite", str(caught.exception))
+        good, bad = caught.exception.sweep.every_case
+        self.assertEqual((good.status, bad.status), ("complete", "failed"))
+        self.assertIn("not finite", bad.reason)
+        self.assertGreater(good.value("peak_um"), 0.0)
+
+    def test_a_stopped_run_is_an_exception_and_is_resumed(self):
+        made = shearwake.Job(program.changed(('"small"', '"stopped"')))
+        made.run(options=["--only", made.plan().cases.index[0]])
+        Path("out/stopped/STOP").touch()
+        with self.assertRaises(shearwake.Stopped) as caught:
+            made.run()
+        self.assertEqual(caught.exception.exit_code, 75)
+        self.assertIn("stopped early", str(caught.exception))
+        Path("out/stopped/STOP").unlink()
+        self.assertTrue(all(case.is_complete for case in made.run().every_case))
+
+    def test_an_interrupted_run_stops_in_an_orderly_way_and_is_resumed(self):
+        Path("long.toml").write_text(program.LONG.replace('"small"', '"long"'))
+        text = "import shearwake; shearwake.Job('long.toml').run(progress=print)"
+        caller = subprocess.Popen([sys.executable, "-c", text], env={**os.environ, "PYTHONPATH": str(Path(shearwake.__file__).parents[1])},
+                                  stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        self.addCleanup(caller.kill)
+        cases = Path("out/long/cases")
+        until = time.monotonic() + program.PATIENCE_s
+        while not list(cases.glob("*.h5")):
+            self.assertLess(time.monotonic(), until)
+            self.assertIsNone(caller.poll())
+            time.sleep(0.01)
+        caller.send_signal(signal.SIGINT)
+        _, said = caller.communicate(timeout=program.PATIENCE_s)
+        self.assertIn("KeyboardInterrupt", said)
+        self.assertEqual(list(Path("out/long").rglob("*.part")), [])
+        complete = {path.stem: path.stat().st_mtime_ns for path in cases.glob("*.h5")}
+        self.assertTrue(0 < len(complete) < 12, complete)
+        self.assertTrue(all(case.is_complete for case in shearwake.Job("long.toml").run().every_case))
+        for name, written in complete.items():  # not computed again
+            self.assertEqual((cases / f"{name}.h5").stat().st_mtime_ns, written)
+
+
+if __name__ == "__main__":
+    unittest.main()
