@@ -35,6 +35,7 @@ LIBRARIES = {
     "Ceres::ceres": (r"ceres/\w+\.h", r"ceres::\w+"),
     "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
     "PNG::PNG": (r"png\.h", r"png_\w+"),
+    "NLopt::NLopt": (r"nlopt\.h", r"nlopt_\w+"),
     "nlohmann_json::nlohmann_json": (r"nlohmann/json(?:_fwd)?\.hpp", r"nlohmann::\w+"),
 }
 STANDARD = set("""

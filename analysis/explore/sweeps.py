@@ -11,7 +11,9 @@ from pathlib import Path
 import shearwake
 
 MOST_VALUES = 60
+LARGEST = 1e300  # integers of JSON may exceed every floating-point number
 KEY = re.compile(r"[a-z]+(\.[A-Za-z_]+(\[\d\])?){1,4}")
+OTHER_CASES = ("sweep", "table", "uncertain", "optimise")  # tables that would add cases to those of the page
 COLUMNS = ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um")
 
 
@@ -27,7 +29,7 @@ def checked(key, values):
     """The axis of a request. Raises NotASweep."""
     if not isinstance(key, str) or len(key) > 80 or not KEY.fullmatch(key):
         raise NotASweep("the key of the sweep is not valid")
-    numbers = isinstance(values, list) and all(type(v) in (int, float) and math.isfinite(v) for v in values)
+    numbers = isinstance(values, list) and all(type(v) in (int, float) and abs(v) <= LARGEST for v in values)
     if not numbers or not 2 <= len(values) <= MOST_VALUES:
         raise NotASweep(f"a sweep needs 2 to {MOST_VALUES} finite numbers")
     return key, [float(v) for v in values]
@@ -77,14 +79,17 @@ class Sweeps:
             report(await asyncio.to_thread(self.run, job, key, values, progress))
         except StopAsked:
             report({"state": "stopped"})
-        except (shearwake.ShearwakeError, OSError, ValueError) as error:
-            report({"state": "failed", "message": str(error)})
+        except Exception as error:  # whatever the job contains, the page is told that the sweep has ended
+            report({"state": "failed", "message": str(error) or type(error).__name__})
 
     def run(self, job, key, values, progress):
         """Runs the sweep in an output folder of its own and returns its table."""
         name = time.strftime("explore-%Y%m%d-%H%M%S")
         with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
-            made = shearwake.Job(job + "\n").sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
+            tables = shearwake.Job(job + "\n").tables
+            for other in OTHER_CASES:
+                tables.pop(other, None)
+            made = shearwake.Job(tables).sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
             made.folder = Path(temporary)
             sweep = made.run(out=self.folder / name, progress=progress)
         table = sweep.table

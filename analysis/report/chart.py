@@ -20,7 +20,20 @@ class Line:
     error: list = None  # half the length of an error bar per point
     dashed: bool = False
     points: bool = False
+    dots: bool = False     # points without a line: a spectrum that consists of lines
     crossed: bool = False  # crosses without a line: values that are not valid
+
+
+@dataclass
+class Mark:
+    """Something that a panel shows in addition to its lines: "band" (grey from x to `end`), "line" (dotted, vertical),
+    "tick" (short, on the x axis) or "dot" (at x, y)."""
+    kind: str
+    x: float
+    end: float = None
+    y: float = None
+    colour: object = "#222222"
+    case: str = ""  # id of the case with which it is hidden
 
 
 @dataclass
@@ -34,6 +47,7 @@ class Chart:
     x_log: bool = False
     y_log: bool = False
     y_limits: tuple = None
+    marks: list = field(default_factory=list)
 
 
 def rounded(values):
@@ -47,14 +61,18 @@ def places(values):
 
 
 def line_data(line):
-    step = max(1, math.ceil(len(line.x) / MOST_POINTS))
+    step = 1 if line.dots else max(1, math.ceil(len(line.x) / MOST_POINTS))
     data = {"label": line.label, "x": places(line.x[::step]), "y": rounded(line.y[::step]),
             "colour": to_hex(line.colour)}
     if line.case:
         data["case"] = line.case
     if line.error is not None and np.isfinite(line.error).any():
         data["error"] = rounded(line.error[::step])
-    return data | {"dashed": line.dashed, "points": line.points, "crossed": line.crossed}
+    return data | {"dashed": line.dashed, "points": line.points, "dots": line.dots, "crossed": line.crossed}
+
+
+def mark_data(mark):
+    return {name: value for name, value in {**vars(mark), "colour": to_hex(mark.colour)}.items() if value not in (None, "")}
 
 
 def chart_data(chart):
@@ -62,4 +80,4 @@ def chart_data(chart):
     limits = None if chart.y_limits is None else [float(v) for v in chart.y_limits]
     return {"x_label": chart.x_label, "y_label": chart.y_label, "title": chart.title, "x_names": chart.x_names,
             "x_log": chart.x_log, "y_log": chart.y_log, "y_limits": limits,
-            "lines": [line_data(line) for line in chart.lines]}
+            "marks": [mark_data(mark) for mark in chart.marks], "lines": [line_data(line) for line in chart.lines]}

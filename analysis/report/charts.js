@@ -56,6 +56,30 @@ function drawCrosses(plot, lines) {
   });
 }
 
+// Bands and dotted lines below the lines of a panel; ticks and dots above them.
+function drawMarks(plot, marks, kinds) {
+  const context = plot.ctx, pixel = devicePixelRatio, {left, top, width, height} = plot.bbox;
+  const across = v => plot.valToPos(v, "x", true);
+  context.save();
+  context.beginPath();
+  context.rect(left, top, width, height);
+  context.clip();
+  for (const mark of marks) {
+    if (!kinds.includes(mark.kind) || hiddenCases.has(mark.case)) continue;
+    const x = across(mark.x);
+    context.strokeStyle = context.fillStyle = mark.kind === "band" ? "rgba(0, 0, 0, 0.055)" : mark.colour;
+    context.setLineDash(mark.kind === "line" ? [1.5 * pixel, 2.5 * pixel] : []);
+    context.lineWidth = (mark.kind === "tick" ? 2.5 : 1) * pixel;
+    context.beginPath();
+    if (mark.kind === "band") context.rect(x, top, across(mark.end) - x, height);
+    if (mark.kind === "dot") context.arc(x, plot.valToPos(mark.y, "y", true), 4 * pixel, 0, 2 * Math.PI);
+    if (mark.kind === "line") { context.moveTo(x, top); context.lineTo(x, top + height); }
+    if (mark.kind === "tick") { context.moveTo(x, top + height); context.lineTo(x, top + 0.96 * height); }
+    if (mark.kind === "band" || mark.kind === "dot") context.fill(); else context.stroke();
+  }
+  context.restore();
+}
+
 // The point that is nearest to the pointer in pixels: [line, index] or null.
 function nearest(plot, lines) {
   let best = null, least = 40 * 40;
@@ -128,8 +152,8 @@ function drawPanel(holder, panel, output, key) {
   const spanGaps = !panel.lines.some(line => line.points);  // curves end where a reading is not valid
   const series = panel.lines.map(line => ({label: (line.crossed ? "\u00d7 " : "") + line.label, stroke: line.colour, width: 1.6,
     dash: line.dashed ? [6, 4] : undefined, spanGaps, show: !hiddenCases.has(line.case),
-    paths: line.crossed || (panel.x_names && !line.dashed) ? () => null : undefined,
-    points: {show: line.points && !line.crossed, size: 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
+    paths: line.crossed || line.dots || (panel.x_names && !line.dashed) ? () => null : undefined,
+    points: {show: (line.points || line.dots) && !line.crossed, size: line.dots ? 5 : 7, fill: line.colour}, value: (plot, v) => numberText(v)}));
   const plot = new uPlot({
     width: Math.max(260, holder.clientWidth), height: holder.clientWidth < 500 ? 260 : 320,
     series: [{label: panel.x_label, value: (p, v) => v === null ? "–" : name(v)}, ...series], axes: axes(panel),
@@ -137,7 +161,8 @@ function drawPanel(holder, panel, output, key) {
       y: verticalRange(panel)},
     cursor: {sync: {key}, drag: {x: true, y: false}, focus: {prox: 30}}, focus: {alpha: 0.35},
     legend: {show: true, markers: {width: 2, dash: (p, i) => p.series[i].dash ? "dashed" : "solid"}},
-    hooks: {draw: [p => drawErrors(p, panel.lines), p => drawCrosses(p, panel.lines)], setCursor: [p => {
+    hooks: {drawAxes: [p => drawMarks(p, panel.marks, ["band", "line"])],
+      draw: [p => drawMarks(p, panel.marks, ["tick", "dot"]), p => drawErrors(p, panel.lines), p => drawCrosses(p, panel.lines)], setCursor: [p => {
       const found = p.cursor.left >= 0 ? nearest(p, panel.lines) : null;
       if (!found) return;
       const [line, k] = found;

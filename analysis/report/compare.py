@@ -22,6 +22,7 @@ from load import NoPlan, first_line, load, single_case
 
 USAGE, ENVIRONMENT = 2, 6
 SCHEMA = 1
+DIRECTION = "first minus second, relative to the second"
 
 
 class Incomparable(Exception):
@@ -156,7 +157,7 @@ def compare(first, second):
                            "the values of the swept keys that both have")
     counting = first.counting | second.counting
     result = {"schema": SCHEMA, "command": "compare", "first": str(first.path), "second": str(second.path),
-              "pairs": [compare_pair(a, b, counting) for a, b in pairs],
+              "direction": DIRECTION, "pairs": [compare_pair(a, b, counting) for a, b in pairs],
               "only_in_first": [c.id for c in only_first], "only_in_second": [c.id for c in only_second]}
     return result, pairs
 

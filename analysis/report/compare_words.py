@@ -136,7 +136,7 @@ def column_lines(rows, everything=False):
     rows = [r for r in rows if not abs(r["change"]) <= EQUAL]
     if not rows:
         return ["  all columns are equal"]
-    lines = [f"  {'column':<28} {'first':>12} {'second':>12}  change"]
+    lines = [f"  {'column':<28} {'first':>12} {'second':>12}  change (first - second) / |second|"]
     lines += [f"  {r['column']:<28} {cell(r['first']):>12} {cell(r['second']):>12}  "
               f"{'' if not math.isfinite(r['change']) else format(100 * r['change'], '+.3g') + ' %'}".rstrip()
               for r in (rows if everything else rows[:COLUMNS])]
@@ -177,7 +177,7 @@ def largest_changes(pairs):
 def words(result, everything=False):
     """The text; with `everything`, all pairs, times, traces and columns instead of those that differ most."""
     pairs = result["pairs"]
-    lines = [f"{result['first']} compared with {result['second']}", *warning_lines(pairs)]
+    lines = [f"{result['first']} compared with {result['second']}", f"direction: {result['direction']}", *warning_lines(pairs)]
     if len(pairs) == 1 or everything:
         for pair in pairs:
             lines += pair_lines(pair, everything)

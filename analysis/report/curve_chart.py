@@ -70,8 +70,8 @@ def curve_chart(sweep, figure, column, y_label, title="", y_log=False):
         colours[group.label] = colour
     sets = [] if sweep.is_ratio(column) else layout.by_reference(sweep, found, column)
     for same in sets:
-        label = name if len(sets) == 1 else f"{name}, {' and '.join(group.label for group in same)}"
-        colour = style.INK if len(same) > 1 or len(found) == 1 else colours[same[0].label]
+        label = name if len(sets) == 1 else layout.references_label(sweep, same)
+        colour = style.INK if len(sets) == 1 else colours[same[0].label]
         lines += reference_lines(sweep, figure, same[0], column, label, colour)
     lines.sort(key=lambda line: (line.dashed, line.crossed))
     values = layout.x_values(sweep)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The responses of each class of afferents against the swept key."""
 import math
+from dataclasses import replace
 
 import fig_curves as curves_module
 import layout
@@ -14,7 +15,21 @@ PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
           ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
 
 
+# Spikes per firing afferent: random phases alone give a vector strength of sqrt(pi / 4n) on average, 0.40 for n = 5. The
+# column `_locking_1` has the same limit.
+FEWEST = 5
+
+
+def with_enough_spikes(sweep, kind):
+    """The sweep without the vector strengths of cases with too few spikes, and the number of these cases."""
+    few = [c for c in sweep.cases if not math.isnan(c.value(f"{kind}_vector_strength_1"))
+           and not c.value(f"{kind}_spikes_1") >= FEWEST * c.value(f"{kind}_active_1")]
+    rest = [replace(c, scalars={**c.scalars, f"{kind}_vector_strength_1": math.nan}) if c in few else c for c in sweep.cases]
+    return replace(sweep, cases=rest), few
+
+
 def class_figure(sweep, folder, kind):
+    sweep, few = with_enough_spikes(sweep, kind)
     columns = [(f"{kind}_{name}", label) for name, label in PANELS]
     columns = [c for c in columns if curves_module.has_any(sweep, c[0])]
     if not columns or not any(c.value(f"{kind}_spikes_1") > 0 for c in layout.ordinary(sweep)):
@@ -37,8 +52,16 @@ def class_figure(sweep, folder, kind):
     return Figure(name, title,
                   f"Response of the {kind} afferents: the number of spikes, the mean rate of the afferents that "
                   "fire, the rms distance of the spikes from the path of the focus, and the vector strength of the "
-                  "spikes at the modulation frequency (1: all spikes have the same phase). Panels without a "
-                  "value in any case are omitted." + invalid_caption(sweep, name, *(c for c, _ in columns)), title)
+                  "spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
+                  + " Panels without a value in any case are omitted." + invalid_caption(sweep, name, *(c for c, _ in columns)), title)
+
+
+def few_caption(few):
+    """States which vector strengths are not drawn, and why."""
+    if not few:
+        return ""
+    return (f" The vector strength of {layout.count_of(few)} with fewer than {FEWEST} spikes per firing afferent is not drawn: "
+            "that of n spikes with random phases is 0.89/√n on average, 0.4 for five.")
 
 
 def figures(sweep, folder):

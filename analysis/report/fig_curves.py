@@ -109,8 +109,9 @@ def reference_lines(axes, sweep, curves, column, figure):
     names = layout.reference_name(layout.all_references(sweep))
     colours = {group.label: colour for group, colour, _ in curves}
     labels = []
-    for same in layout.by_reference(sweep, [group for group, _, _ in curves], column):
-        own = style.INK if len(same) > 1 or len(curves) == 1 else colours[same[0].label]
+    sets = layout.by_reference(sweep, [group for group, _, _ in curves], column)
+    for same in sets:
+        own = style.INK if len(sets) == 1 else colours[same[0].label]
         draw_reference(axes, sweep, same[0], column, figure, own, "--", labels, names)
     return labels if len(labels) <= 6 else []
 
@@ -243,7 +244,7 @@ def is_modulated(sweep):
 
 def is_steady(sweep):
     """Whether all cases are in the periodic regime."""
-    return all(c.setting("time", "regime", default="") == "periodic" for c in layout.ordinary(sweep))
+    return all(layout.repeats(c) for c in layout.ordinary(sweep))
 
 
 def region_words(sweep):
@@ -251,7 +252,7 @@ def region_words(sweep):
     areas = [c.value("region_mm2") for c in layout.ordinary(sweep)]
     areas = [area for area in areas if not math.isnan(area)]
     if not areas:
-        return "the complete surface"
+        return f"{layout.plane_name(layout.ordinary(sweep))} within the domain"
     low, high = number(min(areas) / 100.0, 3), number(max(areas) / 100.0, 3)
     return f"the measured region ({low if low == high else f'{low} to {high}'} cm²)"
 
@@ -277,6 +278,9 @@ def marker_caption(sweep, rows, period, instant):
     if layout.all_references(sweep):
         sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}, "
                          "evaluated in the same way.")
+        found = layout.groups(sweep)
+        if 1 < len(layout.by_reference(sweep, found, rows[0])) < len(found):
+            sentences.append(" A line that belongs to several curves has the colour of the first of them.")
     missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
     if missing:
         every = counted(len(layout.ordinary(sweep)), "case")

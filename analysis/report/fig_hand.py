@@ -44,7 +44,10 @@ class Afferents:
 
 
 def duration_ms(case):
-    return 1e3 * case.setting("time", "frames") * case.setting("time", "interval_s")
+    """The time in which spikes count: the run, or the counted periods of a load that has always repeated."""
+    periods = case.value("receptor_periods_1")
+    once_ms = 1e3 * case.setting("time", "frames") * case.setting("time", "interval_s")
+    return once_ms if math.isnan(periods) else periods * once_ms
 
 
 def feels_stress(case):
@@ -88,7 +91,7 @@ def hand_figure(sweep, case, afferents, folder, name):
     bar.ax.grid(False)
     style.save(figure, folder / f"{name}.png")
     title = f"Firing afferents on the hand: {warnings_of.label(sweep, case, name)}"
-    return Figure(name, title, "Coloured dots: firing afferents with their mean rate over the run. Grey dots: "
+    return Figure(name, title, "Coloured dots: firing afferents with their mean rate. Grey dots: "
                   "silent afferents." + ("" if feels_stress(case) else
                   " Red crosses: pins that move the skin."), title)
 
@@ -153,7 +156,7 @@ def places_figure(sweep, case, afferents, folder, name):
     pins = chosen_pins(afferents)
     figure, made = plt.subplots(len(pins), 1, sharex=True, sharey=True, squeeze=False,
                                 layout="constrained",
-                                figsize=(style.WIDTH_in, 0.7 + 1.25 * len(pins)))
+                                figsize=(style.WIDTH_in, max(2.6, 0.7 + 1.25 * len(pins))))  # room for the vertical label
     used = set()
     for axes, pin in zip(made[:, 0], pins):
         near = np.hypot(*(afferents.patch - afferents.pins_on_patch[pin]).T) < NEAR_mm

@@ -4,6 +4,7 @@ import numpy as np
 
 import fig_surface
 import hover
+import layout
 import load
 import style
 from package import wake
@@ -56,10 +57,10 @@ def figures(sweep, folder):
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "intensity.png")
-    text = ("Root of the time-averaged intensity, the mean of u² over complete periods, on the same colour scale "
-            "in all panels. Dashed lines or crosses: the shape that the focus draws.")
+    text = ("Root of the time-averaged intensity, the mean of u² over complete periods, of "
+            f"{layout.plane_name([c for c, _ in found])}, on the same colour scale in all panels. Dashed lines or crosses: the shape that the focus draws.")
     if any(s and number(s.case.value("sharpness_1")) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
-                   "Time-averaged intensity of the surface seen from above", maps=hover.maps_of(figure),
+                   "Time-averaged intensity seen from above", maps=hover.maps_of(figure),
                    cases=[case.id for case, _ in found])]

@@ -6,6 +6,7 @@ import layout
 import fig_curves as curves_module
 import style
 from package import wake
+from chart import Line
 from curve_chart import curve_chart, draw_errors, error_caption
 from figure import Figure
 from validity import invalid_caption
@@ -59,9 +60,13 @@ def ratio_curves(sweep, folder, column, name, label):
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
     axes.set_ylabel(label)
-    style.label_right(axes, [(1.0, layout.reference_name(layout.all_references(sweep)), style.INK)])
+    reference = layout.reference_name(layout.all_references(sweep))
+    style.label_right(axes, [(1.0, reference, style.INK)])
     finish(figure, axes, sweep, curves, folder / (name + ".png"))
-    return [curve_chart(sweep, name, sweep.ratio_of(column), label)]
+    chart = curve_chart(sweep, name, sweep.ratio_of(column), label)
+    x = sorted({layout.x_position(sweep, c) for c in layout.ordinary(sweep)})
+    chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
+    return [chart]
 
 
 def finish(figure, axes, sweep, curves, path):
@@ -78,7 +83,8 @@ def gain_figure(sweep, folder):
     charts = ratio_curves(sweep, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
     title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
     within = "in the same medium" if curves_module.is_steady(sweep) else "in the same time window and medium"
-    return Figure("gain", title, f"η over complete periods relative to that of {name} {within}. Above 1, a case keeps a larger fraction of the energy at the focus than {name} does."
+    return Figure("gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
+                  f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
                   + error_caption(sweep, sweep.ratio_of("eta_period_1"))
                   + invalid_caption(sweep, "gain", sweep.ratio_of("eta_period_1")), title, charts)
 
@@ -90,8 +96,8 @@ def strength_figure(sweep, folder):
     title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
     name = layout.reference_name(layout.all_references(sweep))
     charts = ratio_curves(sweep, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
-    caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}."
-               + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um"))
+    caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}, the dashed "
+               "line at 1." + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um"))
                + invalid_caption(sweep, "strength", sweep.ratio_of("focal_rms_um")))
     return Figure("strength", title, caption, title, charts)
 
@@ -114,10 +120,11 @@ def displacement_figure(sweep, folder):
         axes.set_title(title, loc="left", color="#555555")
     finish(figure, made[-1], sweep, curves, folder / "displacement.png")
     title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
-    words = {"focal_rms_um": f"Above: the rms of u over the focal disc and {curves_module.period_words(sweep)}.",
-             "peak_um": "Below: the largest |u| within one period." if curves_module.is_steady(sweep) else
-             "Below: the largest |u| from the start of the run to the instant measure.at_ms."}
-    caption = " ".join(words[column] for column, _, _ in rows)
+    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(sweep)}.",
+             "peak_um": "largest |u| within one period." if curves_module.is_steady(sweep) else
+             "largest |u| from the start of the run to the instant measure.at_ms."}
+    starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
+    caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
     if layout.all_references(sweep):
         caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
     columns = [row[0] for row in rows]

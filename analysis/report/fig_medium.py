@@ -11,9 +11,10 @@ import hover
 import layout
 import medium_files
 import style
+import to_scale
 from package import wake
 from figure import Figure
-from words import number
+from words import OTHERS, number
 
 CASES = 4
 ORANGE = "#D55E00"
@@ -84,7 +85,7 @@ def slices(x_mm, y_mm, below_mm, centre_mm, speed_at, marks, sensors=np.empty((0
         at = centre_mm[1 - axis]
         row, number_m = 1e-3 * np.linspace(low, high, POINTS)[None, :], np.array(1e-3 * at)
         x, y = (row, number_m) if axis == 0 else (number_m, row)
-        made.append(Slice(f"{'yx'[axis]} = {number(at)} mm", f"{'xy'[axis]} (mm)", (low, high, below_mm, 0.0),
+        made.append(Slice(f"{'yx'[axis]}\u00a0=\u00a0{number(at)}\u00a0mm", f"{'xy'[axis]} (mm)", (low, high, below_mm, 0.0),
                           speed_at(x, y, 1e-3 * z), marks[:, [axis, 2]], sensors[:, [axis, 2]]))
     return made
 
@@ -111,7 +112,29 @@ def scene(sweep, case):
     centre = 1e3 * np.array(bodies[0]["centre_m"][:2] if bodies else (0.0, 0.0))
     ends = [(-500.0 * domain["spacing_m"] * domain[n], 500.0 * domain["spacing_m"] * domain[n]) for n in ("nx", "ny")]
     path = wake.focus_at(case, case.series["time"][-1])[2]
+    if grid is None:
+        ends = [shown(axis, *ends[axis], path, bodies, depth_mm(medium)) for axis in (0, 1)]
     return slices(*ends, depth_mm(medium), centre, speed_at, np.column_stack([path, np.zeros(len(path))]))
+
+
+def reach_mm(body, axis):
+    """How far a body extends from its centre along x (axis 0) or y; 0 if it crosses the whole domain."""
+    if "semi_axes_m" in body or "size_m" in body:
+        return 1e3 * (body["semi_axes_m"][axis] if "semi_axes_m" in body else body["size_m"][axis] / 2)
+    turn = math.radians(body.get("azimuth_deg", 0.0))
+    part = 0.0 if body.get("axis") == "vertical" else abs((math.cos(turn), math.sin(turn))[axis])
+    length = body.get("length_m", 0.0)
+    half = length / 2 if 0.0 < length < math.inf else 0.0
+    return 1e3 * (part * half + math.sqrt(1.0 - part**2) * body["radius_m"])
+
+
+def shown(axis, low, high, path, bodies, depth):
+    """The part of the domain along an axis with the path and the bodies, and a margin of the depth around them, since the
+    layers are uniform beyond."""
+    ends = [*path[:, axis]]
+    for body in bodies:
+        ends += [1e3 * body["centre_m"][axis] + sign * reach_mm(body, axis) for sign in (-1.0, 1.0)]
+    return max(low, min(ends) - depth), min(high, max(ends) + depth)
 
 
 def study(sweep, case):
@@ -140,8 +163,8 @@ def slices_of(sweep, case):
     return scene(sweep, case) if has_layers else None
 
 
-def draw(axes, plane, norm, title):
-    image = axes.imshow(plane.c_s, extent=plane.extent, aspect="auto", cmap=style.sequential_map(), norm=norm,
+def draw(axes, plane, norm):
+    image = axes.imshow(plane.c_s, extent=plane.extent, aspect="equal", cmap=style.sequential_map(), norm=norm,
                         interpolation="nearest")
     is_point = np.ptp(plane.marks, axis=0).max(initial=0.0) == 0.0
     if not is_point and np.ptp(plane.marks[:, 1]) == 0.0 and plane.marks[0, 1] == 0.0:  # a path on the surface
@@ -152,8 +175,8 @@ def draw(axes, plane, norm, title):
     axes.plot(*np.unique(plane.sensors, axis=0).T, "x", color="white", markersize=5, path_effects=style.halo(2.5, "black"))
     axes.set_ylim(plane.extent[2], plane.extent[3])
     hover.attach(axes, plane.c_s, plane.extent[:2], plane.extent[:1:-1], "shear-wave speed", plane.label, "z (mm)", "m/s")
-    axes.set_title(title + plane.name, loc="left", fontsize=9)
-    axes.grid(False)
+    axes.set_xlabel(plane.label)
+    axes.set_ylabel("depth z (mm)")
     return image
 
 
@@ -184,16 +207,12 @@ def figures(sweep, folder):
     values = np.unique(np.concatenate([np.unique(p.c_s[np.isfinite(p.c_s)]) for _, row in pairs for p in row]))
     low, high = values[0], values[-1] if values[-1] > values[0] else 1.2 * values[0] + 1e-3
     norm = plt.matplotlib.colors.LogNorm(low, high) if high > UNLIKE * low > 0 else plt.Normalize(low, high)
-    figure, made = plt.subplots(len(pairs), 2, squeeze=False, layout="constrained", sharex="col",
-                                figsize=(style.WIDTH_in, 1.1 + 1.75 * len(pairs)))
-    for axes, (case, row) in zip(made, pairs):
-        label = layout.wrapped(layout.medium_label(sweep, case), 3.4) + "\n" if len(every) > 1 else ""
-        image = draw(axes[0], row[0], norm, label)
-        draw(axes[1], row[1], norm, "")
-        axes[0].set_ylabel("depth z (mm)")
-    for axes, plane in zip(made[-1], pairs[-1][1]):
-        axes.set_xlabel(plane.label)
-    bar = figure.colorbar(image, ax=made.ravel().tolist(), label="shear-wave speed (m/s)", shrink=0.9)
+    figure, made, bar_axes = to_scale.arrange(
+        [(layout.medium_label(sweep, case) if len(every) > 1 else "",
+          [(plane.name, plane.extent[1] - plane.extent[0], plane.extent[2] - plane.extent[3]) for plane in row])
+         for case, row in pairs])
+    image = [draw(axes, plane, norm) for pair, (_, row) in zip(made, pairs) for axes, plane in zip(pair, row)][-1]
+    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label="shear-wave speed (m/s)")
     bar.ax.grid(False)
     if len(values) <= 6:
         mark_speeds(bar, values, norm)
@@ -210,11 +229,12 @@ def caption(cases, every):
             + ", coloured by the shear-wave speed. ")
     text += ("Orange: all source nodes; crosses: sensor nodes; both are projected onto the slices."
              if studies else "Orange: path of the focus at the surface.")
-    text += " The axes have different scales."
+    if not studies and not any("map" in c.physics["medium"] for c in cases):
+        text += " The layers continue to the ends of the domain."
     if any(c.physics["medium"].get("body") for c in cases):
         text += " Bodies are drawn as the job defines them; an engine may cap their stiffness."
     if any("map" in c.physics["medium"] for c in cases):
         text += " The map is read from its file, which has not changed since the run."
     if len(cases) < every:
-        text += f" {len(cases)} of {every} media {'is' if len(cases) == 1 else 'are'} drawn."
+        text += f" {len(cases)} of {every} media {'is' if len(cases) == 1 else 'are'} drawn; {OTHERS}."
     return text

@@ -14,7 +14,7 @@ from package import wake
 import warnings_of
 from chart import Chart, Line
 from figure import Figure
-from words import number, some_of
+from words import number
 
 
 def sample(shot, x_mm, y_mm):
@@ -93,9 +93,9 @@ def figures(sweep, folder):
     labels = [warnings_of.label(some, c, "profiles") for c in drawn]
     charts = draw(shots, colours, labels, titles, folder / "profiles.png")
     times = sorted({number(1e3 * s.t_s) for s in shots}, key=float)
-    text = (f"Displacement on two lines through the focus at t = {times[0]}"
+    text = (f"Displacement of {layout.plane_name(drawn)} on two lines through the focus at t = {times[0]}"
             f"{f' to {times[-1]}' if len(times) > 1 else ''} ms, the last snapshot while the load acts.")
-    total, shown = len(layout.ordinary(sweep)), len(layout.ordinary(some))
-    text += f" {some_of(shown, total, 'case')}." if shown < total else ""
+    if any(c.is_reference for c in drawn):
+        text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
     title = "Profiles through the focus"
     return [Figure("profiles", title, text, title + ", one line per case", charts, cases=[c.id for c in drawn])]

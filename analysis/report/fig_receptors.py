@@ -8,7 +8,7 @@ import layout
 import style
 from package import wake
 from figure import Figure
-from words import counted
+from words import OTHERS, counted
 
 MARGIN_mm = 15.0  # around the receptors, pins and the path
 
@@ -56,17 +56,19 @@ def figures(sweep, folder):
                      color=fig_hand.COLOURS[kind], linewidths=0.6 if few else 0.0, edgecolors="white")
         axes.plot(path[:, 1], -path[:, 0], color="#111111", linewidth=1.4, zorder=3,
                   marker="o" if np.ptp(path, axis=0).max() < 1e-6 else "", markersize=5)
-        axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000", markersize=13,
-                  markeredgewidth=1.4, zorder=4)
+        if not fig_hand.feels_stress(case):
+            axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000", markersize=13,
+                      markeredgewidth=1.4, zorder=4)
         frame(axes, afferents, path)
         axes.set_title(f"{kind}: {counted(len(every), 'receptor')}", pad=3)
     style.save(figure, folder / "receptors.png")
-    text = "Dots: receptors of each class on the palmar side of a right hand. Red crosses: pins."
+    text = "Dots: receptors of each class on the palmar side of a right hand."
+    text += "" if fig_hand.feels_stress(case) else " Red crosses: pins that move the skin."
     text += " Black: path of the focus." if np.ptp(path, axis=0).max() > 1e-6 else " Black dot: the focus, which rests."
     places = {(round(x, 6), round(y, 6)) for x, y in zip(afferents.x, afferents.y)}
     if len(places) < len(afferents.x):
         text += f" The {counted(len(afferents.x), 'receptor')} are at {counted(len(places), 'place')}."
     if len(cases) > 1:
-        text += f" The figure shows the first case, {layout.case_label(sweep, case)}."
-    title = "Receptors, pins and path"
+        text += f" The figure shows the first case, {layout.case_label(sweep, case)}; {OTHERS}."
+    title = "Receptors and path" if fig_hand.feels_stress(case) else "Receptors, pins and path"
     return [Figure("receptors", title, text, title + " on the hand", cases=[case.id])]

@@ -13,9 +13,9 @@ import layout
 import style
 from package import wake
 import warnings_of
-from chart import Chart, Line
+from chart import Chart, Line, Mark
 from figure import Figure
-from words import listed, millimetres, number, some_of, split_unit
+from words import listed, millimetres, number, split_unit
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
 SEEN = 0.02  # smallest visible amplitude relative to the largest
@@ -57,8 +57,31 @@ def velocity_spectrum(case):
     return frequency[1:], amplitude[1:]
 
 
-def draw_case(axes, sweep, case, frequency, values, colour, **look):
-    axes.plot(frequency, values, color=colour, **look)
+def of_one_period(cases):
+    """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
+    ends = {round(float(c.series["time"][-1]), 9) for c in cases}
+    return all(layout.repeats(c) for c in cases) and len(ends) == 1
+
+
+def draw_spectrum(axes, case, frequency, values, coincide, **look):
+    """A curve. In the periodic regime a dot per line of the spectrum, with a bar per visible line; if the lines of all
+    cases coincide, bars would hide each other, and thin lines join the dots."""
+    if coincide:
+        axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+        axes.plot(frequency, values, color=look["color"], linewidth=0.4, linestyle=look.get("linestyle", "-"))
+        return
+    if not layout.repeats(case):
+        axes.plot(frequency, values, **look)
+        return
+    seen = values > 0.2 * SEEN * np.nanmax(values, initial=0.0)
+    frequency, values = frequency[seen], values[seen]
+    axes.vlines(frequency, 0.0, values, colors=look["color"], linewidth=look["linewidth"],
+                linestyles=look.get("linestyle", "-"))
+    axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+
+
+def draw_case(axes, sweep, case, frequency, values, coincide, colour, **look):
+    draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
     own = own_frequency_Hz(sweep, case)
     if own <= SHOWN_Hz:
         axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
@@ -109,9 +132,11 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     colours = fig_time.colours_by_x(sweep, cases)
     few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
     height = 3.4 if len(rows) == 1 else 2.3
-    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in drawn) for _, drawn, _ in rows]
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and reference.spectrum else [])])
+            for _, drawn, reference in rows]
     alike = bool(max(tops) <= UNLIKE * min(tops))
     own_Hz = [own_frequency_Hz(sweep, c) for c in cases]
+    coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
     shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
     figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
                                 layout="constrained",
@@ -120,11 +145,12 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
         for low, high in bands(drawn):
             axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
         if reference and reference.spectrum:
-            axes.plot(*curve_of(reference), color="black", linewidth=1.8)
+            draw_spectrum(axes, reference, *curve_of(reference), coincide, color="black", linewidth=1.4,
+                          linestyle=fig_time.DASHED)
         for case in drawn:
             frequency, values = curve_of(case)
-            draw_case(axes, sweep, case, frequency, values, colours[case.id],
-                      linewidth=1.3 if few else 0.9)
+            draw_case(axes, sweep, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
+                      linestyle=fig_time.DASHED if case.is_reference else "-")
             if peaks:
                 top = np.nanargmax(values)
                 axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
@@ -137,10 +163,26 @@ def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
     if sweep.x:
         fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
     style.save(figure, path)
-    return alike, [row_chart(sweep, row, colours, label, curve_of, end_Hz) for row in rows]
+    y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
+    marks = [row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
+    return alike, [row_chart(sweep, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
 
 
-def row_chart(sweep, row, colours, label, curve_of, end_Hz):
+def row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks):
+    """The band of the table, the modulation frequencies of the cases, and the largest values."""
+    marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
+    for case in drawn:
+        own = own_frequency_Hz(sweep, case)
+        if own <= end_Hz:
+            marks.append(Mark("tick", own, colour=colours[case.id], case=case.id))
+        if peaks:
+            frequency, values = curve_of(case)
+            top = int(np.nanargmax(values))
+            marks.append(Mark("dot", float(frequency[top]), y=float(values[top]), colour=colours[case.id], case=case.id))
+    return marks
+
+
+def row_chart(sweep, row, colours, label, curve_of, y_limits, marks, end_Hz):
     """The interactive version of one panel."""
     title, drawn, reference = row
     lines = []
@@ -148,8 +190,10 @@ def row_chart(sweep, row, colours, label, curve_of, end_Hz):
         frequency, values = curve_of(case)
         shown = frequency <= end_Hz
         lines.append(Line(warnings_of.label(sweep, case, "spectra"), frequency[shown], values[shown],
-                          "black" if case is reference else colours[case.id], case.id, dashed=case is reference))
-    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title)
+                          "black" if case is reference else colours[case.id], case.id, dashed=case.is_reference,
+                          dots=layout.repeats(case)))
+    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title,
+                 y_limits=y_limits, marks=marks)
 
 
 def bands(cases):
@@ -199,7 +243,6 @@ def own_scale(alike):
 
 
 def figures(sweep, folder):
-    every = len(layout.ordinary(sweep))
     sweep = layout.fewer_lines(sweep)
     cases = [c for c in layout.ordinary(sweep) if c.spectrum]
     rows = rows_of(sweep)
@@ -212,9 +255,7 @@ def figures(sweep, folder):
         return frequency, factor * amplitude
 
     alike, charts = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
-    some = len(layout.ordinary(sweep))
     text = caption(sweep, cases) + own_scale(alike)
-    text += f" {some_of(some, every, 'case')}." if some < every else ""
     made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
                    "at one point, one line per case", charts),
             velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
@@ -230,13 +271,17 @@ def spectra_title(cases):
 def caption(sweep, cases):
     places = sorted({tuple(millimetres(1e3 * v) for v in c.trace_at_m) for c in cases})
     duration = {round(c.series["time"][-1], 9) for c in cases}
-    text = (f"One-sided amplitude of u at {listed(f'({x}, {y}) mm' for x, y in places)} over the "
-            "complete run.")
-    if len(duration) == 1:
+    where = listed(f"({x}, {y}) mm" for x, y in places)
+    where += "" if (plane := layout.plane_name(cases)) == "the surface" else f" in {plane}"
+    if all(layout.repeats(c) for c in cases):
+        text = f"One-sided amplitude of u at {where}: the lines at the multiples of 1 / period of the load."
+    else:
+        text = f"One-sided amplitude of u at {where} over the complete run."
+    if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
         run = duration.pop()
         text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(1 / run, 2)} Hz apart."
     passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
-    if len(passing) == 1 and None not in passing:
+    if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
         text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
         if any(kind_of(c) != "STM" for c in cases):
             text += " Their heights depend on the phase of the modulation at that time."
@@ -245,6 +290,6 @@ def caption(sweep, cases):
     if bands(cases):
         low, high = bands(cases)[0]
         text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."
-    if any(reference for _, _, reference in layout.rows(sweep)):
-        text += f" Black: {layout.reference_name(layout.all_references(sweep))}."
+    if references := layout.all_references(sweep):
+        text += f" Dashed: {layout.reference_name(references)}."
     return text

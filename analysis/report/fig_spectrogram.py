@@ -20,13 +20,13 @@ WINDOWS = 3.0  # length of the run over that of a window: balances resolution in
 LEAST = 32  # smallest number of samples for a spectrogram
 
 
-def spectrogram(u, interval_s, window):
+def spectrogram(u, interval_s, window, repeats=False):
     """Times in s, frequencies in Hz, and amplitude of u (frequency, time), computed with Hann windows after
     subtraction of their means. Windows may start before the load, since the skin is at rest then, but end
-    within the run."""
+    within the run. If u repeats, the previous and the next period surround it."""
     shape = np.hanning(window + 2)[1:-1]
     before = window // 2
-    u = np.concatenate([np.zeros(before), u])
+    u = np.concatenate([u[-before:], u, u[:window - before]]) if repeats else np.concatenate([np.zeros(before), u])
     starts = np.arange(0, len(u) - window + 1, max(1, (len(u) - window) // 200))
     parts = np.stack([u[s: s + window] for s in starts])
     parts = (parts - parts.mean(axis=1, keepdims=True)) * shape
@@ -50,7 +50,18 @@ def compute(case):
     time = case.series["time"]
     interval_s = float(time[1] - time[0])
     window = max(8, round(len(time) / WINDOWS))
-    return [(at, *spectrogram(u, interval_s, window)) for at, u in points(case)]
+    return [(at, *spectrogram(u, interval_s, window, layout.repeats(case))) for at, u in points(case)]
+
+
+def window_words(cases):
+    times = [c.series["time"] for c in cases]
+    lengths_s = sorted(max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0]) for time in times)
+    if lengths_s[-1] > 1.01 * lengths_s[0]:
+        return (f"The Hann window is a third of the time shown, {number(1e3 * lengths_s[0], 3)} to "
+                f"{number(1e3 * lengths_s[-1], 3)} ms, and resolves frequencies about {number(2.0 / lengths_s[-1], 2)} to "
+                f"{number(2.0 / lengths_s[0], 2)} Hz apart")
+    return (f"The Hann window of {number(1e3 * lengths_s[0], 3)} ms resolves frequencies about "
+            f"{number(2.0 / lengths_s[0], 2)} Hz apart")
 
 
 def extent(x, y):
@@ -74,7 +85,9 @@ def figures(sweep, folder):
     else:
         cells = [(c, *cell) for c, row in zip(cases, every) for cell in row]
     rows = math.ceil(len(cells) / columns)
-    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
+    ends = {round(float(c.series["time"][-1]), 9) for c in cases}
+    alike = len(ends) == 1 or not any(layout.repeats(c) for c in cases)
+    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=alike, sharey=True,
                                 layout="constrained",
                                 figsize=(style.WIDTH_in, 0.8 + (1.7 if rows > 1 else 2.6) * rows))
     for axes, (case, at, times, frequency, amplitude) in zip(made.flat, cells):
@@ -91,7 +104,7 @@ def figures(sweep, folder):
     for axes in made.flat[len(cells):]:
         axes.set_visible(False)
     for i in range(len(cells)):
-        made.flat[i].tick_params(labelbottom=i + columns >= len(cells))
+        made.flat[i].tick_params(labelbottom=not alike or i + columns >= len(cells))
     figure.supxlabel("time (ms)", fontsize=9.5)
     figure.supylabel("frequency (Hz)", fontsize=9.5)
     bar = figure.colorbar(image, ax=list(made.flat), aspect=30, pad=0.02, extend="min",
@@ -99,11 +112,8 @@ def figures(sweep, folder):
     bar.outline.set_visible(False)
     bar.ax.grid(False)
     style.save(figure, folder / "spectrograms.png")
-    time = cases[0].series["time"]
-    length_s = max(8, round(len(time) / WINDOWS)) * float(time[1] - time[0])
     text = ("Amplitude of u over time and frequency; 0 dB is the largest amplitude of each case over its "
-            f"points. The Hann window of {number(1e3 * length_s, 3)} ms resolves frequencies about "
-            f"{number(2.0 / length_s, 2)} Hz apart; the mean of each window is subtracted.")
+            f"points. {window_words(cases)}; the mean of each window is subtracted.")
     where = {at for case in cases for at, _ in points(case)}
     if len(where) == 1:
         x, y = where.pop()

@@ -14,7 +14,7 @@ import style
 from package import wake
 import warnings_of
 from figure import Figure
-from words import counted, listed, number, some_of
+from words import counted, listed, number
 
 COLUMNS = 4  # largest number of curves side by side
 ALL_ROWS = 5  # up to this number of values of x, all are drawn
@@ -198,19 +198,17 @@ def figures(sweep, folder):
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "surface.png")
-    title = f"The surface at {times(shots)}"
+    plane = layout.plane_name([s.case for s in shots])
+    title = f"{plane[:1].upper()}{plane[1:]} at {times(shots)}"
     text = caption(shots, any_lines, clipped)
     if isinstance(norm, plt.matplotlib.colors.FuncNorm):
         text += " The colours are proportional to the root of |u|, so that weak and strong wakes are both visible."
-    every = len(layout.ordinary(sweep))
-    some = sum(not s.case.is_reference for s in shots)
-    text += f" {some_of(some, every, 'case')}." if some < every else ""
     return [Figure("surface", title, text, title + ", seen from above", maps=hover.maps_of(figure),
                    cases=[s.case.id for s in shots])]
 
 
 def caption(shots, any_lines, clipped):
-    text = ("Displacement of the surface seen from above, on the same colour scale in all panels. Solid circle with a "
+    text = (f"Displacement of {layout.plane_name([s.case for s in shots])} seen from above, on the same colour scale in all panels. Solid circle with a "
             "centre point: focal disc. Dotted line: path of the focus so far.")
     if clipped:
         text += (f" The scale ends at the largest displacement farther than {number(wake.AWAY)} focal radii from the "

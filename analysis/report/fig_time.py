@@ -11,12 +11,13 @@ import layout
 import periods
 import style
 import warnings_of
-from chart import Chart, Line
+from chart import Chart, Line, Mark
 from figure import Figure
-from words import number, some_of, value_text
+from words import number, value_text
 
 PANELS = 12  # largest number of cases with a panel each
 COLUMNS = 2
+DASHED = (0, (4.0, 2.0))  # the line of a reference
 DECADES = 1e4  # largest range of a logarithmic axis: values drop to zero where a sum changes its sign
 
 
@@ -32,8 +33,8 @@ MEASURES = [
     {"name": "ipr_abs_time", "title": "Spread of the vibration (IPR of |u|) over time",
      "label": "(Σ|u|)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr_abs"),
      "needs": "ipr_abs",
-     "caption": "The area over which the displacement is spread. It increases while waves propagate away from "
-                "the path."},
+     "caption": "The area over which the displacement is spread.",
+     "transient": " It increases while waves propagate away from the path."},
     {"name": "ipr_time", "title": "Inverse participation ratio of the thesis over time",
      "label": "(Σu)² / Σu² (mm²)", "value": lambda case: in_mm2(case, "ipr"), "needs": "ipr",
      "log": True,
@@ -102,12 +103,13 @@ def x_norm(sweep):
     return kind(values[0], values[-1])
 
 
-def mark_times(axes, case):
-    """Grey where the run is not settled, a line at the instant."""
-    after, at = (1e3 * case.setting("measure", k) for k in ("settled_after_s", "at_s"))
+def mark_times(axes, cases):
+    """Grey where the run is not settled, a line at each instant."""
+    after, instants = marked_times(cases)
     if after > 0:
         axes.axvspan(0.0, after, color="#f1f1f1", zorder=0, linewidth=0)
-    axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
+    for at in instants:
+        axes.axvline(at, color=style.INK, linewidth=0.8, linestyle=":", zorder=1)
 
 
 def draw(axes, case, measure, **look):
@@ -131,7 +133,7 @@ def frame(axes, cases, measure, y_limits):
 
 
 def small_panels(sweep, measure, cases, colours):
-    """One panel per case on shared axes, with its reference in grey."""
+    """One panel per case on shared axes, with its reference dashed."""
     columns = min(COLUMNS, len(cases))
     rows = math.ceil(len(cases) / columns)
     height = 1.25 if rows > 1 else 2.4
@@ -141,9 +143,9 @@ def small_panels(sweep, measure, cases, colours):
     for axes, case in zip(made.flat, cases):
         reference = sweep.reference_of(case)
         if reference and reference is not case:
-            draw(axes, reference, measure, color="#b0b0b0", linewidth=1.2)
+            draw(axes, reference, measure, color="black", linewidth=0.9, linestyle=DASHED)
         draw(axes, case, measure, color=colours[case.id], linewidth=1.3)
-        mark_times(axes, case)
+        mark_times(axes, [case])
         frame(axes, cases, measure, y_limits)
         title = layout.wrapped(warnings_of.label(sweep, case, measure["name"]), 2.8)
         axes.set_title(title, loc="left", color=colours[case.id], pad=3, fontweight="bold")
@@ -171,12 +173,13 @@ def arrange(figure, titles, rows, columns):
 
 
 def add_key(figure, sweep, cases):
-    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")]
+    starts = any(c.setting("measure", "settled_after_s") > 0 for c in cases)
+    after = [plt.Rectangle((0, 0), 1, 1, color="#ececec", label="not settled")] if starts else []
     at = [plt.Line2D([], [], color=style.INK, linewidth=0.8, linestyle=":", label="instant")]
     reference = layout.reference_name(layout.all_references(sweep))
-    grey = [plt.Line2D([], [], color="#b0b0b0", linewidth=1.6, label=reference)]
+    dashed = [plt.Line2D([], [], color="black", linewidth=0.9, linestyle=DASHED, label=reference)]
     has_reference = any(sweep.reference_of(c) for c in cases)
-    figure.legend(handles=(grey if has_reference else []) + after + at, ncol=3, loc="upper center",
+    figure.legend(handles=(dashed if has_reference else []) + after + at, ncol=3, loc="upper center",
                   bbox_to_anchor=(0.5, 1.0))
 
 
@@ -189,10 +192,11 @@ def overlay(sweep, measure, cases, colours):
     y_limits = limits(cases + layout.all_references(sweep), measure)
     for axes, (title, drawn, reference) in zip(made[:, 0], rows):
         for case in drawn:
-            draw(axes, case, measure, color=colours[case.id], linewidth=0.9)
+            draw(axes, case, measure, color=colours[case.id], linewidth=0.9,
+                 linestyle=DASHED if case.is_reference else "-")
         if reference:
-            draw(axes, reference, measure, color="black", linewidth=1.8)
-        mark_times(axes, drawn[0])
+            draw(axes, reference, measure, color="black", linewidth=1.5, linestyle=DASHED)
+        mark_times(axes, drawn)
         frame(axes, cases, measure, y_limits)
         axes.set_title(title, loc="left", color="#555555")
         axes.set_ylabel(measure["label"])
@@ -220,7 +224,7 @@ def add_x_key(figure, all_axes, sweep, colours):
     title = textwrap.fill(layout.name(sweep, sweep.x), 18)
     if any(reference for _, _, reference in layout.rows(sweep)):
         name = layout.reference_name(layout.all_references(sweep))
-        handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.8, label=name))
+        handles.insert(0, plt.Line2D([], [], color="black", linewidth=1.5, linestyle=DASHED, label=name))
     all_axes[0].legend(handles=handles, title=title[:1].upper() + title[1:], loc="upper left",
                        bbox_to_anchor=(1.01, 1.03), handlelength=1.4, alignment="left")
 
@@ -234,7 +238,6 @@ def in_columns(sweep):
 
 
 def time_figure(sweep, folder, measure):
-    every = len(layout.ordinary(sweep))
     sweep = layout.fewer_lines(sweep)
     cases = [c for c in in_columns(sweep)
              if measure["needs"] in c.series and len(c.series["time"])]
@@ -244,18 +247,18 @@ def time_figure(sweep, folder, measure):
     many = len(cases) > PANELS and len(layout.groups(sweep)) <= PANELS
     figure = (overlay if many else small_panels)(sweep, measure, cases, colours)
     style.save(figure, folder / (measure["name"] + ".png"))
-    last = last_periods(figure, cases, measure, folder)
-    marks = key_caption(sweep, cases, many) if measure is MEASURES[0] else ""  # once per page
-    some = len(layout.ordinary(sweep))
-    marks += f" {some_of(some, every, 'case')}." if some < every else ""
+    marks = key_caption(sweep, cases) if measure is MEASURES[0] else " Lines as in the figure of the efficiency over time."
+    if not all(layout.repeats(c) for c in cases):
+        marks = measure.get("transient", "") + marks
+    last = last_periods(figure, cases, measure, folder, marks)
     shown = [c.id for c in [*cases, *layout.all_references(sweep)]]
     made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
-                  f"{measure['title']}, one line per case", [time_chart(sweep, cases, colours, measure)])
+                  f"{measure['title']}, one line per case", time_charts(sweep, colours, measure))
     return [replace(f, cases=shown) for f in (made, *last)]
 
 
-def last_periods(figure, cases, measure, folder):
-    """The figure once more with the last periods of a long run."""
+def last_periods(figure, cases, measure, folder, marks):
+    """The figure once more with the last periods of a long run; `marks` describes its lines."""
     span = periods.last_span_ms(cases)
     if not span:
         return []
@@ -264,36 +267,52 @@ def last_periods(figure, cases, measure, folder):
             axes.set_xlim(*span)  # all panels share their x axis
     name, title = measure["name"] + "_last", measure["title"] + ": the last periods"
     style.save(figure, folder / (name + ".png"))
-    return [Figure(name, title, f"The last {periods.LAST} periods of the figure above.", title)]
+    return [Figure(name, title, f"{measure['caption']} The last {periods.LAST} periods of the modulation.{marks}", title)]
 
 
-def time_chart(sweep, cases, colours, measure):
-    """One line per case and reference; the vertical axis shows the settled part."""
-    shown = cases + [r for r in layout.all_references(sweep) if measure["needs"] in r.series]
-    lines = [Line(warnings_of.label(sweep, c, measure["name"]), time_ms(c), positive(measure, c), colours.get(c.id, "black"), c.id,
-                  dashed=c.is_reference) for c in shown]
-    y_limits = limits(shown, measure)
-    return Chart("time (ms)", measure["label"], lines, y_log=bool(measure.get("log")) and y_limits is not None,
-                 y_limits=y_limits)
+def marked_times(cases):
+    """The longest part of the runs that is not settled, and the different instants, in ms."""
+    after, at = ([1e3 * c.setting("measure", k) for c in cases] for k in ("settled_after_s", "at_s"))
+    return max(after), sorted({round(t, 9) for t in at})
+
+
+def time_marks(cases):
+    """The part of the run that is not settled, and the instants."""
+    after, instants = marked_times(cases)
+    return [*([Mark("band", 0.0, end=after)] if after > 0 else []), *(Mark("line", at) for at in instants)]
+
+
+def time_charts(sweep, colours, measure):
+    """One panel per curve and for references that differ within a curve, with a line per case; the vertical axis shows
+    the settled part."""
+    panels = [(title, [c for c in [*drawn, *([reference] if reference else [])]
+                       if measure["needs"] in c.series and len(c.series["time"])])
+              for title, drawn, reference in layout.rows(sweep)]
+    panels = [(title, shown) for title, shown in panels if shown]
+    y_limits = limits([c for _, shown in panels for c in shown], measure)
+    return [Chart("time (ms)", measure["label"],
+                  [Line(warnings_of.label(sweep, c, measure["name"]), time_ms(c), positive(measure, c),
+                        colours.get(c.id, "black"), c.id, dashed=c.is_reference) for c in shown], title,
+                  y_log=bool(measure.get("log")) and y_limits is not None, y_limits=y_limits, marks=time_marks(shown))
+            for title, shown in panels]
 
 
 def span(values):
     return number(values[0]) + (f" to {number(values[-1])}" if len(values) > 1 else "")
 
 
-def key_caption(sweep, cases, many):
+def key_caption(sweep, cases):
     after = sorted({round(1e3 * c.setting("measure", "settled_after_s"), 6) for c in cases})
     at = sorted({round(1e3 * c.setting("measure", "at_s"), 6) for c in cases})
-    text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms). Dotted line: the "
-            f"instant of measure.at_ms ({span(at)} ms). The limits of the vertical axis follow from the settled "
-            "part; earlier values may exceed them.")
+    text = f" Dotted line: the instant of measure.at_ms ({span(at)} ms)."
+    if after[-1] > 0:
+        text = (f" Shaded: the part of the run before measure.settled_after_ms ({span(after)} ms).{text} The limits of "
+                "the vertical axis follow from the settled part; earlier values may exceed them.")
+    if all(layout.repeats(c) for c in cases):
+        text = f" One period of the load.{text}"
     if any(sweep.reference_of(c) for c in cases):
-        name = layout.reference_name(layout.all_references(sweep))
-        if not many:
-            text += f" Grey: {name}."
-        elif any(reference for _, _, reference in layout.rows(sweep)):
-            text += f" Black: {name}."
-    if many and sweep.x:
+        text += f" Dashed: {layout.reference_name(layout.all_references(sweep))}."
+    if sweep.x:
         text += f" The colour is the {layout.name(sweep, sweep.x)}."
     return text
 

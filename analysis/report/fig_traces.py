@@ -39,6 +39,7 @@ def title_of(place):
 
 def draw(figure, made, cases, places, colours, span):
     """Fills the rows: the run, the last periods of a long run, and the spectrum."""
+    coincide = fig_spectra.of_one_period([case for case, _ in cases])
     for row, place in zip(made, places):
         for case, _ in cases:
             values = at(case, place)
@@ -48,7 +49,7 @@ def draw(figure, made, cases, places, colours, span):
             look = {"color": colours[case.id], "linewidth": 1.0, "linestyle": "--" if case.is_reference else "-"}
             for axes in row[:-1]:
                 axes.plot(fig_time.time_ms(case), u, **look)
-            row[-1].plot(frequency, amplitude, **look)
+            fig_spectra.draw_spectrum(row[-1], case, frequency, amplitude, coincide, **look)
         row[0].set_title(title_of(place), loc="left", color="#555555")
         row[0].set_ylabel("$u_z$ (µm)")
         row[-1].set_ylim(bottom=0.0)
@@ -72,8 +73,8 @@ def charts_of(cases, places, colours):
         look = [(label, colours[case.id], case.id, case.is_reference) for case, label, _ in found]
         time = [Line(label, fig_time.time_ms(case), u, colour, name, dashed=dashed)
                 for (case, _, (u, _, _)), (label, colour, name, dashed) in zip(found, look)]
-        spectrum = [Line(label, frequency, amplitude, colour, name, dashed=dashed)
-                    for (_, _, (_, frequency, amplitude)), (label, colour, name, dashed) in zip(found, look)]
+        spectrum = [Line(label, frequency, amplitude, colour, name, dashed=dashed, dots=layout.repeats(case))
+                    for (case, _, (_, frequency, amplitude)), (label, colour, name, dashed) in zip(found, look)]
         made.append(Chart("time (ms)", "u_z (µm)", time, title_of(place)))
         made.append(Chart("frequency (Hz)", "amplitude of u_z (µm)", spectrum, title_of(place)))
     return made
@@ -92,15 +93,18 @@ def figures(sweep, folder):
                                 figsize=(style.WIDTH_in, 0.9 + 1.5 * len(places)))
     draw(figure, made, cases, places, colours, span)
     style.save(figure, folder / "traces.png")
-    text = ("Left: displacement u of the surface over time. Right: its one-sided amplitude spectrum over the complete "
-            "run, without the mean.")
-    if span:
-        text += f" Middle: the last {periods.LAST} periods of the modulation."
+    plane = layout.plane_name(drawn)
+    if all(layout.repeats(c) for c in drawn):
+        text = (f"Displacement u of {plane} over one period of the load, and the lines of its one-sided amplitude spectrum, "
+                "without the mean.")
+    else:
+        text = (f"Displacement u of {plane} over time, and its one-sided amplitude spectrum over the complete run, without "
+                "the mean.")
+    if any(c.is_reference for c in drawn):
+        text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
+    own = f"The pictures also show the last {periods.LAST} periods of the modulation, in the middle." if span else ""
     if len(places) < every:
         text += f" {some_of(len(places), every, 'trace point')}, spread evenly by their distance from the centre."
-    total, shown = len(layout.ordinary(sweep)), len(layout.ordinary(some))
-    text += f" {some_of(shown, total, 'case')}." if shown < total else ""
     title = "Displacement and spectrum at every trace point"
     return [Figure("traces", title, text, title + ", one line per case", charts_of(cases, places, colours),
-                   cases=[c.id for c in drawn])]
-
+                   of_picture=own, cases=[c.id for c in drawn])]

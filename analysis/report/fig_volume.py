@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Slices of recorded volumes: vertical through the focus, and horizontal below the surface."""
-
-import matplotlib.pyplot as plt
 import numpy as np
 
 import hover
 import layout
 import style
+import to_scale
 from package import UNREADABLE, wake
 import warnings_of
 from figure import Figure
-from words import counted, number
+from words import number
 
 CASES = 4
 BELOW = 0.25  # depth of the horizontal slice relative to the depth of the volume
@@ -42,18 +41,37 @@ def on_even_rows(values, vertical):
     return values[np.abs(vertical[:, None] - even[None, :]).argmin(axis=0)]
 
 
-def row_of(axes, case, volume, end):
-    """Draws the two slices of a case. Returns the image and the place of the vertical slice."""
-    t_s, _, x, y, z, u = volume
+def planes(case, volume):
+    """The indices (j, k) of the planes of the two slices."""
+    t_s, _, _, y, z, _ = volume
     focus = wake.focus_at(case, t_s)[0]
-    j, k = int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
-    image = draw(axes[0], x, z, u[:, j, :], end, ("x (mm)", "z (mm)"))
-    axes[0].set_ylim(z[-1], z[0])
-    axes[0].set_ylabel("depth z (mm)")
-    draw(axes[1], x, y, u[k], end, ("x (mm)", "y (mm)"))
-    axes[1].set_ylabel("y (mm)")
-    axes[1].set_title(f"z = {number(z[k], 3)} mm", loc="left", fontsize=9)
-    return image, f"y = {number(y[j], 3)} mm"
+    return int(np.abs(y - focus[1]).argmin()), int(np.abs(z - BELOW * z[-1]).argmin())
+
+
+def row_of(sweep, case, volume):
+    """The slices of a case, for to_scale.arrange()."""
+    t_s, _, x, y, z, _ = volume
+    j, k = planes(case, volume)
+    label = f"{warnings_of.label(sweep, case, 'volume')}, t\u00a0=\u00a0{number(1e3 * t_s)}\u00a0ms"
+    return label, ((f"y\u00a0=\u00a0{number(y[j], 3)}\u00a0mm", np.ptp(x), np.ptp(z)),
+                   (f"z\u00a0=\u00a0{number(z[k], 3)}\u00a0mm", np.ptp(x), np.ptp(y)))
+
+
+def draw_row(pair, case, volume, end):
+    """Draws the slices of a case and returns the image of the first."""
+    _, _, x, y, z, u = volume
+    j, k = planes(case, volume)
+    image = draw(pair[0], x, z, u[:, j, :], end, ("x (mm)", "z (mm)"))
+    pair[0].set_ylim(z[-1], z[0])
+    pair[0].set_ylabel("depth z (mm)")
+    draw(pair[1], x, y, u[k], end, ("x (mm)", "y (mm)"))
+    pair[1].set_ylim(y[0], y[-1])
+    pair[1].set_ylabel("y (mm)")
+    for axes in pair:
+        axes.set_xlim(x[0], x[-1])
+        axes.set_aspect("equal")
+        axes.set_xlabel("x (mm)")
+    return image
 
 
 def figures(sweep, folder):
@@ -63,22 +81,14 @@ def figures(sweep, folder):
         return []
     # The focus would hide the waves below it: the scale ends at the 99.5th percentile.
     end = max(float(np.nanpercentile(np.abs(v[5]), 99.5)) for _, v in found) or 1.0
-    figure, made = plt.subplots(len(found), 2, squeeze=False, sharex=True, layout="constrained",
-                                figsize=(style.WIDTH_in, 0.9 + 2.1 * len(found)))
-    for axes, (case, volume) in zip(made, found):
-        image, place = row_of(axes, case, volume, end)
-        label = layout.wrapped(f"{warnings_of.label(sweep, case, 'volume')}, t = {number(1e3 * volume[0])} ms", 3.6)
-        axes[0].set_title(f"{label}\n{place}", loc="left", fontsize=9)
-    for axes in made[-1]:
-        axes.set_xlabel("x (mm)")
+    figure, made, bar_axes = to_scale.arrange([row_of(sweep, *item) for item in found])
+    image = [draw_row(pair, *item, end) for pair, item in zip(made, found)][-1]
     component = found[0][1][1]
-    bar = figure.colorbar(image, ax=made.ravel().tolist(), label=f"{component} (µm)", shrink=0.8, extend="both")
+    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=f"{component} (µm)", extend="both")
     bar.ax.grid(False)
     style.save(figure, folder / "volume.png")
-    text = (f"The component {component} of the displacement in the last recorded volume. Left: vertical slice through "
-            f"the focus. Right: horizontal slice. The colour scale ends at ±{number(end, 2)} µm, the 99.5th percentile; "
-            "larger values are clipped.")
-    if len(found) < len(candidates):
-        text += f" {len(found)} of {counted(len(candidates), 'case')} with volumes {'is' if len(found) == 1 else 'are'} drawn."
+    text = (f"The component {component} of the displacement in the last recorded volume: a vertical slice through the focus, and "
+            f"a horizontal slice. The colour scale ends at ±{number(end, 2)} µm, the 99.5th percentile; larger values are "
+            "clipped.")
     return [Figure("volume", "Slices of the recorded volumes", text, "Displacement over position and depth",
                    maps=hover.maps_of(figure), cases=[case.id for case, _ in found])]

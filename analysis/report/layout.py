@@ -24,6 +24,11 @@ def ordinary(sweep):
     return [c for c in sweep.cases if c.whole and not c.is_reference]
 
 
+def repeats(case):
+    """Whether the load has always repeated (time.regime = "periodic")."""
+    return case.setting("time", "regime", default="") == "periodic"
+
+
 def is_numeric(sweep):
     values = [c.settings.get(sweep.x) for c in sweep.cases if not c.is_reference]
     return bool(sweep.x) and bool(values) and all(is_number(v) for v in values)
@@ -89,14 +94,20 @@ def medium_label(sweep, case):
 
 def case_label(sweep, case):
     """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
-    if case.is_reference or not sweep.swept_keys:
-        first = reference_name([case]) if case.is_reference else "this case"
-        keys = axes(sweep) if case.is_reference else case.settings
-        own = [setting_text(sweep, k, case.settings[k]) for k in keys
-               if k in case.settings and not is_reading(k)]
-        return ", ".join([first, *own])
+    if case.is_reference:
+        keys = [k for k in axes(sweep) if k in case.settings and not is_reading(k) and affects(sweep, k, case)]
+        return ", ".join([reference_name([case]), *(setting_text(sweep, k, case.settings[k]) for k in keys)])
+    if not sweep.swept_keys:
+        return ", ".join(["this case", *(setting_text(sweep, k, v) for k, v in case.settings.items() if not is_reading(k))])
     keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
     return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys if k in case.settings)
+
+
+def affects(sweep, key, reference):
+    """Whether a key changes the field of a reference: no reference with another value of the key has the same field."""
+    others = [c for c in sweep.cases if c.is_reference and c.whole and key in c.settings
+              and c.settings[key] != reference.settings[key]]
+    return not any(have_same_motion(reference, other) for other in others)
 
 
 CHARACTERS = 12  # of a title per inch
@@ -105,6 +116,15 @@ CHARACTERS = 12  # of a title per inch
 def wrapped(title, width_in):
     """The title, wrapped to the width of a panel."""
     return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
+
+
+def plane_name(cases):
+    """'the surface', or the plane at the first of measure.depths_mm, in which surfaces, traces and measures are recorded."""
+    depths = sorted({round(1e3 * c.setting("measure", "depths_m", default=[0.0])[0], 6) for c in cases})
+    if not depths or depths == [0.0]:
+        return "the surface"
+    low, high = words.number(depths[0]), words.number(depths[-1])
+    return f"the plane z = {low if low == high else f'{low} to {high}'}\u00a0mm"
 
 
 def is_reading(key):
@@ -148,11 +168,13 @@ def settings_text(sweep, case):
 
 
 def displayed_key(sweep, key):
-    am, sm = "load.modulation.am_frequency_Hz", "load.modulation.sm_frequency_Hz"
-    if key not in (am, sm) or not {am, sm} <= set(sweep.swept_keys):
-        return key
-    same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
-    return "load.modulation.modulation_frequency_Hz" if same else key
+    """The key itself, or the common key of a frequency or a phase that AM and SM share."""
+    for what in ("frequency_Hz", "phase_deg"):
+        am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
+        if key in (am, sm) and {am, sm} <= set(sweep.swept_keys):
+            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
+            return f"load.modulation.modulation_{what}" if same else key
+    return key
 
 
 def axes(sweep):
@@ -174,6 +196,12 @@ def evenly(items, most):
         return list(items)
     picks = np.unique(np.round(np.linspace(0, len(items) - 1, most)).astype(int))
     return [items[i] for i in picks]
+
+
+def only(sweep, ids):
+    """The sweep with the cases of these ids and their references."""
+    kept = {*ids, *(sweep.by_id(i).reference_id for i in ids)}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept], label_keys=group_keys(sweep))
 
 
 def few(sweep, most=40):
@@ -224,13 +252,44 @@ def references(sweep, group):
     return list(found.values())
 
 
-def motions(cases):
-    """One case of each set of cases that differ only in their measurement and so have the same field."""
-    found = {}
+ROUNDING = 1e-9  # of the largest value: fields that differ by less are equal
+
+
+def field_settings(case):
+    """All settings except those that affect only the measurement."""
+    return {k: str(v) for k, v in case.settings.items() if not is_reading(k)}
+
+
+def have_same_motion(one, other):
+    """Whether two cases have the same field: their settings differ only in the measurement, or all that is recorded of
+    them is equal, since a swept key often changes nothing in a reference."""
+    if field_settings(one) == field_settings(other):
+        return True
+    if not one.traces or len(one.traces) != len(other.traces) or one.series.keys() != other.series.keys():
+        return False
+    if abs(one.value("peak_um") - other.value("peak_um")) > 1e-3 * abs(one.value("peak_um")):
+        return False  # at once
+    pairs = [(one.series[name], other.series[name]) for name in one.series]
+    pairs += [pair for (a, u), (b, v) in zip(one.traces, other.traces) for pair in ((np.array(a), np.array(b)), (u, v))]
+    return all(a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=ROUNDING * np.nanmax(np.abs(a), initial=0.0),
+                                                  equal_nan=True) for a, b in pairs)
+
+
+def motion_sets(cases):
+    """The cases in sets of the same field, each set in the order of the cases."""
+    sets = []
     for case in cases:
-        own = tuple(sorted((k, str(v)) for k, v in case.settings.items() if not is_reading(k)))
-        found.setdefault(own, case)
-    return list(found.values())
+        found = next((s for s in sets if have_same_motion(s[0], case)), None)
+        if found is None:
+            sets.append([case])
+        else:
+            found.append(case)
+    return sets
+
+
+def motions(cases):
+    """One case of each set of cases that have the same field."""
+    return [same[0] for same in motion_sets(cases)]
 
 
 def by_reference(sweep, found, column):
@@ -244,6 +303,15 @@ def by_reference(sweep, found, column):
         if pairs:
             sets.setdefault(tuple(values if len(values) == 1 else pairs), []).append(group)
     return list(sets.values())
+
+
+def references_label(sweep, found):
+    """The name of the references of some groups: with the keys on which they depend, or with the curves to which they belong
+    if they differ within a curve."""
+    own = motions([r for group in found for r in references(sweep, group)])
+    if len(own) == 1:
+        return case_label(sweep, own[0])
+    return f"{reference_name(own)}, {' and '.join(group.label for group in found)}"
 
 
 def all_references(sweep):
@@ -279,12 +347,24 @@ def reference_name(cases):
 
 def rows(sweep):
     """Panels of overlaid lines as (title, cases, reference or None): the cases of each group with its
-    reference. If a group has several references, they have a separate panel."""
-    made = []
+    reference. Several references of a group have a separate panel, which groups with equal references share."""
+    made, separate = [], []  # separate: references, and the groups that have them
     for group in groups(sweep):
         found = motions(references(sweep, group))
         made.append((group.label, group.cases, found[0] if len(found) == 1 else None))
-        if len(found) > 1:
-            first = reference_name(found)
-            made.append((f"{first}, {group.label}" if group.label else first, found, None))
-    return made
+        if len(found) < 2:
+            continue
+        same = next((g for own, g in separate if len(own) == len(found) and all(map(have_same_motion, own, found))), None)
+        if same is None:
+            separate.append((found, [group]))
+            made.append(separate[-1])
+        else:
+            same.append(group)
+    of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(sweep))
+    return [panel if len(panel) == 3 else (separate_title(*panel, of_all), panel[0], None) for panel in made]
+
+
+def separate_title(found, members, of_all):
+    """The title of a panel of references, with the curves to which they belong unless they belong to all of them."""
+    labels = [] if of_all else [group.label for group in members if group.label]
+    return ", ".join([reference_name(found), *([" and ".join(labels)] if labels else [])])

@@ -73,6 +73,7 @@ class Sweep:
     columns: list  # of the table: name, unit, description, where it is shown, numerator of a ratio
     label_keys: list = None  # keys that distinguish curves; None: those that vary among these cases
     uncertain: dict = None  # the design of [uncertain]; None: the job has none
+    adaptive: list = ()  # the adaptive axes of the plan
 
     def __post_init__(self):
         self.index = {c.id: c for c in self.cases}
@@ -182,7 +183,8 @@ def load(folder, report=lambda text: None):
         cases = [Case(c["id"], c["settings"], c["is_reference"], c["reference_id"],
                       folder / "cases" / (c["id"] + ".h5")) for c in plan["cases"]]
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], plan["table"]["x"],
-                      plan["table"]["series"], cases, job_text, table.columns, uncertain=plan.get("uncertain"))
+                      plan["table"]["series"], cases, job_text, table.columns, uncertain=plan.get("uncertain"),
+                      adaptive=plan.get("adaptive", ()))
     except FileNotFoundError as error:
         raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
                      if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error

@@ -70,13 +70,14 @@ def warnings_of(case):
 
 
 def part_text(case, limits):
-    """The part of the surface that is shown, relative to the domain; limits in mm."""
+    """The part of the surface, or of the measured plane, that is shown, relative to the domain; limits in mm."""
+    plane = layout.plane_name([case])
     _, x, y, _ = load.surface(case, 0)
     shown = [limits[1] - limits[0], limits[3] - limits[2]]
     every = [1e3 * float(np.ptp(axis)) for axis in (x, y)]
     if all(part >= 0.999 * extent for part, extent in zip(shown, every)):
-        return "shown: the entire surface"
-    return f"shown: {number(shown[0], 3)} x {number(shown[1], 3)} mm of {number(every[0], 3)} x {number(every[1], 3)} mm"
+        return f"shown: {plane}, entire"
+    return f"shown: {plane}, {number(shown[0], 3)} x {number(shown[1], 3)} mm of {number(every[0], 3)} x {number(every[1], 3)} mm"
 
 
 def frame_rate(times_s, slow_down):

@@ -113,7 +113,7 @@ def picture(figure, folder, level):
     return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
             f"{badge(figure.warnings, len(figure.cases or []))}<figcaption>{escape(figure.caption)}</figcaption>"
             f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
-            f'<a href="{name}.pdf">{name}.pdf</a></p></figure>')
+            f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
 
 
 def trouble(sweep, problems, state=""):
@@ -185,8 +185,9 @@ def parts(sweep, figures, folder, problems, moving):
     if moving:
         shown = [c.id for c in player.cases_of(sweep)]
         notice = badge(warnings_of.of_figure(sweep, "player", shown), len(shown))
-        made.append(("player", "The surface seen from above",
-                     f'<h2 id="player">The surface seen from above</h2>{notice}{moving}', []))
+        plane = layout.plane_name(player.cases_of(sweep))
+        title = f"{plane[:1].upper()}{plane[1:]} seen from above"
+        made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
     state = "" if made else "open"
     if notice := trouble(sweep, problems, state):

@@ -48,9 +48,11 @@ class Panel {
     this.connect();
   }
   get shown() { return this.player.data.cases[this.index]; }
-  frame() {  // the last picture up to the time of the player
-    const time = this.player.time();
-    return Math.max(0, this.shown.times.filter(t => t <= time + 1e-9).length - 1);
+  frame() {  // the last picture up to the time of the player; a load that repeats starts again after its period
+    const period = this.shown.period, last = this.shown.times.length - 1;
+    const time = period ? this.player.time() - period * Math.floor(this.player.time() / period - 1e-9) : this.player.time();
+    const shown = this.shown.times.filter(t => t <= time + 1e-6).length - 1;
+    return shown < 0 && period ? last : Math.max(0, shown);
   }
   scale() {  // pixels per mm and the size of the canvas in CSS pixels
     const [x0, x1, y0, y1] = this.player.view, width = this.box.clientWidth;
@@ -183,6 +185,14 @@ class Panel {
   }
 }
 
+// The times of the pictures of a load that repeats, up to `end`.
+function repeated(shown, end) {
+  const times = [];
+  for (let start = 0; start + shown.times[0] <= end + 1e-6; start += shown.period)
+    times.push(...shown.times.map(t => Number((start + t).toFixed(6))).filter(t => t <= end + 1e-6));
+  return times;
+}
+
 class Player {
   constructor(root) {
     Object.assign(this, {root, data: JSON.parse(root.querySelector("script").textContent), fields: new Map(), at: null});
@@ -210,7 +220,9 @@ class Player {
   time() { return this.times[Number(this.slider.value)]; }
   retime() {  // the times of the cases shown; keeps the time as far as possible
     const before = this.times ? this.time() : 0;
-    this.times = [...new Set(this.panels.flatMap(panel => panel.shown.times))].sort((a, b) => a - b);
+    const end = Math.max(...this.panels.map(panel => panel.shown.times[panel.shown.times.length - 1]));
+    const times = this.panels.flatMap(panel => panel.shown.period ? repeated(panel.shown, end) : panel.shown.times);
+    this.times = [...new Set(times)].sort((a, b) => a - b);
     for (const part of this.timed) part.hidden = this.times.length < 2;  // a single time cannot be played
     this.slider.max = this.times.length - 1;
     this.slider.value = Math.max(0, this.times.filter(t => t <= before + 1e-9).length - 1);
@@ -259,7 +271,8 @@ class Player {
       this.slider.value = now;
       await this.draw();
       if (!this.timer || this.run !== run) return;
-      const pause = now + 1 < this.times.length ? (this.times[now + 1] - this.times[now]) * Number(this.speed.value) : 1000;
+      const again = this.panels.every(panel => panel.shown.period) ? this.times[0] * Number(this.speed.value) : 1000;
+      const pause = now + 1 < this.times.length ? (this.times[now + 1] - this.times[now]) * Number(this.speed.value) : again;
       this.timer = setTimeout(next, Math.max(15, pause - (performance.now() - before)));
     };
     this.timer = setTimeout(next, 0);

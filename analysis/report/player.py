@@ -41,8 +41,7 @@ class Detail:
 
 def cases_of(sweep):
     """All cases with a recorded surface, those of the figures first and references last."""
-    references = [c for c in layout.all_references(sweep)]
-    return [c for c in [*layout.ordinary(sweep), *references] if len(load.surface_times(c))]
+    return [c for c in [*layout.ordinary(sweep), *layout.motions(layout.all_references(sweep))] if len(load.surface_times(c))]
 
 
 def first_shown(sweep, cases):
@@ -51,9 +50,9 @@ def first_shown(sweep, cases):
         value = case.value("eta_period_1")
         return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
     best = max(cases, key=rank)
-    other = sweep.reference_of(best)
-    if other not in cases or other is best:
-        other = next((c for c in cases if c is not best), best)
+    own = sweep.reference_of(best)
+    others = [c for c in cases if c is not best]
+    other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
     return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [sweep.by_id(c)]]
 
 
@@ -90,7 +89,8 @@ def case_data(sweep, case, limits, detail):
     peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
     path = wake.focus_at(case, case.series["time"][-1])[2]
     focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
-    return {"label": warnings_of.label(sweep, case, "player"), "times": [round(1e3 * s.t_s, 6) for s in shots],
+    period = round(1e3 * float(case.series["time"][-1]), 6) if layout.repeats(case) else None
+    return {"label": warnings_of.label(sweep, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
             "extent": parts[0][0], "peaks": peaks, "focus": focus,
             "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
             "radius": 1e3 * case.setting("measure", "focal_radius_m"),
@@ -162,10 +162,12 @@ def controls(data, last):
 
 def caption(cases, data, detail):
     kept = max(len(load.surface_times(c)) for c in cases)
-    text = (f"Displacement of the surface seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
+    text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
             "focal disc. Dotted line: path of the focus. Choose "
             "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
             "rectangle to zoom. Values beyond the colour scale are clipped.")
+    if all(c["period"] for c in data["cases"]):
+        text += " The load repeats for ever: the pictures cover one period and start again."
     shown = max(len(c["times"]) for c in data["cases"])
     if shown < kept:
         text += f" The page contains {shown} of {counted(kept, 'frame')}."
@@ -188,7 +190,7 @@ def player(sweep):
     steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
     last = len({t for c in data["cases"] for t in c["times"]}) - 1
     panel = ('<div class="player-panel"><select aria-label="case"></select><p class="chosen"></p><canvas role="img" '
-             'aria-label="the surface seen from above"></canvas><output></output></div>')
+             f'aria-label="{layout.plane_name(cases)} seen from above"></canvas><output></output></div>')
     return (
         f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
         f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'

@@ -21,7 +21,7 @@ def with_references(sweep, cases, most):
     ordered = {}
     for case in cases:
         reference = sweep.reference_of(case)
-        same = [r for r in own if reference and r.settings == reference.settings]
+        same = [r for r in own if reference and layout.have_same_motion(r, reference)]
         for one in [*same, case]:
             ordered.setdefault(one.id, one)
     return list(ordered.values())
@@ -35,22 +35,23 @@ def first_and_last(sweep, most):
 
 def columns_of(sweep, groups, chosen):
     """The columns of a figure with one column per curve, top to bottom; `chosen(cases)` selects the cases of a
-    curve. A single reference is on top of its curve; a reference that all curves share is on top of the first
-    only. References that differ within a curve form a column of their own, next to their cases, which curves
+    curve. A single reference is on top of its curve; a reference that several curves share is on top of the first of
+    them only. References that differ within a curve form a column of their own, next to their cases, which curves
     with the same references share."""
-    columns, shown = [], None
-    shared = len(of_cases(sweep, [c for g in groups for c in g.cases])) == 1
-    for i, group in enumerate(groups):
+    columns, shown, on_top = [], [], []
+    for group in groups:
         cases = chosen(group.cases)
         own = of_cases(sweep, group.cases)
         if len(own) > 1:
             beside = of_cases(sweep, cases)
-            if [r.id for r in beside] != shown:
+            if not (len(beside) == len(shown) and all(map(layout.have_same_motion, beside, shown))):
                 columns.append(beside)
-            shown = [r.id for r in beside]
+            shown = beside
             columns.append(cases)
         elif own:
-            columns.append(([None] if shared and i else own) + cases)
+            is_drawn = any(layout.have_same_motion(own[0], r) for r in on_top)
+            columns.append(([None] if is_drawn else own) + cases)
+            on_top += own
         else:
             columns.append(cases)
     return columns

@@ -2,16 +2,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws the figures of an output folder and writes a self-contained HTML page.
 
-Usage: report.py DIR    writes DIR/report/index.html and each figure as .png and .pdf
+Usage: report.py DIR [--only ID[,ID]]    writes DIR/report/index.html and each figure as .png and .pdf
 Prints the result in a sentence and the path of the page. Needs numpy, h5py and matplotlib. Exit 0: done;
-1: a figure could not be drawn; 4: case files are damaged, which the page lists; 6: the folder does not exist.
+1: a figure could not be drawn; 2: no complete case has the id; 4: case files are damaged, which the page lists; 6: the
+folder does not exist.
 """
+import argparse
 import gc
 import os
 import sys
 import traceback
 from pathlib import Path
 
+import fig_adaptive
 import fig_afferents
 import fig_drive
 import fig_frequency
@@ -21,6 +24,7 @@ import fig_intensity
 import fig_measures
 import fig_medium
 import fig_multiples
+import fig_optimise
 import fig_profiles
 import fig_receptors
 import fig_spectra
@@ -40,19 +44,28 @@ from player import player
 from progress import Progress
 from summary import summary
 from unchanged import Drawn
-from words import counted
+from words import OTHERS, counted, some_of
 
+USAGE = 2        # exit code of the program for wrong arguments
 ENVIRONMENT = 6  # exit code of the program for missing files
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
 def of_all(sweep):
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
+    first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
     if sweep.uncertain:
-        return [("samples", fig_uncertain.figures)]
-    return [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+        return [*first, ("samples", fig_uncertain.figures)]
+    return [*first, ("optima", fig_optimise.figures), ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
+
+
+class NoCase(Exception):
+    """No complete case has the id that --only names."""
+
+
+OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the sweep they show
 
 
 def of_few(sweep):
@@ -81,25 +94,39 @@ def attempt(name, problems, draw, *arguments):
         return None
 
 
-def draw_all(sweep, folder, drawn, progress):
-    """The figures, the player of the surface, and a sentence for each part that could not be drawn."""
+def shown_caption(sweep, figure, made):
+    """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
+    of them if each shows a single case."""
+    alone = len(made) > 1 and all(len(f.cases) == 1 for f in made)
+    if alone and figure is not made[0]:
+        return ""
+    ids = {i for f in made for i in f.cases} if alone else set(figure.cases)
+    every = layout.ordinary(sweep)
+    count = sum(case.id in ids for case in every)
+    return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""
+
+
+def draw_all(sweep, some, folder, drawn, progress):
+    """The figures, of which those with a panel or a line per case show only the sweep `some`, the player of the surface,
+    and a sentence for each part that could not be drawn."""
     figures, problems = [], []
     if not layout.ordinary(sweep):
         return figures, "", problems
-    some = layout.few(sweep)
-    groups = [(name, draw, sweep) for name, draw in of_all(sweep)] + [(name, draw, some) for name, draw in of_few(sweep)]
+    groups = [(name, draw, sweep) for name, draw in of_all(sweep)]
+    all_cases = len(groups)
+    groups += [(name, draw, some) for name, draw in of_few(sweep)]
     missing = sum(not case.whole for case in sweep.cases)
-    shown, every = len(layout.ordinary(some)), len(layout.ordinary(sweep))
     for n, (name, draw, cases) in enumerate(groups):
         progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
-        for figure in attempt(name, problems, drawn.draw, name, draw, cases, folder) or []:
-            if missing and cases is sweep and not figure.name.startswith("heat_"):  # heat maps mark these cases
-                figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
-            if cases is not sweep:
-                figure.caption += (f" The figure shows {shown} of {counted(every, 'case')}, spread evenly over the sweep; "
-                                   "the table lists all.")
+        made = attempt(name, problems, drawn.draw, name, draw, cases, folder) or []
+        for figure in made:
             if figure.cases is None:
                 figure.cases = [case.id for case in cases.cases if case.whole]
+        for figure in made:
+            if missing and n < all_cases and not figure.name.startswith("heat_"):  # heat maps mark these cases
+                figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
+            if n >= all_cases and name not in OF_THEIR_OWN:
+                figure.caption += shown_caption(sweep, figure, made)
             figure.warnings = warnings_of.of_figure(sweep, figure.name, figure.cases)
             figures.append(figure)
     progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
@@ -112,16 +139,26 @@ def collect_garbage_seldom():
     gc.set_threshold(200_000, 20, 20)
 
 
-def write_report(directory):
+def selected(sweep, ids):
+    """The cases of figures with a panel or a line per case. Raises NoCase."""
+    complete = [case.id for case in layout.ordinary(sweep)]
+    if wrong := [i for i in ids if i not in complete]:
+        raise NoCase(f"{', '.join(wrong)}: not the id of a complete case of {sweep.folder}, references apart; "
+                     f"tables/{sweep.name}.csv lists the ids")
+    return layout.only(sweep, ids) if ids else layout.few(sweep)
+
+
+def write_report(directory, only=()):
     """Returns the path of the page, the summary, the figures that could not be drawn, and the ids of damaged
-    cases."""
+    cases. Raises NoPlan, NoCase."""
     progress = Progress()
     sweep = load(directory, progress.show)
+    some = selected(sweep, only)
     folder = Path(directory) / "report"
     path = folder / "index.html"
     with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
         drawn = Drawn(folder, part)
-        figures, moving, problems = draw_all(sweep, part, drawn, progress)
+        figures, moving, problems = draw_all(sweep, some, part, drawn, progress)
         drawn.save()
         (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
     progress.end()
@@ -129,12 +166,16 @@ def write_report(directory):
 
 
 def main(arguments):
-    if len(arguments) != 1:
-        print("usage: report.py DIR", file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(prog="report", description="Draws figures and writes one HTML page.")
+    parser.add_argument("folder", metavar="DIR")
+    parser.add_argument("--only", metavar="ID[,ID]", default="", help="draw these cases where not all can be drawn")
+    given = parser.parse_args(arguments)
     collect_garbage_seldom()
     try:
-        path, result, problems, damaged = write_report(arguments[0])
+        path, result, problems, damaged = write_report(given.folder, [i for i in given.only.split(",") if i])
+    except NoCase as error:
+        print(f"report: {error}", file=sys.stderr)
+        return USAGE
     except (NoPlan, OSError) as error:
         print(f"report: {error}", file=sys.stderr)
         return ENVIRONMENT

@@ -11,6 +11,8 @@ from warnings_of import is_valid
 from words import counted, listed, number
 
 CLASSES = ("SA1", "RA", "PC")
+EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of its sums
+NAMED = 3     # largest number of cases with the same value that are named
 
 
 def where(sweep, case):
@@ -18,11 +20,25 @@ def where(sweep, case):
     return ", ".join(layout.setting_text(sweep, k, case.settings[k]) for k in keys)
 
 
-def subject(sweep, case):
+def alike(case, cases, value):
+    """The cases with the same value as a case, itself first."""
+    own = value(case)
+    return [case, *(c for c in cases if c is not case and abs(value(c) - own) <= EQUAL * abs(own))]
+
+
+def places(sweep, cases):
+    """Where the cases are: 'AM frequency 400 Hz and AM frequency 800 Hz'; only the first ones of many, and their number."""
+    found = list(dict.fromkeys(where(sweep, c) for c in cases))
+    if len(found) > NAMED:
+        found = [*found[:NAMED - 1], f"{len(found) - NAMED + 1} further cases"]
+    return listed(found)
+
+
+def subject(sweep, cases):
     """For example 'AM-STM at AM frequency 400 Hz'."""
-    kind = case.setting("load", "modulation", "kind", default="")
-    place = where(sweep, case)
-    if "load.modulation.kind" in case.settings or not kind:
+    kind = cases[0].setting("load", "modulation", "kind", default="")
+    place = places(sweep, cases)
+    if "load.modulation.kind" in cases[0].settings or not kind:
         return place or "the case"
     return f"{kind} at {place}" if place else kind
 
@@ -110,10 +126,11 @@ def without_best(sweep, cases):
             "is called the best until all are complete.")
 
 
-def indistinct(sweep, best, cases, column):
-    """Relates the differences between cases to those between engines and to the numerical error of a column."""
-    variants = numerical_variants(sweep, best, column)
-    rest = [c for c in cases if c not in variants]
+def indistinct(sweep, equal, cases, column):
+    """Relates the differences between cases to those between engines and to the numerical error of a column. `equal`: the
+    best cases, which have the same value."""
+    best, variants = equal[0], numerical_variants(sweep, equal[0], column)
+    rest = [c for c in cases if c not in variants and c not in equal]
     text, relative = "", relative_error(sweep, best, column)[0]
     if len(variants) > 1:
         range_, share = spread_of(variants, column)
@@ -149,8 +166,10 @@ def efficiency(sweep):
     if not compared:
         return highest(sweep, cases) + notes
     best = max(compared, key=lambda c: gain(sweep, c))
-    text = against_reference(choices(sweep), best, compared)
-    relate = indistinct(sweep, best, compared, "eta_period_over_reference_1") if sweep.x else estimate(
+    same = alike(best, compared, lambda c: gain(sweep, c))
+    equal = alike(best, same, lambda c: c.value("eta_period_1"))
+    text = against_reference(choices(sweep), equal, compared)
+    relate = indistinct(sweep, equal, compared, "eta_period_over_reference_1") if sweep.x else estimate(
         sweep, best, "eta_period_over_reference_1")
     return text + relate + notes
 
@@ -161,11 +180,13 @@ def highest(sweep, cases):
     value = with_error(sweep, best, "eta_period_1")
     if not sweep.x:
         return f"The efficiency η (eta_period_1) is {value}." + estimate(sweep, best)
-    place = where(choices(sweep), best)
+    equal = alike(best, cases, lambda c: c.value("eta_period_1"))
+    place = places(choices(sweep), equal)
     if len(cases) == 1:
         return f"The efficiency η (eta_period_1) of the only valid case, {place}, is {value}." + estimate(sweep, best)
-    return (f"The efficiency η (eta_period_1) is highest, {value}, at {place}{of_the_valid(sweep, cases)}."
-            + indistinct(sweep, best, cases, "eta_period_1"))
+    same = " and the same" if place != where(choices(sweep), best) else ""
+    return (f"The efficiency η (eta_period_1) is highest{same}, {value}, at {place}{of_the_valid(sweep, cases)}."
+            + indistinct(sweep, equal, cases, "eta_period_1"))
 
 
 def of_the_valid(sweep, cases):
@@ -173,27 +194,29 @@ def of_the_valid(sweep, cases):
     return "" if len(cases) == len(layout.ordinary(sweep)) else f" of the {counted(len(cases), 'valid case')}"
 
 
-def against_reference(sweep, best, compared):
-    """The best of the compared cases and its reference."""
+def against_reference(sweep, equal, compared):
+    """The best of the compared cases, which have the same values, and the reference."""
+    best, who = equal[0], subject(sweep, equal)
+    several = who != subject(sweep, [best])
     value = best.value("eta_period_1")
     reference = sweep.reference_of(best).value("eta_period_1")
     name = layout.reference_name(layout.all_references(sweep))
-    versus = (f"its efficiency η (eta_period_1) is {with_error(sweep, best, 'eta_period_1')}, "
+    versus = (f"{'the' if several else 'its'} efficiency η (eta_period_1) {'of each ' if several else ''}is {with_error(sweep, best, 'eta_period_1')}, "
               f"{comparison(value, reference, name)}.")
     ratio, _ = relative_error(sweep, best, "eta_period_over_reference_1")
     if abs(value / reference - 1.0) <= ratio:
         versus += f" This difference does not exceed its numerical error of {number(100 * ratio, 2)} %."
     if not sweep.x:
-        return f"{subject(sweep, best)}: {versus}"
+        return f"{who}: {versus}"
     if value < reference:
         count = len(compared)
         kind = "" if count == len(layout.ordinary(sweep)) else "valid "
         none = f"None of the {count} {kind}cases focuses" if count > 1 else f"The only {kind}case does not focus"
-        return f"{none} better than {name}. The best is {subject(sweep, best)}: {versus}"
+        return f"{none} better than {name}. The best {'are' if several else 'is'} {who}: {versus}"
     among = of_the_valid(sweep, compared)
     if len(layout.all_references(sweep)) > 1:
-        return f"{subject(sweep, best)} improves most on {name} under the same conditions{among}: {versus}"
-    return f"{subject(sweep, best)} focuses best{among}: {versus}"
+        return f"{who} {'improve' if several else 'improves'} most on {name} under the same conditions{among}: {versus}"
+    return f"{who} {'focus' if several else 'focuses'} best{among}: {versus}"
 
 
 def strength(sweep):
@@ -210,12 +233,12 @@ def strength(sweep):
             return ""
         return f" The focal rms is {range_of(sweep, cases, 'focal_rms_um')} µm."
     name = layout.reference_name(layout.all_references(sweep))
-    lowest, highest = (sweep.by_id(f(ratio, key=ratio.get)) for f in (min, max))
-    low, high = ratio[lowest.id], ratio[highest.id]
+    low, high = (f(ratio.values()) for f in (min, max))
     if len(ratio) == 1 or high - low < 0.005 * high:
         return f" The focal rms is {number(high, 2)} times that of {name}."
-    return (f" The focal rms is {number(low, 2)} ({where(sweep, lowest)}) to "
-            f"{number(high, 2)} ({where(sweep, highest)}) times that of {name}.")
+    at_low, at_high = ([sweep.by_id(i) for i, r in ratio.items() if abs(r - end) <= EQUAL * end] for end in (low, high))
+    return (f" The focal rms is {number(low, 2)} ({places(sweep, at_low)}) to "
+            f"{number(high, 2)} ({places(sweep, at_high)}) times that of {name}.")
 
 
 def span(low, high):
@@ -239,14 +262,13 @@ def fired(sweep):
 def spikes_text(sweep, found):
     """'324 spikes at AM depth 0, 23293 spikes at AM depth 1'; the range for more than three cases."""
     if len(found) > 3:
-        low, high = (f(found, key=lambda item: item[1]) for f in (min, max))
-        found = [low, high]
-        return " to ".join(spikes_at(sweep, *item) for item in found)
-    return listed(spikes_at(sweep, *item) for item in found)
+        ends = sorted({f(n for _, n in found) for f in (min, max)})
+        return " to ".join(spikes_at(sweep, [c for c, n in found if n == end], end) for end in ends)
+    return listed(spikes_at(sweep, [case], count) for case, count in found)
 
 
-def spikes_at(sweep, case, count):
-    place = where(sweep, case)
+def spikes_at(sweep, cases, count):
+    place = places(sweep, cases)
     return counted(count, "spike") + (f" at {place}" if place else "")
 
 

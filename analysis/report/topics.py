@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the figures of the page: the result first, then the other figures by topic."""
 
-EFFICIENCY = ("uncertain_bands", "eta", "heat_eta_period_1", "multiples_eta_period_1", "eta_time")
+EFFICIENCY = ("optimise_front", "uncertain_bands", "eta", "heat_eta_period_1", "multiples_eta_period_1", "eta_time")
 STRENGTH = ("displacement", "strength", "heat_focal_rms_um", "heat_focal_rms_over_reference_1")
 
 # Title of a topic and the beginnings of the names of its figures; the first match counts.
 TOPICS = [
+    ("The best modulation", ("optimise_",)),
     ("Uncertainty and sensitivity", ("uncertain_",)),
+    ("Adaptive axes", ("adaptive",)),
     ("Snapshots and profiles", ("surface", "profiles", "intensity")),
     ("Efficiency and strength", ("gain", "strength", "displacement", "heat_eta", "heat_focal", "multiples_eta",
                                  "multiples_focal", "eta")),

@@ -42,7 +42,7 @@ def stamp(path):
 def facts(sweep):
     """Everything that figures read from a sweep, apart from the contents of the case files."""
     return [sweep.name, sweep.title, sweep.swept_keys, sweep.x, sweep.series_keys, sweep.columns, sweep.label_keys,
-            sweep.uncertain,
+            sweep.uncertain, sweep.adaptive, stamp(sweep.folder / "optimise" / "table.csv"),
             [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.scalars, c.notes, c.warnings,
               stamp(c.path), [stamp(medium_files.file_of(sweep, c, key)) for key in MEDIUM_FILES]]
              for c in sweep.cases]]

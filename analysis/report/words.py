@@ -22,7 +22,7 @@ NAMES = {
     "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
     "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
     "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
-    "modulation_frequency": "modulation frequency", "focal_radius": "focal radius",
+    "modulation_frequency": "modulation frequency", "modulation_phase": "phase", "focal_radius": "focal radius",
     "focal_radius_fwhm": "focal radius in FWHM",
 }
 
@@ -124,6 +124,9 @@ def table_text(value):
 
 def counted(count, noun):
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+OTHERS = "shearwake report --only ID[,ID] draws others"
 
 
 def some_of(count, every, noun):

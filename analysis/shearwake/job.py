@@ -99,7 +99,7 @@ class Job:
             self._tables = found if text is None else tomllib.loads(text)
             for name in ("name", "title"):
                 if name in tables:
-                    tables.setdefault("job", {})[name] = tables.pop(name)
+                    tables["job"] = {**tables.get("job", {}), name: tables.pop(name)}
             merge(self._tables, tables)
             self._tables.setdefault("schema", 1)
             self._path, self._text = None, None

@@ -73,11 +73,14 @@ def check_time_step(study):
 
 
 def check_plausible(study):
-    """Warns of values that are probably in other units than k-Wave expects."""
+    """Warns of values that are probably in other units than k-Wave expects. Raises BadInput for a grid that is in
+    millimetres, since no job can have its size."""
     for axis, spacing_m, points in zip("xyz", study.spacing_m, study.points):
         if spacing_m > LARGEST_SPACING_m:
-            study.warnings.append(f"kgrid.d{axis} is {spacing_m:g} m; k-Wave expects metres")
-        elif spacing_m * points > LARGEST_SIZE_m:
+            raise BadInput(f"kgrid.d{axis} is {spacing_m:g} m, so that the grid would be {spacing_m * points:.4g} m long along "
+                           f"{axis}; k-Wave expects metres. If kgrid.dx, dy and dz are in mm, save them divided by 1000: "
+                           f"kgrid.d{axis} = {1e-3 * spacing_m:g}")
+        if spacing_m * points > LARGEST_SIZE_m:
             study.warnings.append(f"kgrid.N{axis} * kgrid.d{axis} is {spacing_m * points:g} m, more than a body; k-Wave "
                                   "expects metres")
     density = study.medium["density_kg_m3"]

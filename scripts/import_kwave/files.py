@@ -7,6 +7,9 @@ from structures import BadInput, Structure, Unreadable, kind_of, text_of
 from variables import NAMES, chosen_variables
 
 STUDY = "shearwake grid study"  # begins the schema of the files that this script writes
+# The first fields of each structure, for messages.
+EXPECTED = {"kgrid": "'Nx', kgrid.Nx", "medium": "'sound_speed_compression', c_p",
+            "source": "'u_mask', u_mask, 'uz', uz", "sensor": "'mask', mask"}
 DEEPEST = 20  # levels of nested cells; links in an HDF5 file may form a circle
 OBJECT = ("it is an object, which only MATLAB can read; save a struct or a character array instead "
           "(docs/how-to/kwave.md)")
@@ -198,8 +201,8 @@ def structure_of(name, value):
     if name == "options":
         reason = f"cannot be read: {value.reason}" if isinstance(value, Unreadable) else f"is {kind_of(value)}"
         raise BadInput(f"options {reason}; it must be a struct, or a cell array of names and values as in {{'PMLSize', 10}}")
-    raise BadInput(f"{name} is not a structure: save {name} = struct('Nx', kgrid.Nx, ...) instead (docs/how-to/kwave.md)"
-                   if name == "kgrid" else f"{name} is not a structure (docs/how-to/kwave.md)")
+    found = f" but {kind_of(value)}" if isinstance(value, (np.ndarray, str, list)) else f": {kind_of(value)}"
+    raise BadInput(f"{name} is not a structure{found}. Save {name} = struct({EXPECTED[name]}, ...) (docs/how-to/kwave.md)")
 
 
 def structures(path):

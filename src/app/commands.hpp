@@ -13,8 +13,9 @@
 namespace shearwake::app {
 
 /// Each command has one function, in a file named after the command. The exceptions are `run`,
-/// which is run_sweep in schedule/, and `bench`, which is bench_command in bench/. All functions
-/// are collective over the world; commands that only read or draw do their work on rank 0.
+/// which is adaptive_run in this folder, and `bench`, which is bench_command in bench/. All
+/// functions are collective over the world; commands that only read or draw do their work on rank
+/// 0.
 
 struct CheckArguments : schedule::JobArguments {
     bool json = false;
@@ -80,10 +81,19 @@ struct ReduceArguments {
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
 
+struct ReportArguments {
+    std::filesystem::path folder;
+    std::vector<std::string> only; // ids of the cases with a panel or a line; empty: some or all
+};
+
 /// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.
 struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
 };
+
+/// Arguments of `run`, of which `out` is the folder of the optima (default: out/<job
+/// name>.optimise).
+struct OptimiseArguments : schedule::RunArguments {};
 
 struct CompareArguments {
     std::filesystem::path first, second; // case files or output folders
@@ -133,9 +143,12 @@ ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world);
 /// Computes refined cases in the subfolder `converge` and estimates the errors of all columns.
 ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world);
+/// Computes the best envelope of each case of a job with [optimise], an upper bound with its
+/// certificate, and the cases of the result.
+ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world);
 /// Compares two cases or sweeps by a script of analysis/report.
 ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
-ExitCode report_command(const std::filesystem::path& folder, const Comm& world);
+ExitCode report_command(const ReportArguments& arguments, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.

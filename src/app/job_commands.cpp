@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/declare_commands.hpp"
 
+#include "app/adaptive_run.hpp"
 #include "app/commands.hpp"
 #include "config/key_table.hpp"
 #include "config/schema.hpp"
@@ -87,7 +88,7 @@ void add_run(CLI::App& app, Action& action) {
                       "run although the estimates exceed the memory or the disk");
     command->add_flag("--quiet", arguments->quiet, "print only errors");
     command->callback([=, &action] {
-        action = [=](const Comm& world) { return schedule::run_sweep(*arguments, world); };
+        action = [=](const Comm& world) { return adaptive_run(*arguments, world); };
     });
 }
 

@@ -14,6 +14,7 @@
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -221,6 +222,37 @@ void print_totals(const Estimates& e) {
                e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
 }
 
+/// States what the estimates cover if results add further points.
+void print_adaptive(const Estimates& e, const std::vector<AdaptiveAxis>& axes) {
+    double ratio = 1.0;
+    for (const AdaptiveAxis& axis : axes) {
+        ratio *= static_cast<double>(axis.most) / static_cast<double>(axis.initial);
+        std::string likely;
+        if (axis.is_extremum()) {
+            const double spacing = (axis.last - axis.first) / static_cast<double>(axis.initial - 1);
+            const double rounds = std::max(0.0, std::ceil(std::log2(spacing / axis.tolerance)));
+            likely = fmt::format(", about {:.0f} for one curve",
+                                 static_cast<double>(axis.initial) + 2.0 * rounds);
+        }
+        fmt::print("adaptive axis {}: {} points in the first round{}, at most {}\n", axis.key,
+                   axis.initial, likely, axis.most);
+    }
+    if (!axes.empty())
+        fmt::print(
+            "the estimates above cover the first round only; all rounds together take at most "
+            "{:.0f} cases and {:.2g} core hours\n",
+            std::ceil(ratio * static_cast<double>(e.cases.size())), ratio * e.core_hours());
+}
+
+nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
+    return {{"key", axis.key},
+            {"goal", name_of(axis.goal)},
+            {"column", axis.column},
+            {"tolerance", axis.tolerance},
+            {"first_points", axis.initial},
+            {"most_points", axis.most}};
+}
+
 nlohmann::ordered_json json_of(const PlannedCost& cost) {
     const Case& c = cost.planned->physics;
     return {{"id", cost.planned->id},
@@ -239,7 +271,9 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
 void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
                 const std::string& next) {
     using Json = nlohmann::ordered_json;
-    Json cases = Json::array(), choices = Json::array();
+    Json cases = Json::array(), choices = Json::array(), adaptive = Json::array();
+    for (const AdaptiveAxis& axis : job.plan.adaptive)
+        adaptive.push_back(json_of(axis));
     for (const PlannedCost& cost : e.cases)
         cases.push_back(json_of(cost));
     for (const Choice& choice : e.choices)
@@ -249,6 +283,7 @@ void print_json(const Estimates& e, const PlanArguments& arguments, const config
                                             {"diagnostics", config::json_of(job.diagnostics)},
                                             {"cases", cases},
                                             {"choices", choices},
+                                            {"adaptive", adaptive},
                                             {"ranks", e.ranks},
                                             {"teams", e.busy},
                                             {"ranks_per_case", e.layout.ranks_per_case},
@@ -270,6 +305,7 @@ void print_text(const Estimates& e, const PlanArguments& arguments, const config
     print_cases(e.cases, arguments.all_cases);
     print_choices(e, job.diagnostics);
     print_totals(e);
+    print_adaptive(e, job.plan.adaptive);
     if (e.error.empty())
         fmt::print("next: {}\n", next);
     else

@@ -19,6 +19,12 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
         const reduce::ReducedTables written = reduce_folder(folder, arguments.errors);
         fmt::print("{} case{}: {} complete, {} failed or missing\n", written.rows,
                    written.rows == 1 ? "" : "s", written.whole, written.rows - written.whole);
+        if (const std::size_t left = written.rows - written.whole; left > 0 && written.whole > 0)
+            fmt::print(stderr,
+                       "warning: the table is partial: {} of {} cases ha{} no result, and "
+                       "{} empty; shearwake status {} lists the reasons\n",
+                       left, written.rows, left == 1 ? "s" : "ve",
+                       left == 1 ? "its row is" : "their rows are", path.string());
         if (written.not_valid > 0)
             fmt::print("the readings of {} case{} are not valid: see the column note\n",
                        written.not_valid, written.not_valid == 1 ? "" : "s");
@@ -43,7 +49,7 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
                                          path.string(), path.string()),
                              ExitCode::some_cases_failed);
         fmt::print("table: {}\n       {}\n", written.csv.string(), written.markdown.string());
-        for (const auto& file : {written.statistics, written.sensitivity})
+        for (const auto& file : {written.statistics, written.sensitivity, written.adaptive})
             if (!file.empty()) fmt::print("       {}\n", file.string());
         fmt::print("next: shearwake report {}\n", path.string());
     });

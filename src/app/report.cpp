@@ -7,15 +7,21 @@
 #include "schedule/output_folder.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace shearwake::app {
 
-ExitCode report_command(const std::filesystem::path& path, const Comm& world) {
+ExitCode report_command(const ReportArguments& arguments, const Comm& world) {
     ExitCode code = ExitCode::done; // of rank 0; the program exits with the largest of all ranks
     on_root(world, [&] {
-        const schedule::OutputFolder folder = schedule::folder_of_results(path);
+        const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
         reduce_folder(folder, reduce::ErrorColumns::kept); // so that the table is up to date
-        const int status = run_python_script("report/report.py", {path.string()});
+        std::vector<std::string> words = {arguments.folder.string()};
+        if (!arguments.only.empty())
+            words.push_back(fmt::format("--only={}", fmt::join(arguments.only, ",")));
+        const int status = run_python_script("report/report.py", words);
+        if (status == static_cast<int>(ExitCode::usage))
+            throw UsageError("no report was written", ExitCode::usage);
         if (status == static_cast<int>(ExitCode::some_cases_failed))
             code = ExitCode::some_cases_failed;
         else if (status != 0)

@@ -15,16 +15,18 @@
 namespace shearwake::app {
 namespace {
 
-using PathCommand = ExitCode (*)(const std::filesystem::path&, const Comm&);
-
-void add_path_command(CLI::App& app, Action& action, const std::string& name,
-                      const std::string& description, const std::string& argument,
-                      const std::string& help, PathCommand function) {
-    auto path = std::make_shared<std::filesystem::path>();
-    CLI::App* command = app.add_subcommand(name, description);
-    command->add_option(argument, *path, help)->required();
-    command->callback(
-        [=, &action] { action = [=](const Comm& world) { return function(*path, world); }; });
+void add_report(CLI::App& app, Action& action, const std::string& folder) {
+    auto arguments = std::make_shared<ReportArguments>();
+    CLI::App* command = app.add_subcommand("report", "draw figures and write one HTML page");
+    command->add_option("DIR", arguments->folder, folder)->required();
+    command
+        ->add_option("--only", arguments->only,
+                     "where not all cases can be drawn, draw these, by id, and their references")
+        ->type_name("ID[,ID]")
+        ->delimiter(',');
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return report_command(*arguments, world); };
+    });
 }
 
 void add_status(CLI::App& app, Action& action, const std::string& folder) {
@@ -208,12 +210,12 @@ void add_result_commands(CLI::App& app, Action& action) {
     add_status(app, action, folder);
     add_verify(app, action, folder);
     add_reduce(app, action);
-    add_path_command(app, action, "report", "draw figures and write one HTML page", "DIR", folder,
-                     report_command);
+    add_report(app, action, folder);
     add_movie(app, action);
     add_diff(app, action);
     add_compare(app, action);
     add_converge(app, action);
+    add_optimise(app, action);
     add_show(app, action);
     add_respond(app, action);
     add_bench(app, action);

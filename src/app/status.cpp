@@ -5,6 +5,8 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
+#include "reduce/adaptive_tables.hpp"
+#include "reduce/reduce.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
 #include "schedule/shards.hpp"
@@ -122,7 +124,8 @@ struct State {
     storage::JournalContents journal;
     storage::CaseIndex index;
     Tally tally;
-    std::string next; // command, or an instruction
+    std::string next;              // command, or an instruction
+    std::size_t points_to_add = 0; // of adaptive axes, once all cases have ended
 };
 
 std::string next_step(const schedule::OutputFolder& folder, const State& state) {
@@ -140,6 +143,7 @@ std::string next_step(const schedule::OutputFolder& folder, const State& state) 
             return schedule::shards_command_line(run, shards);
         return tally.is_active ? "wait for the active run" : run;
     }
+    if (state.points_to_add > 0) return tally.is_active ? "wait for the active run" : run;
     if (tally.failed > 0) return run + " --retry-failed";
     return schedule::reduce_command_line(folder);
 }
@@ -157,10 +161,11 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
 }
 
 /// What the run does, or why there is none.
-const char* state_of(const Tally& tally) {
+const char* state_of(const State& state) {
+    const Tally& tally = state.tally;
     if (tally.is_preparing) return "preparing";
     if (tally.is_active) return "running";
-    return tally.to_do() > 0 ? "stopped" : "finished";
+    return tally.to_do() > 0 || state.points_to_add > 0 ? "stopped" : "finished";
 }
 
 void print_json(const schedule::OutputFolder& folder, State& state) {
@@ -186,7 +191,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"remaining", tally.left + tally.interrupted},
                           {"interrupted", tally.interrupted},
                           {"is_active", tally.is_active},
-                          {"state", state_of(tally)},
+                          {"state", state_of(state)},
                           {"teams", tally.teams},
                           {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
                           {"seconds_left", has_times ? Json(tally.time_left_s()) : Json()},
@@ -198,7 +203,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
 }
 
 void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
-    auto& [plan, journal, index, tally, next] = state;
+    auto& [plan, journal, index, tally, next, points_to_add] = state;
     fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
     fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
                plan.cases.size() == 1 ? "" : "s", tally.done, tally.running, tally.failed,
@@ -225,11 +230,25 @@ void print_text(const schedule::OutputFolder& folder, State& state, bool verify)
         fmt::print("not valid: the readings of {} case{}: {}; see the column note of the table\n",
                    tally.not_valid.size(), tally.not_valid.size() == 1 ? "" : "s",
                    fmt::join(tally.not_valid, ", "));
+    if (points_to_add > 0)
+        fmt::print("adaptive axes: {} point{} to add\n", points_to_add,
+                   points_to_add == 1 ? "" : "s");
     if (verify) print_verified(plan, index);
     if (std::filesystem::exists(folder.stop_file()))
         fmt::print("{} stops all runs: remove it to continue\n",
                    schedule::shell_word(folder.stop_file().string()));
     fmt::print("next: {}\n", next);
+}
+
+/// The points that the results ask for if all cases have ended.
+std::size_t points_to_add(const schedule::OutputFolder& folder, const State& state) {
+    if (state.plan.adaptive.empty() || state.tally.to_do() > 0) return 0;
+    const reduce::Table table =
+        reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
+    std::size_t points = 0;
+    for (const auto& axis : reduce::adaptive_states(state.plan, table).axes)
+        points += axis.next.size();
+    return points;
 }
 
 /// Returns the number of damaged cases.
@@ -241,8 +260,10 @@ long print_status(const StatusArguments& arguments) {
                     folder.root, arguments.verify ? storage::CaseIndex::Trust::checksum
                                                   : storage::CaseIndex::Trust::size_and_time),
                 .tally = {},
-                .next = {}};
+                .next = {},
+                .points_to_add = 0};
     state.tally = tally_of(state.plan, state.journal, folder, state.index);
+    state.points_to_add = points_to_add(folder, state);
     state.next = next_step(folder, state);
     if (arguments.json)
         print_json(folder, state);

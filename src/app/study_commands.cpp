@@ -4,6 +4,23 @@
 #include "app/commands.hpp"
 
 namespace shearwake::app {
+namespace {
+
+/// The options of a command that runs the cases of a study.
+void add_study_options(CLI::App* command, schedule::RunArguments& arguments) {
+    command
+        ->add_option("--walltime", arguments.walltime,
+                     "start no case that cannot finish within this time")
+        ->type_name("S|H:MM:SS");
+    command->add_flag("--allow-mixed", arguments.allow_mixed,
+                      "use results of another version of the program");
+    command->add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
+    command->add_flag("--force", arguments.force,
+                      "run although the estimates exceed the memory or the disk");
+    command->add_flag("--quiet", arguments.quiet, "print only errors");
+}
+
+} // namespace
 
 void add_converge(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<ConvergeArguments>();
@@ -24,18 +41,24 @@ void add_converge(CLI::App& app, Action& action) {
         ->type_name("N")
         ->check(CLI::Range(1, 1000000));
     add_ranks_per_case(command, arguments->ranks_per_case);
-    command
-        ->add_option("--walltime", arguments->walltime,
-                     "start no case that cannot finish within this time")
-        ->type_name("S|H:MM:SS");
-    command->add_flag("--allow-mixed", arguments->allow_mixed,
-                      "use results of another version of the program");
-    command->add_flag("--retry-failed", arguments->retry_failed, "try failed cases again");
-    command->add_flag("--force", arguments->force,
-                      "run although the estimates exceed the memory or the disk");
-    command->add_flag("--quiet", arguments->quiet, "print only errors");
+    add_study_options(command, *arguments);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return converge_command(*arguments, world); };
+    });
+}
+
+void add_optimise(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<OptimiseArguments>();
+    CLI::App* command = app.add_subcommand(
+        "optimise", "find the envelope with the largest efficiency for each case of a job with "
+                    "[optimise], and prove an upper bound");
+    add_job(command, *arguments);
+    command->add_option("--out", arguments->out,
+                        "output folder of the optima (default: out/<job name>.optimise)");
+    add_ranks_per_case(command, arguments->ranks_per_case);
+    add_study_options(command, *arguments);
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return optimise_command(*arguments, world); };
     });
 }
 

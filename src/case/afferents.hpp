@@ -176,7 +176,7 @@ struct AfferentOptions {
     std::vector<Vec2> pins_m = {{}}; // on the patch
     double pin_radius_m = 1e-3;
     double silence_s = 20e-3; // before and after the motion
-    int periods = 10;         // repetitions of the motion in the periodic regime
+    int periods = 10;         // of the load, in which spikes count in the periodic regime
     Switch noise = Switch::off;
     Switch conduction_delay = Switch::off;
     bool operator==(const AfferentOptions&) const = default;
@@ -193,8 +193,9 @@ void walk_response(Walk& walk, Options& o) {
          {.key = "periods",
           .range = Range::between(1.0, 1e4),
           .in_text = o.periods != AfferentOptions{}.periods,
-          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load to "
-                     "which the receptors respond"});
+          .meaning = "with `time.regime = \"periodic\"`: number of periods of the load in "
+                     "which spikes count, after [a run-in](../explanation/receptors.md"
+                     "#endless-loops)"});
     walk(o.noise, {.key = "noise", .meaning = "noise of the neuron model"});
     walk(o.conduction_delay,
          {.key = "conduction_delay", .meaning = "conduction delays along the nerve"});

@@ -133,10 +133,17 @@ struct FrequencyBand {
     bool operator==(const FrequencyBand&) const = default;
 };
 
+/// The weight of the frames in the `_period_` columns.
+enum class PeriodWeight { whole_periods, sliding };
+constexpr auto names_of(std::type_identity<PeriodWeight>) {
+    return std::array{"whole-periods", "sliding"};
+}
+
 /// Position and time of the measurements.
 struct MeasureOptions {
     double at_s = 0.0; // the instant, and the end of the window of the `_period_` columns
     double settled_after_s = 0.0; // the window begins no earlier than this
+    PeriodWeight window = PeriodWeight::whole_periods;
     double focal_radius_m = 0.0;
     std::vector<double> depths_m = {0.0};
     std::vector<FrequencyBand>
@@ -160,6 +167,14 @@ void walk_fields(Walk& walk, Options& o) {
           .given = Given::by_hand,
           .fallback = "a quarter of `at_ms`",
           .meaning = "the window of the `_period_` columns begins no earlier than this"});
+    walk(o.window,
+         {.key = "window",
+          .in_text = o.window != PeriodWeight::whole_periods,
+          .meaning = "`\"whole-periods\"`: the window of the `_period_` columns is the largest "
+                     "number of whole modulation periods before `at_ms`, so the columns jump "
+                     "where another period fits; `\"sliding\"`: the mean over all windows of one "
+                     "period between `settled_after_ms` and `at_ms`, so the columns are "
+                     "continuous functions of the modulation frequency"});
     walk(o.focal_radius_m, {.key = "focal_radius_mm",
                             .range = Range::above(0.0),
                             .given = Given::by_hand,

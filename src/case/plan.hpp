@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "case/adaptive_axis.hpp"
 #include "case/case.hpp"
 
 #include <cstdint>
@@ -64,6 +65,7 @@ struct Plan {
     TableOptions table;
     std::vector<PlannedCase> cases; // in the order of the job, references last
     std::optional<UncertainPlan> uncertain = std::nullopt;
+    std::vector<AdaptiveAxis> adaptive = {}; // in the order of the job
     bool operator==(const Plan&) const = default;
 };
 

@@ -18,6 +18,8 @@ constexpr std::string_view kind_key = "load.modulation.kind";
 
 /// After this number of invalid cases, further cases are not read.
 constexpr std::size_t most_bad_cases = 1000;
+/// Samples of a distribution are invalid for the same reason.
+constexpr std::size_t most_bad_samples = 2;
 
 /// The index of the value on each axis; the last one changes fastest.
 class Odometer {
@@ -83,7 +85,9 @@ public:
         cases_.push_back(std::move(planned));
     }
 
-    bool gives_up() const { return bad_cases_ > most_bad_cases; }
+    bool gives_up() const {
+        return bad_cases_ > (sweep_.sampled_axis ? most_bad_samples : most_bad_cases);
+    }
 
     std::vector<PlannedCase> finish(bool complete) {
         remarks_.report(diagnostics_);
@@ -93,6 +97,11 @@ public:
             if (excluded_[i] == 0)
                 diagnostics_.warning(sweep_.exclusions[i].at,
                                      "sweep.exclude: this entry matches no case and has no effect");
+        if (bad_cases_ > 0 && sweep_.sampled_axis)
+            diagnostics_.error(sweep_.axes[*sweep_.sampled_axis].keys.front().at,
+                               "uncertain: no case is possible with some of the samples; if the "
+                               "reason is the value of an uncertain key, truncate its "
+                               "distribution with min and max");
         if (complete && cases_.empty() && bad_cases_ == 0)
             diagnostics_.error(sweep_.at, "sweep.exclude removes all cases");
         for (PlannedCase& reference : references_)

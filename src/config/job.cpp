@@ -5,6 +5,7 @@
 #include "config/expand.hpp"
 #include "config/listed_cases.hpp"
 #include "config/sections/read_case.hpp"
+#include "config/sections/read_optimise.hpp"
 #include "config/study_keys.hpp"
 #include "config/table_options.hpp"
 #include "config/uncertain.hpp"
@@ -69,21 +70,35 @@ void read_identity(Reader reader, Plan& plan) {
     if (given) check_name(reader, plan.name);
 }
 
+/// A crossing with the reference requires a reference.
+void check_crossings(const Sweep& sweep, const TableSection& table, DiagnosticList& diagnostics) {
+    for (const AdaptiveAxis& axis : sweep.adaptive)
+        if (axis.goal == AdaptiveAxis::Goal::crossing && !axis.has_level && !table.reference)
+            diagnostics.error(sweep.at,
+                              fmt::format("sweep: {} requires a level to cross, or a reference in "
+                                          "[table], for example reference = {{ kind = \"STM\" }}",
+                                          axis.key));
+}
+
 Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const FileLoaders& files,
+               const AxisPoints& points, std::optional<OptimiseOptions>& optimise,
                DiagnosticList& diagnostics) {
     Plan plan;
     Reader root(tree, "", diagnostics);
     check_schema(root, tree->at);
     read_identity(root.table("job"), plan);
     root.allow(case_tables());
-    Sweep sweep = read_sweep(root.node("sweep"), diagnostics);
+    Sweep sweep = read_sweep(root.node("sweep"), points, diagnostics);
     add_listed_cases(root.node("sweep"), sweep, files, diagnostics);
     const TableSection table = read_table(root.optional_table("table"), sweep);
+    check_crossings(sweep, table, diagnostics);
     if (const NodePtr node = root.node("uncertain"))
         plan.uncertain = read_uncertain(node, sweep, files, diagnostics);
+    optimise = read_optimise(root.optional_table("optimise"));
     root.finish();
     plan.swept_keys = sweep.keys();
     plan.table = table.options;
+    plan.adaptive = sweep.adaptive;
     plan.cases = expand(tree, sweep, table.reference, files, diagnostics);
     check_study_keys(plan, sweep, overrides, diagnostics);
     return plan;
@@ -118,13 +133,14 @@ BadJob::BadJob(std::vector<Diagnostic> diagnostics)
 
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides, const MapLoader& load_map,
-             const TextLoader& load_text, const StudyLoader& load_study) {
+             const TextLoader& load_text, const StudyLoader& load_study, const AxisPoints& points) {
     DiagnosticList diagnostics;
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
     if (const NodePtr tree = parse(text, file_name, overrides, diagnostics))
         job.plan = read_plan(
             tree, overrides,
-            {.load_map = load_map, .load_text = load_text, .load_study = load_study}, diagnostics);
+            {.load_map = load_map, .load_text = load_text, .load_study = load_study}, points,
+            job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;

@@ -2,11 +2,14 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "case/optimise_options.hpp"
 #include "case/plan.hpp"
+#include "config/adaptive_axes.hpp"
 #include "config/document/diagnostic.hpp"
 #include "config/files/text_loader.hpp"
 #include "config/override.hpp"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,7 +21,8 @@ namespace shearwake::config {
 struct Job {
     std::string text; // verbatim
     Plan plan;
-    std::vector<Diagnostic> diagnostics; // warnings
+    std::vector<Diagnostic> diagnostics;                    // warnings
+    std::optional<OptimiseOptions> optimise = std::nullopt; // if the job has [optimise]
 };
 
 /// Thrown for a job with errors. `what` contains all diagnostics, one per line.
@@ -33,10 +37,12 @@ private:
 
 /// Reads, expands and checks a job. Throws BadJob with all errors and warnings. Does not access
 /// files: `file_name` is for messages, and the loaders provide maps, paths and studies; without a
-/// loader, a job that names such a file is rejected. Collective if the loaders are; the same text
+/// loader, a job that names such a file is rejected. `points`: of adaptive axes; the others have
+/// those of the first round. Collective if the loaders are; the same text
 /// and files give the same job.
 Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
-             const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr);
+             const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr,
+             const AxisPoints& points = {});
 
 } // namespace shearwake::config

@@ -4,6 +4,7 @@
 #include "base/field.hpp"
 #include "base/units.hpp"
 #include "case/case.hpp"
+#include "case/optimise_options.hpp"
 #include "config/key_types.hpp"
 
 #include <array>
@@ -261,6 +262,8 @@ std::string key_reference() {
     KeyTable table;
     const Case defaults;
     walk_fields(table, defaults);
+    const OptimiseOptions optimise;
+    walk_fields(table, optimise);
     return preface + table.markdown();
 }
 

@@ -39,9 +39,11 @@ NodePtr parse_value(const std::string& value, const Place& at, DiagnosticList& d
     return nullptr;
 }
 
-/// A swept key is a single key of [sweep], whether or not its dots were quoted.
-Path joined_below_sweep(const Path& path, std::string_view text) {
-    if (path.size() <= 2 || (path.front().key != "sweep" && path.front().key != "uncertain"))
+/// A swept key is a single key of [sweep], whether or not its dots were quoted. A key below one
+/// that `root` has, such as the tolerance of an adaptive axis, is not joined with it.
+Path joined_below_sweep(const NodePtr& root, const Path& path, std::string_view text) {
+    if (path.size() <= 2 || (path.front().key != "sweep" && path.front().key != "uncertain") ||
+        find(root, {path[0], path[1]}))
         return path;
     return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
 }
@@ -72,7 +74,8 @@ bool is_full(const Path& path) {
     const auto tables = case_tables();
     const std::string& first = path.front().key;
     return first == "schema" || first == "job" || first == "sweep" || first == "uncertain" ||
-           first == "table" || std::ranges::find(tables, first) != tables.end();
+           first == "table" || first == "optimise" ||
+           std::ranges::find(tables, first) != tables.end();
 }
 
 } // namespace
@@ -98,7 +101,8 @@ NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticL
     if (!value) return root;
     warn_if_swept(root, override, at, diagnostics);
     std::string problem;
-    const NodePtr changed = with(root, joined_below_sweep(*path, override.key), value, at, problem);
+    const NodePtr changed =
+        with(root, joined_below_sweep(root, *path, override.key), value, at, problem);
     if (!changed) diagnostics.error(at, problem);
     return changed ? changed : root;
 }

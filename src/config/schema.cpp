@@ -5,6 +5,7 @@
 #include "base/units.hpp"
 #include "base/vec3.hpp"
 #include "case/case.hpp"
+#include "case/optimise_options.hpp"
 #include "config/key_types.hpp"
 #include "config/sections/read_case.hpp"
 #include "config/uncertain_schema.hpp"
@@ -335,8 +336,8 @@ void add_job_tables(Json& root) {
                          {"list", {{"type", "string"}}}}},
                        {"additionalProperties", {{"type", {"array", "object"}}}},
                        {"description",
-                        "keys in full, each with a list of values or one of linspace, logspace "
-                        "and range"}};
+                        "keys in full, each with a list of values or one of linspace, logspace, "
+                        "range, refine and find"}};
     Json table = object();
     table["properties"] = {
         {"x", text}, {"series", list_of(text)}, {"reference", {{"type", "object"}}}};
@@ -354,6 +355,8 @@ std::string job_schema() {
     SchemaWalk walk(root);
     const Case defaults;
     walk_fields(walk, defaults);
+    const OptimiseOptions optimise;
+    walk_fields(walk, optimise);
 
     Json& layer = root["properties"]["medium"]["properties"]["layer"]["items"];
     Json& loss = layer["properties"]["loss"];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sweep_axes.hpp"
 
+#include "adapt/next_points.hpp"
 #include "base/text.hpp"
 #include "config/axis_values.hpp"
 #include "config/key_names.hpp"
@@ -32,7 +33,8 @@ void flatten(const TableNode& table, const std::string& prefix,
 }
 
 bool is_axis(const std::string&, const Node& node) {
-    return is_generator(node) || std::get<TableNode>(node.value).entries.empty();
+    return is_generator(node) || is_adaptive(node) ||
+           std::get<TableNode>(node.value).entries.empty();
 }
 
 Flat flat_axes(const TableNode& table) {
@@ -44,7 +46,8 @@ Flat flat_axes(const TableNode& table) {
 /// Reads [sweep] and records the keys that it contains.
 class SweepReader {
 public:
-    explicit SweepReader(DiagnosticList& diagnostics) : diagnostics_(diagnostics) {}
+    SweepReader(const AxisPoints& points, DiagnosticList& diagnostics)
+        : points_(points), diagnostics_(diagnostics) {}
 
     void read_axis(const Entry& entry) {
         if (auto key = read_key(entry)) sweep_.axes.push_back({{std::move(*key)}});
@@ -82,9 +85,22 @@ private:
             diagnostics_.error(entry.key_at, fmt::format("sweep: {} is swept twice", entry.key));
             return std::nullopt;
         }
-        auto values = axis_values(entry.key, entry.value, diagnostics_);
+        auto values = is_adaptive(*entry.value) ? adaptive_values(entry)
+                                                : axis_values(entry.key, entry.value, diagnostics_);
         if (values.empty()) return std::nullopt; // already reported
         return SweptKey{entry.key, *path, entry.key_at, std::move(values)};
+    }
+
+    /// The points of the axis; none after an error.
+    std::vector<NodePtr> adaptive_values(const Entry& entry) {
+        auto axis = read_adaptive_axis(entry.key, entry.value, diagnostics_);
+        if (!axis) return {};
+        const auto known = points_.find(entry.key);
+        std::vector<NodePtr> values;
+        for (const double x : known == points_.end() ? adapt::first_points(*axis) : known->second)
+            values.push_back(make_node(x, entry.value->at));
+        sweep_.adaptive.push_back(std::move(*axis));
+        return values;
     }
 
     void read_zipped(const NodePtr& item) {
@@ -96,7 +112,14 @@ private:
         Axis axis;
         const Flat flat = flat_axes(*table);
         for (const Entry& entry : flat)
-            if (auto key = read_key(entry)) axis.keys.push_back(std::move(*key));
+            if (is_adaptive(*entry.value))
+                diagnostics_.error(entry.value->at,
+                                   fmt::format("sweep.zip: {} is adaptive; its points follow from "
+                                               "results, so other keys cannot change together with "
+                                               "it",
+                                               entry.key));
+            else if (auto key = read_key(entry))
+                axis.keys.push_back(std::move(*key));
         if (axis.keys.size() != flat.size()) return;
         for (const SweptKey& key : axis.keys) {
             if (key.values.size() == axis.size()) continue;
@@ -138,6 +161,7 @@ private:
         sweep_.exclusions.push_back(std::move(exclusion));
     }
 
+    const AxisPoints& points_;
     DiagnosticList& diagnostics_;
     Sweep sweep_;
     std::set<std::string> keys_;
@@ -240,7 +264,7 @@ void check_sweep(Sweep& sweep, DiagnosticList& diagnostics) {
     check_size(sweep, diagnostics);
 }
 
-Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics) {
+Sweep read_sweep(const NodePtr& sweep, const AxisPoints& points, DiagnosticList& diagnostics) {
     if (!sweep) return {};
     const std::size_t before = diagnostics.errors();
     const auto* table = std::get_if<TableNode>(&sweep->value);
@@ -248,7 +272,7 @@ Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics) {
         diagnostics.error(sweep->at, "sweep must be a table");
         return {.at = sweep->at, .sound = false};
     }
-    SweepReader reader(diagnostics);
+    SweepReader reader(points, diagnostics);
     for (const Entry& entry : table->entries) {
         if (entry.key == "zip") reader.read_zip(entry.value);
         if (entry.key != "zip" && entry.key != "exclude" && entry.key != "list")

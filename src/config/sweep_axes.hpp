@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "config/adaptive_axes.hpp"
 #include "config/document/tree.hpp"
 
 #include <functional>
@@ -37,6 +38,7 @@ struct Sweep {
     bool sound = true; // no error was found
     std::vector<Axis> axes;
     std::vector<Exclusion> exclusions;
+    std::vector<AdaptiveAxis> adaptive = {};
     std::optional<std::size_t> sampled_axis = std::nullopt; // the axis of [uncertain]
 
     std::vector<std::string> keys() const; // in the order of the job
@@ -59,7 +61,8 @@ NodePtr flattened_sweep(const NodePtr& sweep);
 /// Reports axes that contain a combination of values twice, and a sweep with too many cases.
 void check_sweep(Sweep& sweep, DiagnosticList& diagnostics);
 
-/// Reads a flattened [sweep], except its entry `list`.
-Sweep read_sweep(const NodePtr& sweep, DiagnosticList& diagnostics);
+/// Reads a flattened [sweep], except its entry `list`. Adaptive axes have the values `points`, or
+/// those of the first round if these do not have the key.
+Sweep read_sweep(const NodePtr& sweep, const AxisPoints& points, DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

@@ -41,6 +41,22 @@ double drive(const WindowGain& g, double t_s) {
     return std::min(risen(t_s - g.from_s, g.edge_s), risen(g.to_s - t_s, g.edge_s));
 }
 
+double drive(const SampledGain& g, double t_s) {
+    const auto count = static_cast<std::ptrdiff_t>(g.values.size());
+    if (count == 0) return 1.0;
+    const auto value = [&](std::ptrdiff_t n) { return g.values[static_cast<std::size_t>(n)]; };
+    double at = t_s / g.interval_s;
+    if (g.repeat) {
+        at -= std::floor(at / static_cast<double>(count)) * static_cast<double>(count);
+    } else {
+        if (at <= 0.0) return g.values.front();
+        if (at >= static_cast<double>(count - 1)) return g.values.back();
+    }
+    const auto before = std::min(static_cast<std::ptrdiff_t>(at), count - 1);
+    const double share = at - static_cast<double>(before);
+    return (1.0 - share) * value(before) + share * value((before + 1) % count);
+}
+
 /// The highest frequency of an edge of this duration; a jump has none and is ignored.
 double edge_frequency_Hz(double edge_s) {
     return edge_s > 0.0 ? 2.0 / edge_s : 0.0;
@@ -57,6 +73,10 @@ double greatest_frequency_Hz(const SquareGain& g) {
 }
 double greatest_frequency_Hz(const WindowGain& g) {
     return edge_frequency_Hz(g.edge_s);
+}
+/// The highest frequency that the samples represent.
+double greatest_frequency_Hz(const SampledGain& g) {
+    return g.interval_s > 0.0 ? 0.5 / g.interval_s : 0.0;
 }
 
 } // namespace
@@ -79,6 +99,8 @@ double gain_frequency_Hz(const Envelope& envelope) {
         if (sine && sine->depth != 0.0) return sine->frequency_Hz;
         const auto* square = std::get_if<SquareGain>(&factor);
         if (square && square->depth != 0.0) return square->frequency_Hz;
+        const auto* sampled = std::get_if<SampledGain>(&factor);
+        if (sampled && sampled->repeat) return 1.0 / sampled->period_s();
     }
     return 0.0;
 }

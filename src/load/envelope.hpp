@@ -145,7 +145,41 @@ void walk_fields(Walk& walk, G& g) {
     walk_on(walk, g.on);
 }
 
-using Gain = std::variant<SineGain, RampGain, SquareGain, WindowGain>;
+/// The largest number of samples of a gain: they are in the text of a case, which is an attribute
+/// of its file of at most 60 kB.
+inline constexpr std::size_t most_samples = 2000;
+
+/// Straight lines between `values` at t = 0, interval, 2 interval, ... The last value is held, or
+/// the first one follows it and the gain has the period values.size() interval.
+struct SampledGain {
+    static constexpr const char* name = "samples";
+    std::vector<double> values;
+    double interval_s = 0.0;
+    bool repeat = false;
+    GainOn on = GainOn::force;
+    bool operator==(const SampledGain&) const = default;
+
+    double period_s() const { return static_cast<double>(values.size()) * interval_s; }
+};
+
+template <class Walk, Is<SampledGain> G>
+void walk_fields(Walk& walk, G& g) {
+    walk(g.values, {.key = "values",
+                    .range = share_range,
+                    .given = Given::required,
+                    .meaning = "gain at t = 0, one interval, two intervals, ..., with straight "
+                               "lines between"});
+    walk(g.interval_s, {.key = "interval_us",
+                        .range = Range::between(1.0, 1e6),
+                        .given = Given::required,
+                        .meaning = "time between the values"});
+    walk(g.repeat, {.key = "repeat",
+                    .meaning = "whether the values repeat, with a line from the last to the first; "
+                               "otherwise the last value is held"});
+    walk_on(walk, g.on);
+}
+
+using Gain = std::variant<SineGain, RampGain, SquareGain, WindowGain, SampledGain>;
 /// The strength of the focus over time. Gains MULTIPLY.
 struct Envelope {
     std::vector<Gain> gains;

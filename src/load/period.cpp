@@ -41,6 +41,10 @@ void add_of(const Gain& gain, std::vector<double>& frequencies_Hz) {
                           [&](const SquareGain& square) {
                               if (square.depth > 0.0) frequencies_Hz.push_back(square.frequency_Hz);
                           },
+                          [&](const SampledGain& sampled) {
+                              if (sampled.repeat)
+                                  frequencies_Hz.push_back(1.0 / sampled.period_s());
+                          },
                           [](const RampGain&) {}, [](const WindowGain&) {}},
                gain);
 }
@@ -55,6 +59,9 @@ std::string why_not(const Load& load) {
         if (std::holds_alternative<RampGain>(gain) || std::holds_alternative<WindowGain>(gain))
             return "rises or falls once (a ramp or a window), which a load that repeats for ever "
                    "cannot; remove it";
+    for (const Gain& gain : load.modulation.envelope.gains)
+        if (const auto* sampled = std::get_if<SampledGain>(&gain); sampled && !sampled->repeat)
+            return "has an envelope of samples that are not repeated; set repeat = true";
     return {};
 }
 

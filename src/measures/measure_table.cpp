@@ -119,6 +119,18 @@ constexpr std::array measures = {
     Measure{"region_to_x_mm", "mm", "largest x of the measured region", Shown::page},
     Measure{"region_from_y_mm", "mm", "smallest y of the measured region", Shown::page},
     Measure{"region_to_y_mm", "mm", "largest y of the measured region", Shown::page},
+    Measure{"period_work_uJ", "uJ", "work of the load per period"},
+    Measure{"period_absorbed_uJ", "uJ",
+            "energy that viscosity absorbs per period in the layers of finite thickness, on the "
+            "infinite plane"},
+    Measure{"period_radiated_uJ", "uJ",
+            "energy per period that leaves the layers of finite thickness for the half-space below "
+            "them, on the infinite plane"},
+    Measure{"receptor_periods_1", "1",
+            "number of periods of the load in which the spikes of afferents count"},
+    Measure{"receptor_run_in_periods_1", "1",
+            "number of periods of the load before them, after which the response no longer depends "
+            "on its start"},
     Measure{"{class}_spikes_1", "1", "number of spikes of all {class} afferents"},
     Measure{"{class}_active_1", "1", "number of {class} afferents that fire"},
     Measure{"{class}_rate_Hz", "Hz", "mean rate of the {class} afferents that fire"},

@@ -31,7 +31,7 @@ enum class Counts { physical, samples };
 /// replaced by details of the case; parts in brackets are omitted if the details are unknown.
 struct Measure {
     const char* name;
-    const char* unit; // "1", "mm2", "um", "mN ms", "Hz", "degree"
+    const char* unit; // "1", "mm2", "um", "mN ms", "uJ", "Hz", "degree"
     const char* meaning;
     Shown shown = Shown::csv;
     /// Relative tolerance in `diff`. Tables have nine digits, so two rounded numbers may differ by

@@ -137,4 +137,26 @@ double band_rms(std::span<const double> trace, double dt_s, double low_Hz, doubl
     return std::sqrt(std::max(0.0, mean_square)); // rounding may give -1e-17 for an empty band
 }
 
+double rms_between(const TimeAxis& time, std::span<const double> trace, const FrequencyBand& band) {
+    return time.regime == Regime::periodic
+               ? line_rms(trace, time.interval_s, band.low_Hz, band.high_Hz)
+               : band_rms(trace, time.interval_s, band.low_Hz, band.high_Hz);
+}
+
+std::vector<double> differences(const TimeAxis& time, std::span<const double> trace) {
+    std::vector<double> steps;
+    double last = time.regime == Regime::periodic && !trace.empty() ? trace.back() : 0.0;
+    for (const double value : trace) {
+        steps.push_back(value - last);
+        last = value;
+    }
+    return steps;
+}
+
+ShareBands share_bands(const TimeAxis& time, const FrequencyBand& band) {
+    const double lowest_Hz = 1.0 / time.duration_s(), low_Hz = std::max(band.low_Hz, lowest_Hz);
+    return {.part = {low_Hz, std::max(low_Hz, band.high_Hz)},
+            .whole = {lowest_Hz, 0.5 / time.interval_s}};
+}
+
 } // namespace shearwake::measures

@@ -45,4 +45,19 @@ double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const
 /// 1/(2 dt) it is the rms of the samples. The cost grows with N^2: 0.1 ms for N = 280.
 double band_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz);
 
+/// line_rms in the periodic regime and band_rms otherwise. Its square is a quadratic form of the
+/// trace.
+double rms_between(const TimeAxis& time, std::span<const double> trace, const FrequencyBand& band);
+
+/// du/dt multiplied by the time between frames; before the first frame is 0 or, in the periodic
+/// regime, the last one.
+std::vector<double> differences(const TimeAxis& time, std::span<const double> trace);
+
+/// The frequencies of a share: the energy between those of `part` divided by that between those of
+/// `whole`, which begins at 1/T.
+struct ShareBands {
+    FrequencyBand part, whole;
+};
+ShareBands share_bands(const TimeAxis& time, const FrequencyBand& band);
+
 } // namespace shearwake::measures

@@ -81,7 +81,8 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
         r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
     }
     if (window.fits())
-        r.period = period_sums(depth.frames, window_weights(time, window.from_s, window.to_s));
+        r.period = period_sums(depth.frames,
+                               window_weights(time, window.from_s, window.to_s, window.edge_s));
     r.period_note = window.reason;
     return r;
 }
@@ -180,16 +181,6 @@ struct Band {
 constexpr std::array<Band, 3> bands = {
     {{"rms_40_400_um", 40.0, 400.0}, {"rms_5_300_um", 5.0, 300.0}, {"rms_5_800_um", 5.0, 800.0}}};
 
-/// du/dt multiplied by the time between frames, starting at `last`.
-std::vector<double> differences(std::span<const double> u, double last) {
-    std::vector<double> steps;
-    for (const double value : u) {
-        steps.push_back(value - last);
-        last = value;
-    }
-    return steps;
-}
-
 /// The trace whose spectrum is measured, and its columns.
 class SpectrumColumns {
 public:
@@ -208,7 +199,7 @@ public:
         }
         where_ = {{"place", fmt::format("({:g}, {:g})", trace->at_m.x * 1e3, trace->at_m.y * 1e3)}};
         displacement_ = trace->u_m;
-        velocity_ = differences(trace->u_m, is_periodic() ? trace->u_m.back() : 0.0);
+        velocity_ = differences(time_, trace->u_m);
     }
 
     std::span<const double> displacement() const { return displacement_; }
@@ -233,18 +224,18 @@ public:
     void add_rms(const Band& band) {
         const std::string trouble = why_not(band.high_Hz);
         columns_.add(band.column,
-                     trouble.empty() ? rms(displacement_, band.low_Hz, band.high_Hz) * 1e6 : nan,
+                     trouble.empty()
+                         ? rms_between(time_, displacement_, {band.low_Hz, band.high_Hz}) * 1e6
+                         : nan,
                      trouble, where_);
     }
     void add_share(const char* name, std::span<const double> values, const FrequencyBand& band) {
         const std::string trouble = why_not(band.high_Hz);
         double share = nan;
         if (trouble.empty()) {
-            const double lowest_Hz = 1.0 / time_.duration_s();
-            const double low_Hz = std::max(band.low_Hz, lowest_Hz);
-            share = std::pow(rms(values, low_Hz, std::max(low_Hz, band.high_Hz)) /
-                                 rms(values, lowest_Hz, 0.5 / dt_s_),
-                             2);
+            const ShareBands of = share_bands(time_, band);
+            share = std::pow(
+                rms_between(time_, values, of.part) / rms_between(time_, values, of.whole), 2);
         }
         std::vector<Detail> details = where_;
         details.emplace_back("low", fmt::format("{:g}", band.low_Hz));
@@ -254,10 +245,6 @@ public:
 
 private:
     bool is_periodic() const { return time_.regime == Regime::periodic; }
-    double rms(std::span<const double> values, double low_Hz, double high_Hz) const {
-        return is_periodic() ? line_rms(values, dt_s_, low_Hz, high_Hz)
-                             : band_rms(values, dt_s_, low_Hz, high_Hz);
-    }
     std::string why_not(double high_Hz) const {
         if (!note_.empty() || high_Hz <= 0.5 / dt_s_) return note_;
         return fmt::format("frames every {:g} us cannot represent {:g} Hz", dt_s_ * 1e6, high_Hz);

@@ -114,6 +114,31 @@ Region measured_region(const Domain& domain, const MeasureOptions& measure) {
     return cut;
 }
 
+FocalRegion::FocalRegion(const Domain& domain, const Region& region, std::span<const Vec2> foci_m,
+                         double radius_m)
+    : domain_(domain), region_(region), foci_m_(foci_m), radius_m_(radius_m) {
+    if (foci_m.empty()) return;
+    Vec2 low = foci_m.front(), high = low;
+    for (const Vec2& focus : foci_m) {
+        low = {std::min(low.x, focus.x), std::min(low.y, focus.y)};
+        high = {std::max(high.x, focus.x), std::max(high.y, focus.y)};
+    }
+    const double h = domain.spacing_m;
+    const auto of_x = cells_between(low.x - radius_m, high.x + radius_m, h, domain.nx);
+    const auto of_y = cells_between(low.y - radius_m, high.y + radius_m, h, domain.ny);
+    x_first = std::max(of_x.first, region.x0);
+    x_end = std::min(of_x.second, region.x1);
+    y_first_ = of_y.first;
+    y_end_ = of_y.second;
+}
+
+double FocalRegion::fraction(std::ptrdiff_t i, std::ptrdiff_t j) const {
+    double w = 0.0;
+    for (const Vec2& focus : foci_m_)
+        w += disc_fraction(domain_.x_m(i), domain_.y_m(j), domain_.spacing_m, focus, radius_m_);
+    return std::min(w, 1.0);
+}
+
 SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const Domain& domain,
                          const Region& region, Vec2 focus_m, double focal_radius_m) {
     return surface_sums(slab, x_start, domain, region, std::span(&focus_m, 1), focal_radius_m);
@@ -143,32 +168,16 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     sums.u2 = u2.value();
     sums.u4 = u4.value();
 
-    const double h = domain.spacing_m;
     if (foci_m.empty()) return sums;
-    Vec2 low = foci_m.front(), high = low;
-    for (const Vec2& focus : foci_m) {
-        low = {std::min(low.x, focus.x), std::min(low.y, focus.y)};
-        high = {std::max(high.x, focus.x), std::max(high.y, focus.y)};
-    }
-    const auto [x_first, x_end] =
-        cells_between(low.x - focal_radius_m, high.x + focal_radius_m, h, domain.nx);
-    const auto of_y = cells_between(low.y - focal_radius_m, high.y + focal_radius_m, h, domain.ny);
-    const std::ptrdiff_t y_first = of_y.first, y_end = of_y.second;
+    const FocalRegion focal(domain, region, foci_m, focal_radius_m);
     CompensatedSum focal_u2, focal_weight;
-    for (std::ptrdiff_t i = std::max(begin, x_first); i < std::min(end, x_end); ++i) {
+    for (std::ptrdiff_t i = std::max(begin, focal.x_first); i < std::min(end, focal.x_end); ++i) {
         double row_u2 = 0.0, row_weight = 0.0;
-        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-            for (std::ptrdiff_t j = std::max(first, y_first); j < std::min(last, y_end); ++j) {
-                double w = 0.0;
-                for (const Vec2& focus : foci_m)
-                    w += disc_fraction(domain.x_m(i), domain.y_m(j), h, focus, focal_radius_m);
-                w = std::min(w, 1.0);
-                if (w == 0.0) continue;
-                const double value = slab(i - x_start, j);
-                row_u2 += w * value * value;
-                row_weight += w;
-                sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
-            }
+        focal.row(i, [&](std::ptrdiff_t j, double w) {
+            const double value = slab(i - x_start, j);
+            row_u2 += w * value * value;
+            row_weight += w;
+            sums.focal_peak = std::max(sums.focal_peak, std::abs(value));
         });
         focal_u2.add(row_u2);
         focal_weight.add(row_weight);

@@ -5,6 +5,7 @@
 #include "base/view.hpp"
 #include "case/case.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -76,6 +77,33 @@ Region measured_region(const Domain& domain);
 /// The part of that region whose samples have their centres inside the polygon of the options, if
 /// they have one.
 Region measured_region(const Domain& domain, const MeasureOptions& measure);
+
+/// The samples of the measured region in the focal discs around all foci, each with its weight w:
+/// the sum over the discs of the fraction of its cell inside, at most 1. Refers to its arguments.
+class FocalRegion {
+public:
+    FocalRegion(const Domain& domain, const Region& region, std::span<const Vec2> foci_m,
+                double radius_m);
+
+    std::ptrdiff_t x_first = 0, x_end = 0; // global rows
+    /// Calls f(j, w) for each sample of the global row i with w > 0.
+    template <class F>
+    void row(std::ptrdiff_t i, F f) const {
+        region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+            for (std::ptrdiff_t j = std::max(first, y_first_); j < std::min(end, y_end_); ++j)
+                if (const double w = fraction(i, j); w > 0.0) f(j, w);
+        });
+    }
+
+private:
+    double fraction(std::ptrdiff_t i, std::ptrdiff_t j) const;
+
+    const Domain& domain_;
+    const Region& region_;
+    std::span<const Vec2> foci_m_;
+    double radius_m_;
+    std::ptrdiff_t y_first_ = 0, y_end_ = 0;
+};
 
 /// Partial sums of the slab whose row i is the global row x_start + i and whose columns are all of
 /// y. The disc does not wrap around the periodic domain and ends at the edge of the region. Not

@@ -7,14 +7,45 @@
 #include <cmath>
 
 namespace shearwake::measures {
+namespace {
 
-std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s) {
+/// Shorter edges, in units of the interval, are considered vertical.
+constexpr double shortest_edge = 1e-6;
+
+/// The integral of max(0, t - from) times the hat function of a frame at t = 0, which is 1 there
+/// and 0 at the frames -1 and 1.
+double ramp_of_hat(double from) {
+    if (from >= 1.0) return 0.0;
+    if (from <= -1.0) return -from;
+    const auto cube = [](double x) { return x > 0.0 ? x * x * x : 0.0; };
+    return (cube(1.0 - from) - 2.0 * cube(-from)) / 6.0;
+}
+
+/// The weights of a trapezoid; all times in units of the interval.
+void add_trapezoid(double from, double to, double edge, std::vector<double>& weights) {
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+        const double at = static_cast<double>(n) + 1.0;
+        if (at <= from - 1.0 || at >= to + 1.0) continue;
+        weights[n] = (ramp_of_hat(from - at) - ramp_of_hat(from + edge - at) -
+                      ramp_of_hat(to - edge - at) + ramp_of_hat(to - at)) /
+                     edge;
+    }
+}
+
+} // namespace
+
+std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s,
+                                   double edge_s) {
     // The trapezoidal rule over one period, in which the first frame follows the last one.
     if (time.regime == Regime::periodic)
         return std::vector<double>(static_cast<std::size_t>(time.frames), 1.0);
     std::vector<double> weights(static_cast<std::size_t>(time.frames), 0.0);
     // In units of the interval: frame n is at n + 1, and nothing has moved at 0.
     const double from = from_s / time.interval_s, to = to_s / time.interval_s;
+    if (edge_s > shortest_edge * time.interval_s) {
+        add_trapezoid(from, to, edge_s / time.interval_s, weights);
+        return weights;
+    }
     for (std::size_t n = 0; n < weights.size(); ++n) {
         const double left = static_cast<double>(n); // segment [n, n + 1] ends at frame n
         const double a = std::clamp(from - left, 0.0, 1.0);
@@ -74,6 +105,10 @@ PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
         return window;
     }
     window.periods = static_cast<int>(periods);
+    if (measure.window == PeriodWeight::sliding) {
+        window.edge_s = std::min(1.0 / frequency, std::max(0.0, at - settled - 1.0 / frequency));
+        return window;
+    }
     window.from_s = std::max(settled, at - periods / frequency);
     return window;
 }

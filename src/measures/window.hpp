@@ -12,15 +12,19 @@ namespace shearwake::measures {
 
 /// Weights w_n, one per frame, in units of frames, such that sum_n w_n f(t_n) interval is the
 /// integral over [from, to] of the straight-line interpolant of f with f = 0 at t = 0. The ends may
-/// be between frames; times outside [0, duration] do not contribute. In the periodic regime all
-/// weights are 1: the integral over one period, whatever the ends.
-std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s);
+/// be between frames; times outside [0, duration] do not contribute. With edge_s > 0, f is
+/// multiplied by a trapezoid that rises from 0 to 1 in this time after `from`, and falls to 0
+/// before `to`, which must be within the run. In the periodic regime all weights are 1: the
+/// integral over one period, whatever the ends.
+std::vector<double> window_weights(const TimeAxis& time, double from_s, double to_s,
+                                   double edge_s = 0.0);
 
 /// The time window of the `_period_` columns, or the reason why there is none.
 struct PeriodWindow {
     double from_s = 0.0;
     double to_s = 0.0;
-    int periods = 0; // number of whole modulation periods; 0: no modulation
+    double edge_s = 0.0; // the weight rises and falls in this time
+    int periods = 0;     // number of whole modulation periods; 0: no modulation
     std::string reason;
     bool fits() const { return reason.empty(); }
 };
@@ -32,7 +36,10 @@ constexpr double fewest_frames_a_period = 4.0;
 /// modulation, the whole settled part. A reason if not even one period fits, if `at` is after the
 /// end of the run, or if the frames are too far apart to resolve a period. Also a reason if the
 /// load was switched off (off_s) more than a frame before the instant, since there is no focus
-/// then. In the periodic regime the window is the period of the load.
+/// then. In the periodic regime the window is the period of the load. With PeriodWeight::sliding
+/// the window is the settled part, and its weight the mean over all windows of one period in it: a
+/// box of one period convolved with another box, which is a trapezoid. Like one period, it contains
+/// no harmonic of the modulation, and it is a continuous function of the frequency.
 PeriodWindow period_window(const MeasureOptions& measure, const TimeAxis& time,
                            std::optional<double> modulation_frequency_Hz,
                            double off_s = std::numeric_limits<double>::infinity());

@@ -31,44 +31,54 @@ RespondOptions options_of(const AfferentOptions& options, std::size_t first, std
     return how;
 }
 
-/// Times of the spikes within the stimulus, which begins `before_s` after the first sample.
+/// Times of the spikes within the counted part of the stimulus, which begins `before_s` after the
+/// first sample.
 SpikeTimes times_of(const std::vector<Spikes>& spikes, std::span<const Afferent> afferents,
-                    double before_s, double duration_s, Switch conduction_delay) {
+                    double before_s, const CountedTime& counted, Switch conduction_delay) {
     constexpr double slack_s = 1e-9; // tolerance for rounding errors
     SpikeTimes times_s(spikes.size());
     for (std::size_t i = 0; i < spikes.size(); ++i) {
         const NeuronRow& row = neuron_rows(afferents[i].kind)[afferents[i].row];
         const double delay_s = conduction_delay == Switch::on ? 1e-3 * row.delay_ms : 0.0;
         for (const std::uint32_t sample : spikes[i]) {
-            const double t_s = spike_time_s(sample) - before_s;
-            if (t_s > slack_s && t_s < duration_s + slack_s) times_s[i].push_back(t_s + delay_s);
+            const double t_s = spike_time_s(sample) - before_s - counted.from_s;
+            if (t_s > slack_s && t_s < counted.to_s - counted.from_s + slack_s)
+                times_s[i].push_back(t_s + delay_s);
         }
     }
     return times_s;
 }
 
+/// The counted time, up to the end of a stimulus.
+CountedTime limited(CountedTime counted, std::size_t samples, double rate_Hz) {
+    counted.to_s = std::min(counted.to_s, static_cast<double>(samples) / rate_Hz);
+    return counted;
+}
+
 } // namespace
 
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
-                            std::size_t count, const AfferentOptions& options, std::uint64_t key) {
+                            std::size_t count, const AfferentOptions& options, std::uint64_t key,
+                            const CountedTime& counted) {
     const SilencedStimulus silenced = with_silence(without_overlap(stimulus), options.silence_s);
     const auto afferents = std::span(scene.afferents).subspan(first, count);
     RespondOptions how = options_of(options, first, key);
     how.ways = scene.skin_mm.empty() ? straight_ways(stimulus.at_mm)
                                      : ways_within(scene.skin_mm, stimulus.at_mm);
     return times_of(respond(silenced.stimulus, afferents, how), afferents, silenced.before_s,
-                    static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz,
+                    limited(counted, stimulus.indentation_mm.samples, stimulus.rate_Hz),
                     options.conduction_delay);
 }
 
 SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, double radius_mm,
                               const Scene& scene, std::size_t first, std::size_t count,
-                              const AfferentOptions& options, std::uint64_t key) {
+                              const AfferentOptions& options, std::uint64_t key,
+                              const CountedTime& counted) {
     SilencedLines silenced = with_silence(compression_MPa, rate_Hz, options.silence_s);
     const auto afferents = std::span(scene.afferents).subspan(first, count);
     const StressSource source(std::move(silenced.lines), rate_Hz, radius_mm);
     return times_of(respond(source, afferents, options_of(options, first, key)), afferents,
-                    silenced.before_s, static_cast<double>(compression_MPa.samples) / rate_Hz,
+                    silenced.before_s, limited(counted, compression_MPa.samples, rate_Hz),
                     options.conduction_delay);
 }
 

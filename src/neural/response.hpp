@@ -6,29 +6,38 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace shearwake::neural {
 
-/// Spike times of each afferent since the start of the stimulus [s], including the conduction delay
-/// if requested.
+/// Spike times of each afferent since the start of the counted time [s], including the conduction
+/// delay if requested.
 using SpikeTimes = std::vector<std::vector<double>>;
 
+/// The part of a stimulus whose spikes count, after its start [s].
+struct CountedTime {
+    double from_s = 0.0;
+    double to_s = std::numeric_limits<double>::infinity(); // at most its end
+};
+
 /// The response of afferents `first` to `first + count - 1` of the scene to pins. The stimulus is
-/// surrounded by the silence of the options; spikes before its start and after its end are
-/// discarded. The noise depends on `key` and on the afferent's number in the scene, so that any
-/// division of a scene yields the same result. Throws UsageError for an invalid stimulus. Not
-/// collective.
+/// surrounded by the silence of the options; spikes outside the counted time are discarded, and the
+/// times of the others are relative to its beginning. The noise depends on `key` and on the
+/// afferent's number in the scene, so that any division of a scene yields the same result. Throws
+/// UsageError for an invalid stimulus. Not collective.
 SpikeTimes response_to_pins(const PinStimulus& stimulus, const Scene& scene, std::size_t first,
-                            std::size_t count, const AfferentOptions& options, std::uint64_t key);
+                            std::size_t count, const AfferentOptions& options, std::uint64_t key,
+                            const CountedTime& counted = {});
 
 /// The response to given stresses, one line per afferent [MPa], positive in compression, with the
 /// scale for a pin of `radius_mm` (see dynamic_per_stress_rate()). Throws UsageError for invalid
 /// stresses. Not collective.
 SpikeTimes response_to_stress(const Lines& compression_MPa, double rate_Hz, double radius_mm,
                               const Scene& scene, std::size_t first, std::size_t count,
-                              const AfferentOptions& options, std::uint64_t key);
+                              const AfferentOptions& options, std::uint64_t key,
+                              const CountedTime& counted = {});
 
 /// Summary of the response of one class of afferents.
 struct ClassResponse {

@@ -3,6 +3,7 @@
 
 #include "neural/fibre/neuron.hpp"
 #include "neural/hand/scene.hpp"
+#include "pipeline/afferent_result.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,8 +26,9 @@ constexpr double spikes_per_s = 20.0;
 
 struct Counts {
     double afferents = 0.0, pins = 0.0;
-    double samples = 0.0; // of the motion, silence included
-    double seconds = 0.0; // the same in time
+    double samples = 0.0;   // of the motion with its repetitions, silence included
+    double seconds = 0.0;   // the same in time
+    double counted_s = 0.0; // the part whose spikes count
 };
 
 Counts counts_of(const Case& c) {
@@ -34,11 +36,14 @@ Counts counts_of(const Case& c) {
     double rate_Hz = 1.0 / c.time.interval_s;
     if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
         rate_Hz = carrier->sampling_Hz;
-    const double seconds = c.time.duration_s() + 2.0 * options.silence_s;
+    const neural::Repetitions repetitions = receptor_repetitions(c);
+    const double seconds =
+        static_cast<double>(repetitions.total()) * c.time.duration_s() + 2.0 * options.silence_s;
     return {.afferents = static_cast<double>(neural::make_scene(options).afferents.size()),
             .pins = static_cast<double>(options.pins_m.size()),
             .samples = seconds * rate_Hz,
-            .seconds = seconds};
+            .seconds = seconds,
+            .counted_s = static_cast<double>(repetitions.counted) * c.time.duration_s()};
 }
 
 /// Number of frames of a field with negligible computing time.
@@ -109,9 +114,10 @@ double afferents_memory_B(const Case& c, int ranks) {
     const Counts n = counts_of(c);
     const bool by_stress = std::holds_alternative<StressInput>(c.afferents->input);
     // The motion of all pins with silence, its load and load rate; or the stress at all receptors,
-    // that of the receptors of a rank with silence, and its rate. In addition, three lines for each
-    // of eight afferents at a time, and the transform.
-    const double lines = by_stress ? 3.0 * n.afferents / ranks : 4.0 * n.pins;
+    // that of a group of receptors with silence, and its rate. In addition, three lines for each of
+    // eight afferents at a time, and the transform.
+    const double together = std::min(n.afferents / ranks, 64.0); // receptors in a group
+    const double lines = by_stress ? 3.0 * together : 4.0 * n.pins;
     const double frames = by_stress ? n.afferents * static_cast<double>(c.time.frames) : 0.0;
     return (frames + (lines + 28.0) * n.samples) * sizeof(double);
 }
@@ -119,10 +125,10 @@ double afferents_memory_B(const Case& c, int ranks) {
 double afferents_file_B(const Case& c) {
     if (!c.afferents) return 0.0;
     const Counts n = counts_of(c);
-    const double frames = static_cast<double>(c.time.frames);
     double numbers =
-        9.0 * n.afferents + 2.0 * spikes_per_s * n.seconds * n.afferents + 5.0 * n.pins;
-    if (std::holds_alternative<PinInput>(c.afferents->input)) numbers += (n.pins + 1.0) * frames;
+        9.0 * n.afferents + 2.0 * spikes_per_s * n.counted_s * n.afferents + 5.0 * n.pins;
+    if (std::holds_alternative<PinInput>(c.afferents->input))
+        numbers += (n.pins + 1.0) * n.counted_s / c.time.interval_s;
     return numbers * sizeof(double);
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 
 namespace shearwake::pipeline {
@@ -17,32 +18,68 @@ namespace {
 using neural::Scene;
 using neural::SpikeTimes;
 
+constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+
+/// The duration of the motion or stress without its repetitions.
+double once_s(const FeltMotion& motion) {
+    const auto& lines = motion.compression_Pa.empty() ? motion.pins.u_m : motion.compression_Pa;
+    return static_cast<double>(lines.empty() ? 0 : lines.front().size()) / motion.pins.rate_Hz;
+}
+
+neural::CountedTime counted_time(const FeltMotion& motion) {
+    if (!motion.repetitions.is_periodic()) return {};
+    const double from_s = static_cast<double>(motion.repetitions.run_in) * once_s(motion);
+    return {from_s, from_s + static_cast<double>(motion.repetitions.counted) * once_s(motion)};
+}
+
+neural::Course course_of(const FeltMotion& motion) {
+    return motion.repetitions.is_periodic() ? neural::Course::periodic : neural::Course::once;
+}
+
 neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions& options,
                                 const Scene& scene) {
     const PointMotion& pins = motion.pins;
     const double radius_mm = 1e3 * options.pin_radius_m;
-    if (const auto* carrier = std::get_if<CarrierInput>(&options.input)) {
-        const double duration_s =
-            static_cast<double>(pins.u_m.empty() ? 0 : pins.u_m.front().size()) / pins.rate_Hz;
-        return neural::carrier_stimulus(*carrier, scene.pins_mm, radius_mm, duration_s);
-    }
+    if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
+        return neural::carrier_stimulus(*carrier, scene.pins_mm, radius_mm,
+                                        static_cast<double>(motion.repetitions.total()) *
+                                            once_s(motion));
     neural::PinStimulus stimulus{
         .at_mm = scene.pins_mm, .radius_mm = radius_mm, .rate_Hz = pins.rate_Hz};
     stimulus.indentation_mm = neural::Lines(pins.u_m.size(), pins.u_m.front().size());
     for (std::size_t p = 0; p < pins.u_m.size(); ++p)
         std::transform(pins.u_m[p].begin(), pins.u_m[p].end(),
                        stimulus.indentation_mm.line(p).begin(), [](double u) { return 1e3 * u; });
+    if (motion.repetitions.is_periodic())
+        stimulus.indentation_mm =
+            neural::repeated(stimulus.indentation_mm, motion.repetitions.total());
     return stimulus;
 }
 
-/// The stress of some afferents.
+/// The stress of some afferents, with its repetitions.
 neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t count) {
     const auto& all_Pa = motion.compression_Pa;
     neural::Lines lines(count, all_Pa.empty() ? 0 : all_Pa.front().size());
     for (std::size_t i = 0; i < count; ++i)
         std::transform(all_Pa.at(first + i).begin(), all_Pa.at(first + i).end(),
                        lines.line(i).begin(), [](double value_Pa) { return 1e-6 * value_Pa; });
-    return lines;
+    return neural::repeated(lines, motion.repetitions.total());
+}
+
+/// The response to stress of the afferents of this rank. Afferents are processed in groups, since
+/// all of their repeated lines would need too much memory.
+SpikeTimes response_by_group(const FeltMotion& motion, const Scene& scene, std::size_t first,
+                             std::size_t count, const AfferentOptions& options, std::uint64_t key) {
+    constexpr std::size_t group = 64; // a multiple of eight
+    SpikeTimes all_s;
+    for (std::size_t begin = first; begin < first + count; begin += group) {
+        const std::size_t size = std::min(group, first + count - begin);
+        auto times_s = response_to_stress(stress_of(motion, begin, size), motion.pins.rate_Hz,
+                                          1e3 * options.pin_radius_m, scene, begin, size, options,
+                                          key, counted_time(motion));
+        std::ranges::move(times_s, std::back_inserter(all_s));
+    }
+    return all_s;
 }
 
 /// Returns warnings and throws errors, on all ranks alike.
@@ -57,9 +94,10 @@ std::vector<std::string> texts_of(const std::vector<Remark>& remarks) {
 }
 
 std::vector<std::string> notes_on(const neural::PinStimulus& stimulus,
-                                  const AfferentOptions& options, const Scene& scene) {
+                                  const AfferentOptions& options, const Scene& scene,
+                                  neural::Course course) {
     std::vector<std::string> notes =
-        texts_of(neural::check_stimulus(stimulus, options.silence_s, scene.skin_mm));
+        texts_of(neural::check_stimulus(stimulus, options.silence_s, scene.skin_mm, course));
     if (const auto* carrier = std::get_if<CarrierInput>(&options.input))
         if (carrier->wave == CarrierWave::signed_)
             notes.insert(notes.begin(), "afferents.carrier.wave: a signed carrier has no component "
@@ -87,7 +125,14 @@ SpikeTimes gathered(const SpikeTimes& mine, const Comm& team) {
     return all;
 }
 
-VariableGroup afferents_group(const Scene& scene, const SpikeTimes& times_s) {
+/// What times of spikes and of pins are relative to.
+std::string since(const FeltMotion& motion) {
+    return motion.repetitions.is_periodic() ? "since the counted periods began"
+                                            : "since the load began";
+}
+
+VariableGroup afferents_group(const FeltMotion& motion, const Scene& scene,
+                              const SpikeTimes& times_s) {
     std::vector<double> number, x, y, hand_x, hand_y, depth, kind, row, count, spike, time;
     for (std::size_t i = 0; i < scene.afferents.size(); ++i) {
         const neural::Afferent& one = scene.afferents[i];
@@ -128,7 +173,7 @@ VariableGroup afferents_group(const Scene& scene, const SpikeTimes& times_s) {
               {"spike"},
               time,
               "s",
-              "time of the spike since the load began, ascending per afferent",
+              fmt::format("time of the spike {}, ascending per afferent", since(motion)),
               ""}}};
 }
 
@@ -152,11 +197,13 @@ VariableGroup pins_group(const FeltMotion& motion, const AfferentOptions& option
                          {"hand_y", each, hand_y, "m", "position on the hand along its y", ""}}};
     if (!std::holds_alternative<PinInput>(options.input))
         return group; // a prescribed motion follows from the case
-    for (std::size_t k = 0; k < motion.pins.u_m.front().size(); ++k)
+    const std::size_t counted = motion.repetitions.counted;
+    for (std::size_t k = 0; k < counted * motion.pins.u_m.front().size(); ++k)
         time.push_back(static_cast<double>(k) / motion.pins.rate_Hz);
     for (const auto& line : motion.pins.u_m)
-        u.insert(u.end(), line.begin(), line.end());
-    group.variables.push_back({"time", {"time"}, time, "s", "time since the load began", ""});
+        for (std::size_t repetition = 0; repetition < counted; ++repetition)
+            u.insert(u.end(), line.begin(), line.end());
+    group.variables.push_back({"time", {"time"}, time, "s", "time " + since(motion), ""});
     group.variables.push_back({"u_z",
                                {"pin", "time"},
                                u,
@@ -190,9 +237,21 @@ std::string without_locking(const neural::ClassResponse& r, double modulation_Hz
         modulation_Hz * duration_s);
 }
 
-std::vector<measures::Column> columns_of(const std::vector<neural::ClassResponse>& classes,
-                                         double modulation_Hz, double duration_s) {
-    std::vector<measures::Column> columns;
+/// The columns that state which periods of a periodic motion count.
+std::vector<measures::Column> columns_of(const FeltMotion& motion) {
+    if (!motion.repetitions.is_periodic()) return {};
+    return {measures::column_of("receptor_periods_1",
+                                static_cast<double>(motion.repetitions.counted), {}),
+            measures::column_of("receptor_run_in_periods_1",
+                                static_cast<double>(motion.repetitions.run_in), {})};
+}
+
+std::vector<measures::Column> columns_of(const FeltMotion& motion,
+                                         const std::vector<neural::ClassResponse>& classes,
+                                         double duration_s) {
+    std::vector<measures::Column> columns = columns_of(motion);
+    const double modulation_Hz = motion.modulation_Hz;
+    const bool has_first = !motion.repetitions.is_periodic();
     for (const neural::ClassResponse& r : classes) {
         const std::string kind = name_of(r.kind);
         const std::string silent = r.spikes > 0 ? "" : "no afferent of this class fires";
@@ -212,12 +271,19 @@ std::vector<measures::Column> columns_of(const std::vector<neural::ClassResponse
                                   : "there is no modulation");
         add("{class}_locking_1", r.locking,
             silent.empty() ? without_locking(r, modulation_Hz, duration_s) : silent);
-        add("{class}_first_spike_ms", r.first_spike_ms, silent);
+        add("{class}_first_spike_ms", has_first ? r.first_spike_ms : nothing,
+            has_first ? silent : "the motion has always repeated, so that no spike is the first");
     }
     return columns;
 }
 
 } // namespace
+
+neural::Repetitions receptor_repetitions(const Case& c) {
+    if (!c.afferents || c.time.regime != Regime::periodic) return {};
+    return neural::repetitions_of(neural::make_scene(*c.afferents).afferents, c.time.duration_s(),
+                                  static_cast<std::size_t>(c.afferents->periods));
+}
 
 FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
     const Case& c = planned.physics;
@@ -227,19 +293,13 @@ FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& record
                       .name = planned.id};
     if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
         motion.modulation_Hz = carrier->am_frequency_Hz;
-        const std::ptrdiff_t repetitions =
-            c.time.regime == Regime::periodic ? c.afferents->periods : 1;
-        motion.pins.u_m = {
-            std::vector<double>(static_cast<std::size_t>(c.time.frames * repetitions))};
+        motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
     }
-    const bool repeats = c.time.regime == Regime::periodic;
+    motion.repetitions = receptor_repetitions(c);
     const auto from_rest = [&](const measures::TraceSeries& series) {
         // The first sample is at t = 0: at rest, or in the state at the end of the period.
-        std::vector<double> line;
-        for (int period = 0; period < (repeats ? c.afferents->periods : 1); ++period) {
-            line.push_back(repeats ? series.u_m.back() : 0.0);
-            line.insert(line.end(), series.u_m.begin(), series.u_m.end() - 1);
-        }
+        std::vector<double> line = {motion.repetitions.is_periodic() ? series.u_m.back() : 0.0};
+        line.insert(line.end(), series.u_m.begin(), series.u_m.end() - 1);
         return line;
     };
     for (const measures::TraceSeries& pin : recorder.pins())
@@ -274,19 +334,18 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     const std::uint64_t key = stable_hash(motion.name);
     AfferentResult result;
     SpikeTimes mine_s;
-    double duration_s = 0.0;
+    double duration_s = static_cast<double>(motion.repetitions.counted) * once_s(motion);
     if (std::holds_alternative<StressInput>(options.input)) {
-        result.notes = texts_of(
-            neural::check_stress(motion.compression_Pa, motion.pins.rate_Hz, n, options.silence_s));
-        const neural::Lines stress_MPa = stress_of(motion, first, count);
-        duration_s = static_cast<double>(stress_MPa.samples) / motion.pins.rate_Hz;
-        mine_s = response_to_stress(stress_MPa, motion.pins.rate_Hz, 1e3 * options.pin_radius_m,
-                                    scene, first, count, options, key);
+        result.notes = texts_of(neural::check_stress(motion.compression_Pa, motion.pins.rate_Hz, n,
+                                                     options.silence_s, course_of(motion)));
+        mine_s = response_by_group(motion, scene, first, count, options, key);
     } else {
         const neural::PinStimulus stimulus = stimulus_of(motion, options, scene);
-        result.notes = notes_on(stimulus, options, scene);
-        duration_s = static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
-        mine_s = response_to_pins(stimulus, scene, first, count, options, key);
+        result.notes = notes_on(stimulus, options, scene, course_of(motion));
+        if (!motion.repetitions.is_periodic())
+            duration_s = static_cast<double>(stimulus.indentation_mm.samples) / stimulus.rate_Hz;
+        mine_s =
+            response_to_pins(stimulus, scene, first, count, options, key, counted_time(motion));
     }
     const SpikeTimes times_s = gathered(mine_s, team);
     if (!team.is_root()) return result;
@@ -300,8 +359,8 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
     };
     result.classes = neural::class_responses(scene.afferents, times_s, duration_s,
                                              motion.modulation_Hz, from_path_mm);
-    result.columns = columns_of(result.classes, motion.modulation_Hz, duration_s);
-    result.groups = {afferents_group(scene, times_s), pins_group(motion, options, scene),
+    result.columns = columns_of(motion, result.classes, duration_s);
+    result.groups = {afferents_group(motion, scene, times_s), pins_group(motion, options, scene),
                      hand_group(scene)};
     return result;
 }

@@ -7,6 +7,7 @@
 #include "case/point_motion.hpp"
 #include "case/record.hpp"
 #include "measures/summary.hpp"
+#include "neural/repetitions.hpp"
 #include "neural/response.hpp"
 #include "parallel/comm.hpp"
 #include "pipeline/surface_recorder.hpp"
@@ -28,14 +29,20 @@ struct AfferentResult {
 struct FeltMotion {
     PointMotion pins; // for the input "pins"; otherwise only positions and duration are used
     std::vector<std::vector<double>> compression_Pa; // for the input "stress": one row per afferent
-    std::vector<Vec2> path_m;   // positions of the focus on the patch, for the spread
-    double modulation_Hz = 0.0; // 0: none
-    std::string name;           // the key of the noise: a case's id
+    neural::Repetitions repetitions; // of these motions and stresses, in the periodic regime
+    std::vector<Vec2> path_m;        // positions of the focus on the patch, for the spread
+    double modulation_Hz = 0.0;      // 0: none
+    std::string name;                // the key of the noise: a case's id
 };
 
 /// The motion of the pins of a case from t = 0, where nothing has moved, to the last but one frame,
-/// with one sample per interval of the run, and the other inputs of its afferents.
+/// with one sample per interval of the run, and the other inputs of its afferents. In the periodic
+/// regime, one period of the motion, and how often it is repeated.
 FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder);
+
+/// How often the receptors of a case feel the run: once, or in the periodic regime the run-in, the
+/// counted periods, and a run-out. Not collective.
+neural::Repetitions receptor_repetitions(const Case& c);
 
 /// Makes the recorder store the stress at the receptors, if the case requests it. Call before the
 /// run; collective.

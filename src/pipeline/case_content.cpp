@@ -149,6 +149,14 @@ std::vector<VariableGroup> case_content(const Case& c,
     return groups;
 }
 
+std::vector<measures::Column> energy_columns(const engines::SolverReport& solver) {
+    if (!solver.period_energy) return {};
+    const engines::PeriodEnergy& energy = *solver.period_energy;
+    return {measures::column_of("period_work_uJ", 1e6 * energy.work_J, {}),
+            measures::column_of("period_absorbed_uJ", 1e6 * energy.absorbed_in_layers_J, {}),
+            measures::column_of("period_radiated_uJ", 1e6 * energy.radiated_J, {})};
+}
+
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group) {
     for (const measures::Column& column : columns)
         group.variables.push_back({.name = column.name,

@@ -20,6 +20,9 @@ std::vector<VariableGroup> case_content(const Case& c,
                                         const std::optional<measures::MachFit>& mach,
                                         const std::vector<double>& mean_u2);
 
+/// The energies of a period as columns; none without them.
+std::vector<measures::Column> energy_columns(const engines::SolverReport& solver);
+
 /// Columns of the table as scalars of a group.
 void add_columns(const std::vector<measures::Column>& columns, VariableGroup& group);
 

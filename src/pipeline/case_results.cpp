@@ -17,6 +17,7 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
     on_root(team, [&] {
         results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
                                       recorder.mean_u2());
+        add_columns(energy_columns(recorder.solver()), results.groups.front());
         add_columns(afferents.columns, results.groups.front());
         for (VariableGroup& group : afferents.groups)
             results.groups.push_back(std::move(group));

@@ -49,6 +49,7 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
                std::ranges::any_of(errors, [&](const auto& c) { return c.second.contains(name); });
     };
     Table extended;
+    extended.remarks = table.remarks;
     extended.rows.resize(table.rows.size());
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
         const std::string& name = table.columns[i];

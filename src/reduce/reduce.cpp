@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "measures/measure_table.hpp"
+#include "reduce/adaptive_tables.hpp"
 #include "reduce/errors.hpp"
 #include "reduce/uncertain_tables.hpp"
 #include "storage/case_file/case_index.hpp"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <limits>
 #include <map>
@@ -28,7 +30,8 @@ constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// A row of the table, from the case file or from what is known about a missing one.
 struct CaseRow {
-    std::string status, note, valid;
+    std::string status, valid;
+    std::vector<std::string> remarks; // of its note
     double wall_s = nothing;
     std::vector<storage::IndexedScalar> scalars;
 
@@ -108,10 +111,16 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table,
     return ordered_json({{"columns", columns}, {"cases", cases}}).dump(1) + "\n";
 }
 
-/// The reasons for empty cells, with the columns grouped by reason.
-std::string notes_of(const std::vector<storage::IndexedScalar>& scalars) {
+/// The warnings of a case, with their severity and key, and the reasons for empty cells, with the
+/// columns grouped by reason.
+std::vector<std::string> remarks_of(const storage::CaseDigest& digest) {
+    std::vector<std::string> remarks;
+    for (const Remark& w : digest.warnings)
+        remarks.push_back(fmt::format("{}: {}: {}",
+                                      w.severity == Severity::error ? "not valid" : "warning",
+                                      w.key, w.message));
     std::vector<std::pair<std::string, std::string>> by_reason; // reason, columns
-    for (const storage::IndexedScalar& v : scalars) {
+    for (const storage::IndexedScalar& v : digest.scalars) {
         if (v.note.empty() || !std::isnan(v.value)) continue;
         const auto same = std::find_if(by_reason.begin(), by_reason.end(),
                                        [&](const auto& entry) { return entry.first == v.note; });
@@ -120,24 +129,9 @@ std::string notes_of(const std::vector<storage::IndexedScalar>& scalars) {
         else
             same->second += ", " + v.name;
     }
-    std::string text;
     for (const auto& [reason, columns] : by_reason)
-        text += (text.empty() ? "" : "; ") + columns + ": " + reason;
-    return text;
-}
-
-/// The warnings of the case, with their severity and key.
-std::string warnings_of(const storage::CaseDigest& digest) {
-    std::string text;
-    for (const Remark& w : digest.warnings)
-        text +=
-            fmt::format("{}{}: {}: {}", text.empty() ? "" : "; ",
-                        w.severity == Severity::error ? "not valid" : "warning", w.key, w.message);
-    return text;
-}
-
-std::string joined(const std::string& first, const std::string& second) {
-    return first + (first.empty() || second.empty() ? "" : "; ") + second;
+        remarks.push_back(columns + ": " + reason);
+    return remarks;
 }
 
 CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& journal,
@@ -146,8 +140,8 @@ CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& 
     if (const storage::CaseDigest* digest = index.find(c.id)) {
         row.status = digest->status;
         row.scalars = digest->scalars;
-        row.note =
-            digest->whole() ? joined(warnings_of(*digest), notes_of(row.scalars)) : digest->damage;
+        row.remarks =
+            digest->whole() ? remarks_of(*digest) : std::vector<std::string>{digest->damage};
         row.wall_s = digest->wall_s;
         if (digest->whole()) row.valid = digest->is_valid() ? "yes" : "no";
         return row;
@@ -156,7 +150,7 @@ CaseRow read_row(const storage::IndexedCase& c, const storage::JournalContents& 
     const bool failed = history != journal.cases.end() &&
                         history->second.state == storage::CaseHistory::State::failed;
     row.status = failed ? "failed" : "missing";
-    row.note = failed ? history->second.reason : "not computed";
+    row.remarks = {failed ? history->second.reason : "not computed"};
     return row;
 }
 
@@ -222,8 +216,9 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         cells.emplace_back(rows[i].valid);
         cells.emplace_back(rows[i].wall_s);
         cells.emplace_back(rows[i].status);
-        cells.emplace_back(rows[i].note);
+        cells.emplace_back(fmt::format("{}", fmt::join(rows[i].remarks, "; ")));
         table.rows.push_back(std::move(cells));
+        table.remarks.push_back(std::move(rows[i].remarks));
     }
     return table;
 }
@@ -296,6 +291,10 @@ ReducedTables reduce(const ReduceInput& input) {
     storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
 
     if (plan.uncertain) write_uncertain(plan, plain, input.tables, written);
+    if (!plan.adaptive.empty()) {
+        written.adaptive = input.tables / (plan.name + ".adaptive.csv");
+        storage::write_file(written.adaptive, csv(adaptive_states(plan, plain).table));
+    }
 
     std::vector<std::string> columns = {"id", "reference"};
     columns.insert(columns.end(), plan.swept_keys.begin(), plan.swept_keys.end());

@@ -28,6 +28,7 @@ struct ReduceInput {
 struct ReducedTables {
     std::filesystem::path csv, markdown;
     std::filesystem::path statistics, sensitivity; // of [uncertain]; empty: not written
+    std::filesystem::path adaptive;                // of adaptive axes; empty: not written
     std::size_t rows = 0;
     std::size_t whole = 0;
     std::size_t not_valid = 0;        // complete cases whose readings are not valid

@@ -69,6 +69,36 @@ std::string csv(const Table& table) {
     return text;
 }
 
+namespace {
+
+/// The numbers of remarks in the order of their first appearance, from 1: "1, 3".
+class Numbers {
+public:
+    std::string of(const std::vector<std::string>& remarks) {
+        std::string text;
+        for (const std::string& remark : remarks) {
+            const auto found = std::find(remarks_.begin(), remarks_.end(), remark);
+            const auto number = found - remarks_.begin() + 1;
+            if (found == remarks_.end()) remarks_.push_back(remark);
+            text += (text.empty() ? "" : ", ") + std::to_string(number);
+        }
+        return text;
+    }
+
+    /// A numbered list of all remarks; empty without remarks.
+    std::string list() const {
+        std::string text;
+        for (std::size_t i = 0; i < remarks_.size(); ++i)
+            text += (i ? "" : "\n") + std::to_string(i + 1) + ". " + one_line(remarks_[i]) + "\n";
+        return text;
+    }
+
+private:
+    std::vector<std::string> remarks_;
+};
+
+} // namespace
+
 std::string markdown(const Table& table, const std::vector<std::string>& columns) {
     std::vector<std::size_t> chosen;
     for (const std::string& name : columns) {
@@ -82,13 +112,18 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
         rule += " --- |";
     }
     text += "\n" + rule + "\n";
-    for (const auto& row : table.rows) {
+    Numbers notes;
+    for (std::size_t n = 0; n < table.rows.size(); ++n) {
         text += "|";
         for (const std::size_t i : chosen)
-            text += " " + one_line(text_of(row[i], 4)) + " |";
+            text += " " +
+                    (table.columns[i] == "note" && !table.remarks.empty()
+                         ? notes.of(table.remarks[n])
+                         : one_line(text_of(table.rows[n][i], 4))) +
+                    " |";
         text += "\n";
     }
-    return text;
+    return text + notes.list();
 }
 
 } // namespace shearwake::reduce

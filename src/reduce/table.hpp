@@ -14,6 +14,8 @@ using Cell = std::variant<double, std::string>;
 struct Table {
     std::vector<std::string> columns;
     std::vector<std::vector<Cell>> rows;
+    /// Per row, the sentences of its cell "note"; empty without notes.
+    std::vector<std::vector<std::string>> remarks = {};
 };
 
 /// Comma-separated, quoted where needed (RFC 4180), numbers with nine digits, empty cells empty.
@@ -23,7 +25,8 @@ std::string csv(const Table& table);
 std::string markdown_text(const std::string& text);
 
 /// A pipe table of the named columns, in that order, numbers with four digits; names that the table
-/// does not have are ignored.
+/// does not have are ignored. The column "note" has numbers of remarks, which follow the table once
+/// each.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
 
 } // namespace shearwake::reduce

@@ -118,6 +118,7 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
     if (others > 0)
         text += fmt::format("\n{} of the sweep that this run did not select {} not complete",
                             cases_text(others), others == 1 ? "is" : "are");
+    if (arguments.is_round) return text;
     if (others > 0)
         text +=
             fmt::format("\nnext: run the other {}, then {}",

@@ -2,6 +2,8 @@
 #include "schedule/job_source.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
+#include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "storage/files.hpp"
@@ -121,6 +123,30 @@ void check_sizes(const config::Job& job, const std::string& file) {
     if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
 }
 
+/// Rejects columns that no table has, before any case is computed.
+void check_columns(const config::Job& job, const std::string& file) {
+    std::vector<std::string> names;
+    for (const measures::Measure& measure : measures::all_measures())
+        names.emplace_back(measure.name);
+    std::vector<config::Diagnostic> diagnostics;
+    const auto check = [&](const std::string& key, const std::string& column) {
+        if (measures::find_measure(column)) return;
+        const auto meant = column.size() < 100 ? nearest(column, names) : std::nullopt;
+        diagnostics.push_back(
+            {.severity = Severity::error,
+             .file = file,
+             .message =
+                 fmt::format("{}: tables have no column \"{}\"{}", key, config::excerpt(column),
+                             meant ? fmt::format("; did you mean \"{}\"?", *meant) : "")});
+    };
+    for (const AdaptiveAxis& axis : job.plan.adaptive)
+        check(fmt::format("sweep.\"{}\".column", axis.key), axis.column);
+    if (job.plan.uncertain)
+        for (const Threshold& threshold : job.plan.uncertain->exceedance)
+            check("uncertain.exceedance", threshold.column);
+    if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
+}
+
 } // namespace
 
 config::Override parse_override(const std::string& text) {
@@ -131,7 +157,7 @@ config::Override parse_override(const std::string& text) {
 }
 
 config::Job load_job(const std::filesystem::path& path, const std::vector<std::string>& overrides,
-                     const Comm& world) {
+                     const Comm& world, const config::AxisPoints& points) {
     std::vector<config::Override> parsed;
     for (const std::string& text : overrides)
         parsed.push_back(parse_override(text));
@@ -139,7 +165,8 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
     on_root(world, [&] { text = storage::read_file(path, storage::largest_user_text_B); });
     config::Job job = config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
                                        maps_beside(path, world), texts_beside(path, world),
-                                       studies_beside(path, world));
+                                       studies_beside(path, world), points);
+    check_columns(job, path.string());
     check_sizes(job, path.string());
     check_pins(job, path.string());
     return job;

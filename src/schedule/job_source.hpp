@@ -14,8 +14,9 @@ namespace shearwake::schedule {
 config::Override parse_override(const std::string& text);
 
 /// Rank 0 reads the job and the files that it names, relative to its folder; every rank gets the
-/// same bytes. Collective. Throws BadJob with all errors; prints nothing.
+/// same bytes. `points`: of adaptive axes, by default those of the first round. Collective. Throws
+/// BadJob with all errors; prints nothing.
 config::Job load_job(const std::filesystem::path& path, const std::vector<std::string>& overrides,
-                     const Comm& world);
+                     const Comm& world, const config::AxisPoints& points = {});
 
 } // namespace shearwake::schedule

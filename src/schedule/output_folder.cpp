@@ -25,7 +25,8 @@ bool is_ours(const std::string& name) {
     constexpr std::array names = {"cases",     "job.toml", "plan.json",         "STOP",
                                   "slurm",     "failed",   "checkpoints",       "locks",
                                   "tables",    "converge", "converge.json",     "converge.md",
-                                  "scan.json", "scan.f64", "scan-request.json", "uncertainty.json"};
+                                  "basis",     "optimise", "robustness",        "uncertainty.json",
+                                  "scan.json", "scan.f64", "scan-request.json"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
 }

@@ -46,6 +46,12 @@ struct OutputFolder {
     std::filesystem::path errors() const { return converge() / "converge.json"; }
     /// The uncertainty of the columns of a measurement, in the format of errors().
     std::filesystem::path uncertainty() const { return root / "uncertainty.json"; }
+    /// The folder of the cases of the knots of `shearwake optimise`, which is an output folder
+    /// itself, and the folder of its forms, optima and tables.
+    std::filesystem::path basis() const { return root / "basis"; }
+    std::filesystem::path optimise() const { return root / "optimise"; }
+    /// The cases of the optima in other tissues, an output folder itself.
+    std::filesystem::path robustness() const { return root / "robustness"; }
     std::filesystem::path report() const { return root / "report"; }
     std::filesystem::path case_file(const std::string& id) const { return cases() / (id + ".h5"); }
     /// The checkpoints of a running case are this path with .A.h5 and .B.h5 appended.

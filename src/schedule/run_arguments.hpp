@@ -35,6 +35,8 @@ struct RunArguments : JobArguments {
     std::filesystem::path log_json; // empty: none
     bool force = false;             // run although the estimates exceed the memory or the disk
     bool quiet = false;
+    bool is_round =
+        false; // results may ask for further cases, so the sweep does not end with the run
     std::string resumed_by; // command line that resumes the run; empty: `run` with these arguments
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numeric>
+#include <unordered_map>
 
 namespace shearwake::schedule {
 namespace {
@@ -13,13 +14,94 @@ namespace {
 /// Largest number of cases that are considered; more do not improve the layout.
 constexpr std::size_t most_samples = 256;
 
-/// A sample of cases, spread evenly.
-std::vector<const PlannedCase*> sample_of(const std::vector<const PlannedCase*>& cases) {
-    if (cases.size() <= most_samples) return cases;
-    std::vector<const PlannedCase*> sample;
-    for (std::size_t i = 0; i < most_samples; ++i)
-        sample.push_back(cases[i * (cases.size() - 1) / (most_samples - 1)]);
+/// Positions of a sample of cases, spread evenly.
+std::vector<std::size_t> sample_of(std::size_t cases) {
+    std::vector<std::size_t> sample(std::min(cases, most_samples));
+    for (std::size_t i = 0; i < sample.size(); ++i)
+        sample[i] = cases <= most_samples ? i : i * (cases - 1) / (most_samples - 1);
     return sample;
+}
+
+/// Equal for cases with the same medium and grid.
+std::size_t hash_of(const Case& c) {
+    std::size_t hash = static_cast<std::size_t>(c.domain.nx * 4099 + c.domain.ny);
+    for (const Layer& layer : c.scene().medium.layers)
+        for (const double value : {layer.thickness_m, layer.density_kg_m3, layer.c_s_m_s})
+            hash = 31 * hash + std::hash<double>{}(value);
+    return hash;
+}
+
+/// Whether an engine keeps data of one case for the other.
+bool share_data(const Case& a, const Case& b) {
+    return a.scene().medium == b.scene().medium && a.domain == b.domain && a.time == b.time &&
+           a.measure.depths_m == b.measure.depths_m;
+}
+
+/// The number of the group of each case. Cases of a group share data; a case that shares none forms
+/// a separate group.
+std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
+                                   cost::CaseCosts& costs) {
+    std::vector<std::size_t> groups;
+    std::unordered_map<std::size_t, std::vector<std::size_t>> found; // first cases by hash
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const Case& c = cases[i]->physics;
+        groups.push_back(i);
+        if (!(costs.of(c).shared_s > 0.0)) continue;
+        std::vector<std::size_t>& firsts = found[hash_of(c)];
+        const auto same = std::ranges::find_if(
+            firsts, [&](std::size_t first) { return share_data(cases[first]->physics, c); });
+        if (same == firsts.end())
+            firsts.push_back(i);
+        else
+            groups.back() = *same;
+    }
+    return groups;
+}
+
+/// The number of cases that share data with each case, including itself.
+std::vector<double> group_sizes(const std::vector<const PlannedCase*>& cases,
+                                cost::CaseCosts& costs) {
+    const std::vector<std::size_t> groups = groups_of(cases, costs);
+    std::vector<double> counts(cases.size(), 0.0), sizes;
+    for (const std::size_t group : groups)
+        counts[group] += 1.0;
+    for (const std::size_t group : groups)
+        sizes.push_back(counts[group]);
+    return sizes;
+}
+
+/// Estimated times of a sweep on teams of one size.
+struct SweepTime {
+    double longest_s = 0.0; // of a case with its shared data
+    double work_s = 0.0;    // of all teams together
+
+    /// Time of the sweep on a number of busy teams.
+    double on(int busy) const { return std::max(longest_s, work_s / busy); }
+};
+
+/// The part of a sweep from which its time is estimated.
+struct Sample {
+    const std::vector<const PlannedCase*>& cases; // of the sweep
+    std::vector<std::size_t> places;              // of the sample in it
+    std::vector<double> group_sizes;              // of each case of the sweep
+};
+
+/// All teams take cases of a group at the same time, so each of them computes the shared data
+/// itself.
+SweepTime time_of(const Sample& sample, int size, int busy, cost::CaseCosts& costs) {
+    SweepTime time;
+    for (const std::size_t place : sample.places) {
+        const cost::CaseCost& cost = costs.of(sample.cases[place]->physics);
+        const double seconds = cost::seconds_on(cost, size, busy, costs.machine());
+        const double shared = cost::shared_seconds_on(cost, size, costs.machine());
+        const double group = sample.group_sizes[place];
+        const double teams = std::min(static_cast<double>(busy), group);
+        time.longest_s = std::max(time.longest_s, seconds + shared);
+        time.work_s += seconds + shared * teams / group;
+    }
+    time.work_s *= static_cast<double>(sample.cases.size()) /
+                   static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
+    return time;
 }
 
 } // namespace
@@ -29,32 +111,22 @@ TeamLayout choose_teams(const std::vector<const PlannedCase*>& cases, int ranks,
     TeamLayout best;
     std::ptrdiff_t best_unfit = std::numeric_limits<std::ptrdiff_t>::max();
     best.seconds = std::numeric_limits<double>::infinity();
-    const std::vector<const PlannedCase*> sample = sample_of(cases);
-    const double each =
-        sample.empty() ? 0.0
-                       : static_cast<double>(cases.size()) / static_cast<double>(sample.size());
+    const Sample sample{cases, sample_of(cases.size()), group_sizes(cases, costs)};
     for (int size = 1; size <= ranks; ++size) {
         if (wanted > 0 && size != std::min(wanted, ranks)) continue;
         if (wanted <= 0 && ranks % size != 0) continue;
         TeamLayout layout{.ranks_per_case = size, .teams = ranks / size};
         const int busy = std::max(
             1, static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size())));
-        double longest = 0.0, work = 0.0, shared = 0.0;
-        bool useful = true;
-        for (const PlannedCase* planned : sample) {
-            const cost::CaseCost& cost = costs.of(planned->physics);
-            const double seconds = cost::seconds_on(cost, size, busy, costs.machine());
-            longest = std::max(longest, seconds);
-            shared = std::max(shared, cost::shared_seconds_on(cost, size, costs.machine()));
-            work += each * seconds;
-            useful = useful && size <= cost.useful_ranks;
-        }
+        const SweepTime time = time_of(sample, size, busy, costs);
+        const bool useful = std::ranges::all_of(sample.places, [&](std::size_t place) {
+            return size <= costs.of(cases[place]->physics).useful_ranks;
+        });
         if (!useful && wanted <= 0) continue;
-        // Every team computes the shared data itself.
-        layout.seconds = shared + std::max(longest, work / busy);
-        layout.busy = layout.seconds > 0.0 ? (work / busy + shared) / layout.seconds : 1.0;
-        const auto unfit = std::ranges::count_if(sample, [&](const PlannedCase* c) {
-            return costs.memory_per_rank_B(c->physics, size) > memory_per_rank_B;
+        layout.seconds = time.on(busy);
+        layout.busy = layout.seconds > 0.0 ? time.work_s / busy / layout.seconds : 1.0;
+        const auto unfit = std::ranges::count_if(sample.places, [&](std::size_t place) {
+            return costs.memory_per_rank_B(cases[place]->physics, size) > memory_per_rank_B;
         });
         // Of layouts with similar times, small teams are preferred.
         const bool better = unfit == best_unfit && layout.seconds < 0.99 * best.seconds;
@@ -86,25 +158,15 @@ std::vector<std::size_t> order_of_work(const std::vector<const PlannedCase*>& ca
         std::size_t group;
     };
     std::vector<Rank> ranks;
-    std::vector<std::pair<const Case*, double>>
-        groups; // one case of each medium and grid, and the time of the longest case
-    for (const PlannedCase* planned : cases) {
-        const Case& c = planned->physics;
-        const cost::CaseCost& cost = costs.of(c);
-        // A case that shares no data forms a separate group.
-        const auto same = [&](const auto& group) {
-            return cost.shared_s > 0.0 && group.first->scene().medium == c.scene().medium &&
-                   group.first->domain == c.domain && group.first->time == c.time &&
-                   group.first->measure.depths_m == c.measure.depths_m;
-        };
-        auto group =
-            cost.shared_s > 0.0 ? std::find_if(groups.begin(), groups.end(), same) : groups.end();
-        if (group == groups.end()) group = groups.insert(groups.end(), {&c, 0.0});
-        group->second = std::max(group->second, cost.compute_s);
-        ranks.push_back({0.0, cost.compute_s, static_cast<std::size_t>(group - groups.begin())});
+    const std::vector<std::size_t> groups = groups_of(cases, costs);
+    std::unordered_map<std::size_t, double> longest; // of each group
+    for (std::size_t i = 0; i < cases.size(); ++i) {
+        const double seconds = costs.of(cases[i]->physics).compute_s;
+        longest[groups[i]] = std::max(longest[groups[i]], seconds);
+        ranks.push_back({0.0, seconds, groups[i]});
     }
     for (Rank& rank : ranks)
-        rank.group_seconds = groups[rank.group].second;
+        rank.group_seconds = longest[rank.group];
     std::vector<std::size_t> order(cases.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {

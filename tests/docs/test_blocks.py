@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every shell, Python, Octave and TOML block of docs/ works as it is printed."""
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -11,6 +12,9 @@ import jsonschema
 
 from blocks import EXECUTED, FRAGMENT, SHOWN, VALIDATED, blocks, make_reader_folder, pages
 from program import PATIENCE_s, ProgramTest, report_life
+
+
+PRINTED = re.compile(r"^print\(.*\) +# (\S.*)$", re.MULTILINE)  # Python that states its result in a comment
 
 
 def interpreter(language):
@@ -64,6 +68,8 @@ class Blocks(ProgramTest):
                                   errors="replace", timeout=PATIENCE_s, check=False)
             report_life()
             self.assertEqual(done.returncode, 0, f"{block}:\n{block.text}\n{done.stdout}{done.stderr}")
+            for printed in PRINTED.findall(block.text):
+                self.assertIn(printed, done.stdout.splitlines(), f"{block} states another result than it prints")
 
 
 def _add_pages():

@@ -18,6 +18,9 @@ class Site(ProgramTest):
         for page in pages():
             made = self.folder / "site" / page.relative_to(DOCS).with_suffix(".html")
             self.assertTrue(made.is_file(), made)
+        demonstration = self.folder / "site" / "demo.html"
+        self.assertTrue(demonstration.is_file())
+        self.assertLess(demonstration.stat().st_size, 5_000_000)
 
 
 if __name__ == "__main__":

@@ -90,16 +90,24 @@ class Notes(FilesTest):
 
     def test_implausible_units_are_warned_of(self):
         for group, fields, words in (
-                ("kgrid", {"dx": 1.0, "dy": 1.0, "dz": 2.0}, ("warning: kgrid.dx is 1 m; k-Wave expects metres", "kgrid.dz is 2 m")),
                 ("medium", {"density": 1.0}, ("warning: medium.density is 1 kg/m3; k-Wave expects kg/m3",)),
                 ("medium", {"density": 1e6}, ("warning: medium.density is 1e+06 kg/m3",))):
             with self.subTest(words=words):
                 self.says(self.imported(self.saved({group: fields})), *words)
+        self.refused(self.saved({"kgrid": {"dx": 1.0, "dy": 1.0, "dz": 2.0}}), "kgrid.dx is 1 m, so that the grid would be ",
+                     "k-Wave expects metres", "in mm, save them divided by 1000: kgrid.dx = 0.001")
         self.assertNotIn("expects", self.imported(self.saved({})))
         large = types.SimpleNamespace(spacing_m=numpy.array([0.05, 0.01, 0.01]), points=numpy.array([32, 32, 32]), warnings=[],
                                       medium={"density_kg_m3": numpy.array(1000.0)}, first=numpy.zeros(3, dtype=int))
         checks.check_plausible(large)
         self.assertEqual(large.warnings, ["kgrid.Nx * kgrid.dx is 1.6 m, more than a body; k-Wave expects metres"])
+
+    def test_a_variable_that_is_not_a_structure_is_described(self):
+        for name, value, words in (("source", numpy.ones((4, 4)), ("source is not a structure but numbers", "struct('u_mask'")),
+                                   ("medium", "water", ('medium is not a structure but the text "water"',
+                                                        "struct('sound_speed_compression'"))):
+            with self.subTest(name):
+                self.refused(self.saved({}, **{name: value}), *words)
 
     def test_nodes_inside_the_layer_are_warned_of(self):
         self.says(self.imported(self.saved({}, options={"PMLSize": 3.0})),

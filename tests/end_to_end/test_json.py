@@ -69,6 +69,7 @@ class Json(ProgramTest):
         self.assertIn("peak_um", [column["column"] for column in differs["moved"]])
         compared = self.document("compare", "more", self.out)
         self.assertEqual(len(compared["pairs"]), 4)
+        self.assertEqual(compared["direction"], "first minus second, relative to the second")
         case_files(self.out)[0].write_bytes(b"damaged")
         damaged = self.document("verify", self.out, expect=4)
         self.assertEqual([entry["id"] for entry in damaged["damaged"]], [shown["id"]])

@@ -134,7 +134,8 @@ class CommandLine(ProgramTest):
 
     def test_version_lists_the_libraries(self):
         said = self.shearwake("--version").stdout
-        self.says(said, "shearwake", "git", "g++", "MPI", "FFTW", "HDF5")
+        self.says(said, "shearwake", "git", "MPI", "FFTW", "HDF5")
+        self.assertRegex(said, r"compiler  (g\+\+|clang\+\+) \d+\.\d+")
         self.assertEqual(self.shearwake("--version", ranks=2).stdout.count("HDF5"), 1)
 
     def test_mistyped_names_are_suggested(self):

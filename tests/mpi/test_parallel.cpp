@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "parallel/shared_counters.hpp"
+#include "parallel/spaced_question.hpp"
 
 #include <catch2/catch.hpp>
 #include <numeric>
@@ -91,4 +92,24 @@ TEST_CASE("splits the ranks into teams and broadcasts text", "[mpi]") {
     CHECK(world.broadcast(world.is_root() ? std::string("job\0text", 8) : std::string()) ==
           std::string("job\0text", 8));
     CHECK(world.broadcast(static_cast<long>(world.rank()), world.size() - 1) == world.size() - 1);
+}
+
+TEST_CASE("a spaced question is asked on the root and answered on all ranks in the same call",
+          "[mpi]") {
+    const Comm world = Comm::world();
+    SpacedQuestion question(world, 1e-4);
+    int questions = 0;
+    std::vector<double> calls_with_yes;
+    for (int call = 0; call < 20000; ++call)
+        if (question.ask([&] { return ++questions % 3 == 0; })) calls_with_yes.push_back(call);
+    CHECK(!calls_with_yes.empty());
+    // Calls of well under 1e-4 s are not all asked, and none is asked elsewhere.
+    CHECK(questions == (world.is_root() ? questions : 0));
+    CHECK(questions < 20000);
+    // The same calls on every rank: their number and sum, and thus, as they ascend, none differs.
+    double sum = 0.0;
+    for (const double call : calls_with_yes)
+        sum += call;
+    CHECK(world.max(sum) == sum);
+    CHECK(world.max(-sum) == -sum);
 }

@@ -166,7 +166,8 @@ class Explore(InFolder):
             job = one(more='[measure]\nat_ms = 4.0\n')
             await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": job}))
             self.assertEqual((await self.answer(ws, 1))[0]["type"], "result")
-            for key, values in (("load.peak_Pa", [1]), ("load.peak_Pa", ["a", 2]), ("../x", [1, 2]), ("load.peak_Pa", [1, float("inf")])):
+            for key, values in (("load.peak_Pa", [1]), ("load.peak_Pa", ["a", 2]), ("../x", [1, 2]), ("load.peak_Pa", [1, float("inf")]),
+                                ("load.peak_Pa", [10 ** 400, 1])):
                 await ws.send_str(json.dumps({"type": "sweep", "id": 2, "job": job, "key": key, "values": values}))
                 self.assertEqual((await self.answer(ws, 2))[0]["type"], "error")
             await ws.send_str(json.dumps({"type": "sweep", "id": 3, "job": job, "key": "load.peak_Pa", "values": [50, 100]}))
@@ -181,6 +182,26 @@ class Explore(InFolder):
         (first, second) = message["rows"]
         self.assertAlmostEqual(second[peak] / first[peak], 2.0, places=6)  # tables have nine digits
         self.assertTrue((Path(message["folder"]) / "plan.json").is_file())
+
+    def test_a_sweep_ignores_tables_that_add_cases(self):
+        async def talk(ws):
+            swept = 0
+            for number, more in ((1, "\ntable = 5\n"), (3, '\n[uncertain]\nsamples = 4096\n"load.peak_Pa" = { uniform = [50, 100] }\n')):
+                job = more + one() if number == 1 else one(more=more)
+                await ws.send_str(json.dumps({"type": "compute", "id": number, "job": job}))
+                if (await self.answer(ws, number))[0]["type"] != "result":
+                    continue
+                await ws.send_str(json.dumps({"type": "sweep", "id": number + 1, "job": job, "key": "load.peak_Pa", "values": [50, 100]}))
+                while True:
+                    message, _ = await self.answer(ws, number + 1)
+                    if message.get("state") != "running":
+                        break
+                    self.assertEqual(message["total"], 2)
+                self.assertEqual(message.get("state"), "done", message)
+                self.assertEqual(len(message["rows"]), 2)
+                swept += 1
+            self.assertEqual(swept, 2)
+        self.connected(talk)
 
     def test_the_engine_is_started_again_if_it_ends(self):
         async def talk(ws):

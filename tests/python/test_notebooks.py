@@ -26,7 +26,7 @@ class Notebooks(InFolder):
             [sys.executable, "-m", "nbconvert", "--to", "notebook", "--execute", "--output", f"done-{path.name}",
              "--ExecutePreprocessor.timeout=-1", path.name], capture_output=True, text=True, check=False,
             timeout=program.PATIENCE_s, stdin=subprocess.DEVNULL, env={
-                **os.environ, "PYTHONPATH": str(program.ROOT / "analysis"), "SHEARWAKE_JOBS": str(program.ROOT / "jobs")})
+                **os.environ, "PYTHONPATH": str(program.ROOT / "analysis")})
         program.report_life()
         self.assertEqual(done.returncode, 0, done.stderr)
         cells = json.loads(Path(f"done-{path.name}").read_text(encoding="utf-8"))["cells"]

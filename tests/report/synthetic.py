@@ -58,8 +58,8 @@ def reduce(folder):
 
 
 def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot=True,
-               frames=False, drawn=None, facts=None):
-    """A case file in the layout of src/pipeline/case_content.cpp, a few samples wide."""
+               frames=False, drawn=None, facts=None, strength=1.0):
+    """A case file in the layout of src/pipeline/case_content.cpp, a few samples wide; `strength` scales its motion."""
     time = 1e-4 * np.arange(1, 41)
     wave = 1.0 + 0.5 * np.sin(2 * np.pi * 500 * time)
     with h5py.File(path, "w") as file:
@@ -74,16 +74,16 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
         file["focus_x"], file["focus_y"] = 7.0 * time, 0.0 * time
         file["force"] = wave
         for name in ("eta", "ipr", "ipr_abs", "participation", "peak", "focal_rms"):
-            file[name] = wave[None, :] * (0.2 if name == "eta" else 1.0)
+            file[name] = wave[None, :] * (0.2 if name == "eta" else strength if name == "peak" else 1.0)
         for name, value in {**SCALARS, **(scalars or {})}.items():
             file[name] = float(value)
             if name in (notes or {}):
                 file[name].attrs.update(fixed({"note": notes[name]}))
         traces = file.create_group("traces")
         traces["x"], traces["y"], traces["trace"] = [0.0], [0.0], [0.0]
-        traces["time"], traces["u_z"] = time, 1e-6 * wave[None, :]
+        traces["time"], traces["u_z"] = time, 1e-6 * strength * wave[None, :]
         traces["frequency"] = 50.0 * np.arange(41)
-        traces["amplitude"] = 1e-7 * np.ones((1, 41))
+        traces["amplitude"] = 1e-7 * strength * np.ones((1, 41))
         if drawn:
             draw(file, time, drawn)
         if snapshot:
@@ -93,7 +93,7 @@ def write_case(path, identity, kind="AM-STM", scalars=None, notes=None, snapshot
             surface["time"], surface["depth"] = kept, [0.0]
             surface["x"], surface["y"] = x, y
             spots = [np.exp(-((x[:, None] - 7.0 * t) ** 2 + y[None, :] ** 2) / 8e-6) for t in kept]
-            surface["u_z"] = np.stack(spots)[:, None] * 3e-6
+            surface["u_z"] = np.stack(spots)[:, None] * 3e-6 * strength
 
 
 def draw(file, time, lines):

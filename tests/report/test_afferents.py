@@ -21,6 +21,7 @@ import fig_afferents  # noqa: E402
 import fig_hand  # noqa: E402
 import load  # noqa: E402
 import style  # noqa: E402
+import texts  # noqa: E402
 from package import case_of_file  # noqa: E402
 
 
@@ -87,6 +88,14 @@ class AfferentsTest(unittest.TestCase):
                  if f.name.startswith("hand")]
         self.assertEqual(["Red crosses" in hand.caption for hand in hands], [True, False])
 
+    def test_rates_of_an_endless_loop_refer_to_all_counted_periods(self):
+        self.add(100.0, [3, 0, 2, 0, 1])
+        endless = self.folder.add({AM: 200.0}, scalars={"receptor_periods_1": 12.0})
+        add_afferents(self.folder.file(endless), [3, 0, 2, 0, 1])
+        once, loop = (fig_hand.duration_ms(case) for case in load.load(self.folder.save()).cases)
+        self.assertAlmostEqual(once, 40.0)
+        self.assertAlmostEqual(loop, 480.0)
+
     def test_a_raster_starts_with_the_nearest_afferent(self):
         identity = self.add(100.0, [3, 1, 2, 0, 1])
         held = fig_hand.Afferents(case_of_file(self.folder.file(identity)))
@@ -97,6 +106,35 @@ class AfferentsTest(unittest.TestCase):
         self.assertEqual(self.drawn(fig_afferents.figures), set())  # one point is not drawn as a curve
         self.add(200.0, [3, 0, 2, 0, 0])
         self.assertEqual(self.drawn(fig_afferents.figures), {"afferents_PC"})
+
+    def test_vector_strengths_of_few_spikes_are_not_drawn(self):
+        for f, spikes in ((100.0, 4.0), (200.0, 10.0), (300.0, 12.0)):
+            self.folder.add({AM: f}, scalars={"PC_spikes_1": spikes, "PC_active_1": 2.0, "PC_vector_strength_1": 0.9})
+        sweep = load.load(self.folder.save())
+        shown, few = fig_afferents.with_enough_spikes(sweep, "PC")
+        self.assertEqual([c.value("PC_vector_strength_1") == 0.9 for c in shown.cases], [False, True, True])
+        self.assertEqual([c.value("PC_spikes_1") for c in shown.cases], [4.0, 10.0, 12.0])
+        self.assertEqual([c.id for c in few], [sweep.cases[0].id])
+        (self.root / "report").mkdir()
+        figure, = fig_afferents.figures(sweep, self.root / "report")
+        self.assertIn("The vector strength of 1 case with fewer than 5 spikes per firing afferent is not drawn", figure.caption)
+
+    def test_the_label_of_a_single_place_is_not_clipped(self):
+        identity = self.add(100.0, [3, 0, 2, 0, 1])
+        with h5py.File(self.folder.file(identity), "r+") as file:
+            for name in ("x", "y", "hand_x", "hand_y", "u_z"):
+                values = file["pins"][name][:1]
+                del file["pins"][name]
+                file["pins"][name] = values
+        found, save = [], style.save
+
+        def checked(figure, path):
+            save(figure, path)
+            found.extend(f"{path.name}: {problem}" for problem in texts.problems(figure))
+
+        with mock.patch.object(style, "save", checked):
+            self.assertIn("places_1", self.drawn(fig_hand.figures))
+        self.assertEqual([problem for problem in found if problem.startswith("places")], [])
 
     def test_coordinates_of_pins_are_rounded_and_single_spikes_are_singular(self):
         identity = self.add(100.0, [1, 0, 0, 0, 0])

@@ -11,8 +11,6 @@ import tempfile
 import unittest
 from pathlib import Path
 
-import h5py
-
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import browser  # noqa: E402
@@ -34,7 +32,11 @@ def need_chromium():
     raise unittest.SkipTest(missing)
 
 
-class BrowserTest(unittest.TestCase):
+class Pages(unittest.TestCase):
+    """Opens pages in chromium."""
+    CLOCK = 'document.querySelector(".clock").textContent'
+    FRAMES = """Array.from(document.querySelectorAll(".player canvas"), canvas => canvas.dataset.frame)"""
+
     @classmethod
     def setUpClass(cls):
         need_chromium()
@@ -61,6 +63,8 @@ class BrowserTest(unittest.TestCase):
         broken = page.run("Array.from(document.images).filter(i => !i.naturalWidth).length")
         self.assertEqual(broken, 0)
 
+
+class BrowserTest(Pages):
     def test_the_page_fits_a_desktop_and_a_phone_without_errors(self):
         for width in (1280, 390):
             for dark in (False, True):
@@ -305,95 +309,6 @@ class BrowserTest(unittest.TestCase):
             self.assertEqual(option, chosen)
         self.assertEqual(page.run("getComputedStyle(document.querySelector('.tall')).backgroundAttachment"),
                          "local, local, scroll, scroll")  # a shadow at an edge behind which there are columns
-
-    CLOCK = 'document.querySelector(".clock").textContent'
-    FRAMES = """Array.from(document.querySelectorAll(".player canvas"), canvas => canvas.dataset.frame)"""
-
-    def at_start(self, width):
-        """The page when the player has drawn its last time."""
-        page = self.open(width)
-        self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
-        self.assertEqual(page.run(self.CLOCK), "4 ms")
-        return page
-
-    def test_single_steps_and_the_slider_move_every_panel(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
-                focus = """Array.from(document.querySelectorAll(".player canvas"),
-                    canvas => JSON.parse(canvas.dataset.focus)[0])"""
-                late = page.run(focus)
-                page.run('document.querySelector(".back").click()')
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/0"))'))
-                self.assertEqual(page.run(self.CLOCK), "2 ms")
-                dark = page.run("""(() => { const panel = document.querySelector(".player").player.panels[0];
-                    const [x, y] = panel.place(...panel.shown.focus[panel.frame()]);
-                    return Array.from(panel.canvas.getContext("2d").getImageData(Math.round(x), Math.round(y), 1, 1).data); })()""")
-                self.assertLess(max(dark[:3]), 60)  # the point at the centre of the focal disc, on red
-                for before, after in zip(page.run(focus), late):
-                    self.assertAlmostEqual(after - before, 14.0, places=2)  # 2 ms at 7 m/s
-                page.run('document.querySelector(".player input").focus()')
-                page.press("ArrowRight", 39)
-                self.assertTrue(page.wait(f'{self.FRAMES}.every(frame => frame.endsWith("/1"))'))
-                self.assertEqual(page.errors(), [])
-
-    def test_pointing_at_the_surface_shows_u_in_both_panels(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                x, y = page.run("""(() => {
-                    const panel = document.querySelector(".player").player.panels[0];
-                    panel.canvas.scrollIntoView({block: "center"});
-                    const [x, y] = panel.place(28.0, 0.0), box = panel.canvas.getBoundingClientRect();
-                    return [box.left + x, box.top + y]; })()""")
-                page.move(x, y)
-                texts = 'Array.from(document.querySelectorAll(".player-panel output"), o => o.textContent)'
-                self.assertTrue(page.wait(f'{texts}.every(text => text.startsWith("x "))'))
-                for text in page.run(texts):  # the centre of a spot of 3 um, within a pixel of 1 mm
-                    self.assertRegex(text, r"^x 2[78][0-9.]* mm, y .* mm: u (2\.[5-9][0-9]*|3) µm$")
-
-    def test_every_case_can_be_chosen_and_colours_follow_the_scale(self):
-        page = self.at_start(1280)
-        names = page.run('Array.from(document.querySelector(".player-panel select").options, o => o.text)')
-        self.assertEqual(len(names), 5)
-        self.assertIn("AM frequency 200\N{NO-BREAK SPACE}Hz", names)
-        page.run("""(() => { const choice = document.querySelector(".player-panel select");
-            choice.value = 1; choice.dispatchEvent(new Event("change")); })()""")
-        self.assertTrue(page.wait(f'{self.FRAMES}[0].startsWith("1/")'))
-        before = page.run('document.querySelector(".high").textContent')
-        page.run("""(() => { const choice = document.querySelector(".scaling");
-            choice.value = "half"; choice.dispatchEvent(new Event("change")); })()""")
-        self.assertNotEqual(page.run('document.querySelector(".high").textContent'), before)
-
-    def test_a_single_surface_has_no_controls_of_the_time(self):
-        with tempfile.TemporaryDirectory() as root:
-            folder = Folder(root, swept=(), x="")
-            folder.add({})
-            with h5py.File(folder.file(case_id(1)), "r+") as file:
-                for name in ("time", "u_z"):
-                    last = file["surface"][name][-1:]
-                    del file["surface"][name]
-                    file["surface"][name] = last
-            folder.report()
-            for width in (1280, 390):
-                page = self.open(width, path=folder.path / "report" / "index.html")
-                self.assertTrue(page.wait(f"{self.FRAMES}.every(frame => frame)"))
-                self.assertFalse(page.run('!!document.querySelector(".play").offsetParent'))
-                self.assertTrue(page.run('!!document.querySelector(".clock").offsetParent'))
-                self.assertEqual(page.errors(), [])
-
-    def test_play_moves_the_slider_and_pause_stops_it(self):
-        for width in (1280, 390):
-            with self.subTest(width=width):
-                page = self.at_start(width)
-                page.run('document.querySelector(".speed").value = "10"')
-                page.run('document.querySelector(".play").click()')
-                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Pause")
-                self.assertTrue(page.wait(f'{self.CLOCK} === "2 ms"'))
-                page.run('document.querySelector(".play").click()')
-                self.assertEqual(page.run('document.querySelector(".play").textContent'), "Play")
-                self.assertEqual(page.errors(), [])
 
 
 if __name__ == "__main__":

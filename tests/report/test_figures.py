@@ -235,6 +235,15 @@ class SpectrogramTest(unittest.TestCase):
             self.assertLess(abs(frequency[top] - 400.0), 17.0)  # resolution of 1/60 ms
             self.assertAlmostEqual(column[top] / 3e-6, 1.0, delta=0.02)  # 1.4 % between two frequencies
 
+    def test_a_tone_that_repeats_has_no_beginning(self):
+        time = 5e-5 * np.arange(1, 401)
+        u = 3e-6 * np.sin(2 * np.pi * 400.0 * time)  # 8 cycles in 20 ms
+        times, frequency, amplitude = fig_spectrogram.spectrogram(u, 5e-5, 133, repeats=True)
+        self.assertLess(times[0], 1e-3)
+        self.assertGreater(times[-1], 19e-3)
+        top = amplitude.max(axis=0)  # 3 %: between two frequencies, and side lobes that depend on the phase
+        np.testing.assert_allclose(top, 3e-6, rtol=0.03)
+
     def test_the_time_of_a_window_is_its_middle(self):
         u = np.zeros(400)
         u[200] = 1.0

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -20,6 +21,7 @@ from synthetic import AM, Folder, case_id, sweep  # noqa: E402
 import chart  # noqa: E402
 import curve_chart  # noqa: E402
 import fig_drive  # noqa: E402
+import fig_measures  # noqa: E402
 import fig_medium  # noqa: E402
 import fig_profiles  # noqa: E402
 import fig_receptors  # noqa: E402
@@ -29,6 +31,7 @@ import fig_traces  # noqa: E402
 import fig_volume  # noqa: E402
 import load  # noqa: E402
 import periods  # noqa: E402
+import style  # noqa: E402
 import topics  # noqa: E402
 
 MEDIUM = """
@@ -129,8 +132,14 @@ class FolderTest(unittest.TestCase):
         z = 1e-3 * np.array([5.0, 5.0, 9.0, 20.0, 5.0, 31.0])
         np.testing.assert_array_equal(fig_medium.speed(medium, x, np.array(0.01), z),
                                       [3.0, 50.0, 3.0, 6.0, 3.0, math.nan])
-        figure, = self.draw(folder, fig_medium)
+        figure, = self.draw_to_scale(folder, fig_medium)
         self.assertIn("first body", figure.caption)
+        # The path from 0 to 28 mm and the body around 4 mm with a margin of the depth, within the domain of 40 mm x 30 mm.
+        medium["body"][0]["length_m"] = 0.01
+        # It is parallel to y: 2 mm around x = 4 mm, and 5 mm along y.
+        path = np.array([[0.0, 0.0], [28.0, 0.0]])
+        for axis, expected in ((0, (-3.0, 20.0)), (1, (-8.0, 8.0))):
+            np.testing.assert_allclose(fig_medium.shown(axis, -20.0, 20.0, path, medium["body"], 3.0), expected)
 
     def test_bodies_of_every_shape_have_their_extent(self):
         at = np.array([0.0, 0.9, 1.1])
@@ -159,8 +168,45 @@ class FolderTest(unittest.TestCase):
             group["time"], group["z"] = [0.004], 1e-3 * np.arange(5)
             group["x"], group["y"] = 1e-3 * np.arange(-8, 9), 1e-3 * np.arange(-6, 7)
             group["u_z"] = 1e-6 * np.ones((1, 5, 13, 17))
-        figure, = self.draw(folder, fig_volume)
+        figure, = self.draw_to_scale(folder, fig_volume)
         self.assertIn("u_z", figure.caption)
+
+    def draw_to_scale(self, folder, module):
+        """The figures of a module; checks that a millimetre has the same length along both axes and that no title
+        separates a number from its unit."""
+        save, panels = style.save, []
+
+        def checked(figure, path):
+            figure.canvas.draw()
+            for axes in figure.axes[:-1]:
+                box, (left, right), (low, high) = axes.get_window_extent(), axes.get_xlim(), axes.get_ylim()
+                panels.append(axes.get_title(loc="left"))
+                # places of axes are rounded to pixels, at 30 per inch
+                self.assertAlmostEqual(box.width / abs(right - left) / (box.height / abs(high - low)), 1.0, delta=0.02)
+                self.assertNotRegex(axes.get_title(loc="left"), r"\n(ms|mm|=)")
+            save(figure, path)
+
+        with mock.patch.object(style, "save", checked):
+            figures = self.draw(folder, module)
+        self.assertEqual(len(panels), 2)
+        return figures
+
+    def test_ratios_have_the_reference_as_a_dashed_line_at_1(self):
+        for figure in (f for f in self.draw(sweep(self.root), fig_measures) if f.name in ("gain", "strength")):
+            line, = (line for line in figure.charts[0].lines if line.dashed)
+            self.assertEqual((line.label, line.x, line.y), ("plain STM", [100.0, 200.0, 400.0], [1.0] * 3))
+            self.assertIn("the dashed line at 1", figure.caption)
+
+    def test_captions_name_the_plane_that_is_measured(self):
+        folder = sweep(self.root)
+        for number in range(1, 5):
+            with h5py.File(folder.file(case_id(number)), "r+") as file:
+                text = file.attrs["case"].decode().replace("[measure]", "[measure]\ndepths_m = [0.0135]")
+                file.attrs["case"] = np.bytes_(text.encode())
+        for module in (fig_surface, fig_profiles, fig_traces):
+            figure = self.draw(folder, module)[0]
+            self.assertIn("the plane z = 13.5\N{NO-BREAK SPACE}mm", figure.caption)
+            self.assertNotIn("surface", figure.caption)
 
     def test_curves_have_the_error_bars_of_the_table(self):
         loaded = load.load(sweep(self.root).save())

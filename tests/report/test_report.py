@@ -7,6 +7,7 @@ Run: python3 tests/report/test_report.py    (unittest, numpy, h5py, matplotlib; 
 import contextlib
 import html
 import io
+import json
 import math
 import re
 import tempfile
@@ -166,6 +167,27 @@ class ReportTest(unittest.TestCase):
         for f in range(1, 16):
             folder.add({AM: 50.0 * f}, snapshot=f < 3)
         self.assertEqual(len(Page(folder.report()).images), 15)
+
+    def test_captions_state_how_many_cases_are_drawn_and_the_option_selects_them(self):
+        folder = Folder(self.root)
+        for n in range(9):
+            folder.add({AM: 100.0 * (n + 1)})
+        text = "of 9 cases are drawn; shearwake report --only ID[,ID] draws others."
+
+        def counts(page):
+            return {name: int(match.group(1)) for name in ("drive", "spectrograms", "spectra", "eta_time", "surface", "eta")
+                    if (match := re.search(f'id="{name}">(?:(?!<figure>).)*<figure>(?:(?!</figure>).)*?([0-9]+) {re.escape(text)}',
+                                           page, re.DOTALL))}
+
+        self.assertEqual(counts(folder.report()), {"drive": 3, "spectrograms": 3, "spectra": 6, "eta_time": 6, "surface": 5})
+        chosen = [case_id(3), case_id(4)]
+        page = report.write_report(self.root, chosen)[0].read_text(encoding="utf-8")
+        self.assertEqual(counts(page), dict.fromkeys(["drive", "spectrograms", "spectra", "eta_time", "surface"], 2))
+        lines = json.loads(re.search(r'id="chart-eta_time"><script type="application/json">(.*?)</script>', page).group(1))
+        self.assertEqual([line["case"] for line in lines[0]["lines"]], chosen)
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            self.assertEqual(report.main([str(self.root), "--only", case_id(99)]), report.USAGE)
+        self.assertIn("not the id of a complete case", said.getvalue())
 
     def summary(self, values, references=(0.2,), **settings):
         """The summary of cases with these efficiencies, of each of the references."""

@@ -36,7 +36,7 @@ def two_keys(root):
             folder.add({AM: 100.0 * (n + 1), PRESET: name}, case_id(25 + m),
                        scalars={"eta_period_1": 0.2 + 0.01 * n, "focal_rms_um": 1.5 + 0.1 * m - 0.05 * n})
     for m, name in enumerate(names):
-        folder.add({PRESET: name}, is_reference=True, kind="STM",
+        folder.add({PRESET: name}, is_reference=True, kind="STM", strength=1.0 + 0.1 * m,
                    scalars={"eta_period_1": 0.24 + 0.001 * m, "focal_rms_um": 3.0 + 0.001 * m})
     return folder
 

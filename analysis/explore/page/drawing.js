@@ -7,7 +7,8 @@ function thinned(points, step_mm) {
   return kept.slice(0, 200).map(point => point.map(value => Math.round(10 * value) / 10));
 }
 
-// Calls `done` with the points, or with nothing if the drawing is cancelled by Escape.
+// Calls `done` with the points, or with nothing if the drawing is cancelled by Escape. With the keyboard, Enter adds the place of the
+// probe, and the space bar ends the path.
 function drawByHand(overlay, redraw, done) {
   const canvas = overlay.canvas, points = [];
   overlay.sketch = points;
@@ -15,7 +16,7 @@ function drawByHand(overlay, redraw, done) {
   const down = event => { canvas.setPointerCapture(event.pointerId); add(event); };
   const move = event => { if (event.buttons && points.length) add(event); };
   const end = found => {
-    for (const [name, listener] of listeners) (name === "keydown" ? document : canvas).removeEventListener(name, listener);
+    for (const [name, listener] of listeners) (name === "keydown" ? window : canvas).removeEventListener(name, listener, true);
     overlay.sketch = null;
     done(found);
   };
@@ -23,6 +24,12 @@ function drawByHand(overlay, redraw, done) {
     const kept = points.length ? thinned(points, 2) : [];
     if (kept.length >= 2) end(kept); else points.length = 0;
   };
-  const listeners = [["pointerdown", down], ["pointermove", move], ["pointerup", up], ["keydown", e => { if (e.key === "Escape") end(null); }]];
-  for (const [name, listener] of listeners) (name === "keydown" ? document : canvas).addEventListener(name, listener);
+  const key = event => {
+    if (event.key === "Escape") end(null);
+    if (event.key === "Enter") { points.push([...overlay.probe]); redraw(); }
+    if (event.key === " ") up();
+    if (event.key === "Enter" || event.key === " ") { event.preventDefault(); event.stopPropagation(); }
+  };
+  const listeners = [["pointerdown", down], ["pointermove", move], ["pointerup", up], ["keydown", key]];
+  for (const [name, listener] of listeners) (name === "keydown" ? window : canvas).addEventListener(name, listener, true);
 }

@@ -1,6 +1,7 @@
 "use strict";
 // Connects the parts: settings to requests, results to the pictures.
 const PATIENCE_ms = 250;  // a request that takes longer gives way to a newer one
+const PICTURES = 12, SLOW_MS = 31;  // playback is slow if so many pictures take longer than this each
 const SHOWN = [["eta_at_1", "η at the end"], ["eta_period_1", "η over the last periods"], ["peak_um", "strength: peak"],
   ["focal_rms_um", "RMS at the focus"], ["ipr_at_1", "participation ratio"], ["mach_angle_deg", "Mach angle, fitted"], ["mach_angle_theory_deg", "Mach angle, theory"]];
 
@@ -16,6 +17,7 @@ class Explorer {
     this.is_playing = true;
     this.waits_ms = [];   // from a change to the first picture of its result
     this.draws = [];      // times of the last pictures
+    this.since_change = 0;  // pictures since playback began or the resolution changed
     this.surface = new Surface(get("surface"));
     this.overlay = new Overlay(get("overlay"), () => this.moveProbe());
     this.plots = new Plots();
@@ -68,7 +70,10 @@ class Explorer {
   }
   sketch() {
     this.play(false);
-    this.report("Draw the path on the surface with the pointer. Escape cancels.");
+    this.report("Draw the path on the surface with the pointer, or move the probe with the arrow keys, add points with Enter and end with "
+      + "the space bar. Escape cancels.");
+    document.querySelector("header").scrollIntoView();
+    this.overlay.canvas.focus({preventScroll: true});
     drawByHand(this.overlay, () => this.draw(), points => {
       if (points) this.settings.drawn = points; else if (!this.settings.drawn) this.settings.path = "line";
       this.play(true);
@@ -98,6 +103,10 @@ class Explorer {
     if (message.type === "open") { this.change(); return; }
     if (message.type === "closed") { this.active = undefined; this.report("The connection to the engine is closed.", true); return; }
     if (message.type === "sweep") { this.sweeps.receive(message); return; }
+    if (message.type === "error" && message.id !== undefined && message.id === this.sweeps.number) {
+      this.sweeps.receive({...message, state: "failed"});
+      return;
+    }
     const active = this.active;
     if (active && message.id !== active.id) return;  // of an older request
     this.active = undefined;
@@ -134,12 +143,17 @@ class Explorer {
       if (frame !== this.frame) this.show(frame);
       this.draws.push(now);
       if (this.draws.length > 200) this.draws.shift();
+      if (++this.since_change >= PICTURES && now - this.draws.at(-PICTURES) > (PICTURES - 1) * SLOW_MS) {
+        this.surface.coarsen();
+        this.since_change = 0;
+      }
     }
     this.last_ms = now;
     requestAnimationFrame(later => this.tick(later));
   }
   play(on) {
     this.is_playing = on;
+    this.draws.length = this.since_change = 0;
     this.parts.play.textContent = on ? "❚❚" : "▶";
     this.parts.play.setAttribute("aria-label", on ? "Pause" : "Play");
     if (on && this.result) this.clock_s = this.frame * this.result.time[0];

@@ -4,7 +4,8 @@ const pen = {stroke: "#0072b2", width: 1.5, points: {show: false}};
 
 class Plot {
   constructor(box, across, along, name) {
-    this.box = box;
+    Object.assign(this, {box, name, across});
+    box.setAttribute("role", "img");
     const axis = label => ({label, labelSize: 16, size: 44, font: "11px system-ui", labelFont: "11px system-ui", stroke: "#333"});
     this.plot = new uPlot({
       width: Math.max(200, box.clientWidth), height: 150, legend: {show: false}, cursor: {y: false},
@@ -20,7 +21,11 @@ class Plot {
     plot.ctx.fillStyle = "#d55e00";
     plot.ctx.fillRect(x - 1, top, 2, height);
   }
-  show(x, y) { this.plot.setData([x, y]); }
+  show(x, y) {
+    this.plot.setData([x, y]);
+    const most = y.reduce((best, value, i) => Math.abs(value) > Math.abs(y[best]) ? i : best, 0);
+    this.box.setAttribute("aria-label", `${this.name} over ${this.across}: at the end ${digits(y.at(-1))}, largest ${digits(y[most])} at ${digits(x[most])}`);
+  }
   pointAt(x) {
     this.at = x;
     this.plot.redraw(false);

@@ -35,6 +35,7 @@ void main() {
 class Surface {
   constructor(canvas) {
     this.canvas = canvas;
+    this.widest = 1000;  // pixels
     this.gl = canvas.getContext("webgl2", {antialias: false, alpha: false, preserveDrawingBuffer: true});
     if (this.gl) this.prepare(); else this.flat = canvas.getContext("2d");
   }
@@ -60,11 +61,13 @@ class Surface {
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
   }
   // Fits the pixels of the canvas to its size on the page.
-  fit(limit = 1000) {
+  fit(limit = this.widest) {
     const box = this.canvas.getBoundingClientRect(), factor = Math.min(window.devicePixelRatio || 1, limit / Math.max(1, box.width));
     const width = Math.max(1, Math.round(factor * box.width)), height = Math.max(1, Math.round(factor * box.height));
     if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, {width, height});
   }
+  // Without a graphics processor the time of a picture follows from the number of its pixels: fewer keep the playback smooth.
+  coarsen() { this.widest = Math.max(350, Math.round(0.8 * Math.min(this.widest, this.canvas.width))); }
   // `scale_m` is the displacement at the ends of the scale.
   draw(result, n, scale_m, relief) {
     if (this.gl) this.drawWithShader(result, n, scale_m, relief); else this.drawFlat(result, n, scale_m);

@@ -36,9 +36,8 @@ class SweepDialog {
     this.parts.state.textContent = this.number < 0 ? "The engine is not connected." : "The sweep starts …";
   }
   receive(message) {
-    const {start, stop, state, table} = this.parts, is_running = message.state === "running";
-    start.disabled = is_running;
-    stop.disabled = !is_running;
+    const {start, state, table} = this.parts;
+    start.disabled = message.state === "running";
     state.textContent = {
       running: `${message.done} of ${message.total} cases are complete.`,
       stopped: "The sweep was stopped. Its complete cases are kept.",

@@ -202,7 +202,10 @@ MeasureOptions read_measure(Reader& reader, const Measured& of) {
     const auto frame_s = frame_time_s(time, at_s.value_or(time.duration_s()));
     if (!frame_s) reader.error("at_ms", off_frame_message(time, *at_s));
     measure.at_s = frame_s.value_or(time.duration_s());
-    if (time.regime == Regime::periodic) return measure; // everything has settled
+    if (time.regime == Regime::periodic) { // everything has settled
+        measure.window = PeriodWeight::whole_periods;
+        return measure;
+    }
     measure.settled_after_s = settled_after_s.value_or(
         std::round(0.25 * measure.at_s / time.interval_s) * time.interval_s);
     if (!(measure.settled_after_s < measure.at_s)) {

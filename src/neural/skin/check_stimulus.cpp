@@ -173,7 +173,7 @@ void check_ends(const Traces& traces, double rate_Hz, double silence_s, const Ki
 } // namespace
 
 std::vector<Remark> check_stimulus(const PinStimulus& stimulus, double silence_s,
-                                   const Polygon& skin_mm) {
+                                   const Polygon& skin_mm, Course course) {
     Remarks remarks;
     Traces traces;
     for (std::size_t p = 0; p < stimulus.indentation_mm.count; ++p)
@@ -183,12 +183,13 @@ std::vector<Remark> check_stimulus(const PinStimulus& stimulus, double silence_s
     if (!check_values(traces, stimulus.rate_Hz, pins, remarks)) return remarks.all;
     check_sampling(stimulus.rate_Hz, remarks);
     check_signs(stimulus, remarks);
-    check_ends(traces, stimulus.rate_Hz, silence_s, pins, remarks);
+    if (course == Course::once) check_ends(traces, stimulus.rate_Hz, silence_s, pins, remarks);
     return remarks.all;
 }
 
 std::vector<Remark> check_stress(std::span<const std::vector<double>> compression_Pa,
-                                 double rate_Hz, std::size_t afferents, double silence_s) {
+                                 double rate_Hz, std::size_t afferents, double silence_s,
+                                 Course course) {
     Remarks remarks;
     const Traces traces(compression_Pa.begin(), compression_Pa.end());
     if (!check_rate(rate_Hz, traces, remarks)) return remarks.all;
@@ -200,7 +201,7 @@ std::vector<Remark> check_stress(std::span<const std::vector<double>> compressio
     if (afferents == 0) return remarks.all;
     if (!check_values(traces, rate_Hz, receptors, remarks)) return remarks.all;
     check_sampling(rate_Hz, remarks);
-    check_ends(traces, rate_Hz, silence_s, receptors, remarks);
+    if (course == Course::once) check_ends(traces, rate_Hz, silence_s, receptors, remarks);
     return remarks.all;
 }
 

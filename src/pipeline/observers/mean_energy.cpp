@@ -14,7 +14,8 @@ std::vector<double> mean_weights(const Case& c) {
         c.measure, c.time, modulation_frequency_Hz(c.scene().load.modulation),
         off_time_s(c.scene().load.modulation.trajectory));
     if (!window.fits()) return {};
-    std::vector<double> weights = measures::window_weights(c.time, window.from_s, window.to_s);
+    std::vector<double> weights =
+        measures::window_weights(c.time, window.from_s, window.to_s, window.edge_s);
     const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
     for (double& weight : weights)
         weight /= total;

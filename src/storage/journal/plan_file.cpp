@@ -72,16 +72,49 @@ std::optional<UncertainPlan> uncertain_of(const Json& root) {
     return uncertain;
 }
 
+Json json_of(const AdaptiveAxis& axis) {
+    Json json = {{"key", axis.key},
+                 {"goal", name_of(axis.goal)},
+                 {"first", axis.first},
+                 {"last", axis.last},
+                 {"column", axis.column},
+                 {"tolerance", axis.tolerance},
+                 {"smallest_step", axis.smallest_step},
+                 {"initial", axis.initial},
+                 {"most", axis.most}};
+    if (axis.has_level) json["level"] = axis.level;
+    return json;
+}
+
+AdaptiveAxis adaptive_axis_of(const Json& json) {
+    using Goal = AdaptiveAxis::Goal;
+    AdaptiveAxis axis{.key = json.at("key").get<std::string>(),
+                      .first = json.at("first").get<double>(),
+                      .last = json.at("last").get<double>(),
+                      .column = json.at("column").get<std::string>(),
+                      .tolerance = json.at("tolerance").get<double>(),
+                      .smallest_step = json.at("smallest_step").get<double>(),
+                      .has_level = json.contains("level"),
+                      .initial = json.at("initial").get<std::size_t>(),
+                      .most = json.at("most").get<std::size_t>()};
+    for (const Goal goal : {Goal::refine, Goal::maximum, Goal::minimum, Goal::crossing})
+        if (json.at("goal") == name_of(goal)) axis.goal = goal;
+    if (axis.has_level) axis.level = json.at("level").get<double>();
+    return axis;
+}
+
 std::optional<std::size_t> sample_of(const Json& entry) {
     const auto found = entry.find("sample");
     return found == entry.end() ? std::nullopt : std::optional(found->get<std::size_t>());
 }
 
-/// Whether `now` has all cases of `before` and differs only in the number of samples and in the
-/// thresholds, which have no effect on cases.
+/// Whether `now` has all cases of `before` and differs only in the number of samples, in the
+/// thresholds and in the points and tolerances of adaptive axes, which have no effect on cases.
 bool is_extension(Json before, Json now) {
-    for (const char* key : {"uncertain", "cases"})
-        if (!before.contains(key) || !now.contains(key)) return false;
+    const auto both_have = [&](const char* key) {
+        return before.contains(key) && now.contains(key);
+    };
+    if (!both_have("cases") || (!both_have("uncertain") && !both_have("adaptive"))) return false;
     std::set<std::string> ids;
     for (const Json& entry : now.at("cases"))
         ids.insert(entry.at("id").get<std::string>());
@@ -90,8 +123,13 @@ bool is_extension(Json before, Json now) {
     for (Json* root : {&before, &now}) {
         for (const char* key : {"schema", "cases", "title", "table"})
             root->erase(key);
-        root->at("uncertain").erase("samples");
-        root->at("uncertain").erase("exceedance");
+        if (root->contains("uncertain"))
+            for (const char* key : {"samples", "exceedance"})
+                root->at("uncertain").erase(key);
+        if (root->contains("adaptive"))
+            for (Json& axis : root->at("adaptive"))
+                for (const char* key : {"tolerance", "smallest_step", "initial", "most"})
+                    axis.erase(key);
     }
     return before == now;
 }
@@ -121,6 +159,8 @@ std::string plan_text(const Plan& plan) {
     root["table"]["x"] = plan.table.x;
     root["table"]["series"] = plan.table.series;
     if (plan.uncertain) root["uncertain"] = json_of(*plan.uncertain);
+    for (const AdaptiveAxis& axis : plan.adaptive)
+        root["adaptive"].push_back(json_of(axis));
     root["cases"] = Json::array();
     for (const PlannedCase& c : plan.cases) {
         Json entry;
@@ -181,6 +221,9 @@ PlanIndex read_plan(const std::filesystem::path& path) {
                                    .reference_id = entry.at("reference_id").get<std::string>(),
                                    .sample = sample_of(entry)});
         index.uncertain = uncertain_of(root);
+        if (root.contains("adaptive"))
+            for (const Json& axis : root.at("adaptive"))
+                index.adaptive.push_back(adaptive_axis_of(axis));
         return index;
     } catch (const nlohmann::json::exception& error) {
         throw UsageError(path.string() + " is not a plan: " + error.what(), ExitCode::environment);

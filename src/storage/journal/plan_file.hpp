@@ -28,6 +28,7 @@ struct PlanIndex {
     TableOptions table;
     std::vector<IndexedCase> cases;
     std::optional<UncertainPlan> uncertain = std::nullopt;
+    std::vector<AdaptiveAxis> adaptive = {};
 };
 
 /// The text of plan.json: cases, ids, settings and canonical texts, with a checksum of the whole.
@@ -35,8 +36,8 @@ struct PlanIndex {
 std::string plan_text(const Plan& plan);
 
 /// How the text of a plan.json relates to a plan. Earlier versions wrote no checksum.
-/// `extended`: the plan contains the same sample of [uncertain] with more points, and so all cases
-/// of the text.
+/// `extended`: the plan contains the same sample of [uncertain] with more points, or the same
+/// adaptive axes with more points, and so all cases of the text.
 enum class PlanMatch { same, extended, another, damaged };
 PlanMatch compare_plan(const std::string& text, const Plan& plan);
 

@@ -108,7 +108,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<14, PstdOptions>();
     check_members<5, Domain>();
     check_members<3, TimeAxis>();
-    check_members<6, MeasureOptions>();
+    check_members<7, MeasureOptions>();
     check_members<5, RecordOptions>();
     check_members<7, Case>();
     check_members<4, Medium>();
@@ -137,6 +137,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<5, RampGain>();
     check_members<6, SquareGain>();
     check_members<4, WindowGain>();
+    check_members<4, SampledGain>();
     check_members<13, AfferentOptions>();
     check_members<2, HandAfferents>();
     check_members<2, GridAfferents>();

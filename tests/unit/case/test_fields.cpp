@@ -205,7 +205,7 @@ std::vector<Case> samples() {
                         travel(Example<Lissajous>::make(), ConstantSpeed{1.0}),
                         travel(Polyline(spiral(4), Ends::closed), ConstantSpeed{1.0})}},
         .envelope = {{SineGain{200.0}, RampGain{0.01}, RampGain{0.01, 0.0, 0.2}, SquareGain{20.0},
-                      WindowGain{0.0, 0.1}}},
+                      WindowGain{0.0, 0.1}, SampledGain{.values = {0.5, 1.0}, .interval_s = 1e-3}}},
         .foci_m = {{1e-3, 0.0}, {-1e-3, 0.0}}};
     first.domain = {.nx = 256, .ny = 180, .spacing_m = 0.00075};
     first.time = {.frames = 280, .interval_s = 5e-5};

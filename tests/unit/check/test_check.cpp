@@ -119,6 +119,14 @@ TEST_CASE("waves that return within the run give a warning with the required ext
                               "opposite one into the measured region at 2 ms"));
     // 2 (14 mm + 5 m/s 4 ms) = 68 mm
     CHECK(has(remark.message, "a domain of 68 x 68 mm would prevent this"));
+    // Only the engine layered has open edges.
+    CHECK(has(remark.message, "and so would domain.edges = \"open\"") ==
+          std::holds_alternative<LayeredOptions>(c.solver));
+    Case open = c;
+    open.solver = LayeredOptions{};
+    CHECK(has(only_remark(open).message, "and so would domain.edges = \"open\""));
+    open.domain.edges = DomainEdges::open;
+    CHECK(check(open).empty());
     c.domain.nx = 92; // 69 mm
     c.domain.ny = 92;
     CHECK(check(c).empty());

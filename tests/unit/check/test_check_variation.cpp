@@ -93,6 +93,19 @@ TEST_CASE("a body that the grid does not resolve is reported with numbers", "[ch
     CHECK(remarks_on(c).empty());
 }
 
+TEST_CASE("the engine pstd needs more points across a body than spectral", "[check_variation]") {
+    Case c = good_case();
+    c.scene().medium.bodies[0].shape = Ellipsoid{{1.5e-3, 2e-3, 2e-3}}; // 3 mm: 4 points
+    CHECK(remarks_on(c).empty());
+    PstdOptions pstd;
+    pstd.top = PstdTop::continued; // without the error of a free surface
+    c.solver = pstd;
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "medium.body[1].shape");
+    CHECK(has(only_remark(c).message, "it is 4 grid spacings wide along the surface"));
+    CHECK(has(only_remark(c).message, "domain.spacing_mm = 0.375"));
+}
+
 TEST_CASE("a body that crosses the edge of the domain is reported", "[check_variation]") {
     Case c = good_case();
     SECTION("cut off") {

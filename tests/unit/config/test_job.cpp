@@ -72,7 +72,7 @@ Case full_case() {
                                  {{SineGain{200.0}}}};
     c.domain = {256, 180, 0.00075, 0.012}; // 171 points make 180: 2 2 3 3 5
     c.time = {280, 5e-5};
-    c.measure = {0.014, 0.004, 0.003, {0.0}};
+    c.measure = {.at_s = 0.014, .settled_after_s = 0.004, .focal_radius_m = 0.003};
     c.record = {{{0.0, 0.0}}, {0.007, 0.014}, false};
     return c;
 }

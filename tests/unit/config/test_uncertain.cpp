@@ -127,6 +127,10 @@ TEST_CASE("hostile distributions are rejected with a clear message", "[config][u
     CHECK(any_contains(diagnostics_of(plain_and("[sweep]\n\"medium.layer[1].c_s_m_s\" = [4, 5]\n" +
                                                 std::string(two_keys))),
                        "is also swept"));
+    const Texts negative = of_speed("{ distribution = \"normal\", mean = 1.0, sd = 1.0 }");
+    CHECK(any_contains(negative, "must be above 0, but is -"));
+    CHECK(any_contains(negative, "truncate its distribution with min and max"));
+    CHECK(negative.size() < 6); // not one for each sample
 }
 
 TEST_CASE("observed samples are read from a CSV file", "[config][uncertain]") {

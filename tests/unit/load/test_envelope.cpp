@@ -45,11 +45,27 @@ TEST_CASE("a ramp changes from one gain to another at its time", "[envelope]") {
     CHECK(gain(ramp, 0.004) == Approx(0.2).epsilon(1e-14));
 }
 
+TEST_CASE("a sampled gain is linear between its values and holds or repeats them", "[envelope]") {
+    SampledGain sampled{.values = {0.2, 1.0, 0.6}, .interval_s = 1e-3};
+    CHECK(gain({{sampled}}, 0.0) == 0.2);
+    CHECK(gain({{sampled}}, 0.25e-3) == Approx(0.4).epsilon(1e-12));
+    CHECK(gain({{sampled}}, 1.5e-3) == Approx(0.8).epsilon(1e-12));
+    CHECK(gain({{sampled}}, 9e-3) == 0.6);
+    CHECK(gain_frequency_Hz({{sampled}}) == 0.0);
+    sampled.repeat = true;
+    const double period = GENERATE(0.0, 1.0, 70.0) * 3e-3;
+    CHECK(gain({{sampled}}, period + 1.5e-3) == Approx(0.8).epsilon(1e-12));
+    CHECK(gain({{sampled}}, period + 2.75e-3) == Approx(0.3).epsilon(1e-12));
+    CHECK(gain_frequency_Hz({{sampled}}) == Approx(1.0 / 3e-3).epsilon(1e-14));
+    CHECK(greatest_envelope_frequency_Hz({{sampled}}) == Approx(500.0).epsilon(1e-14));
+}
+
 TEST_CASE("every gain on the pressure acts squared on the force", "[envelope]") {
     const Gain on_force =
         GENERATE(Gain(SquareGain{.frequency_Hz = 100.0, .depth = 0.6, .edge_s = 0.001}),
                  Gain(RampGain{.duration_s = 0.01}),
-                 Gain(WindowGain{.from_s = 0.001, .to_s = 0.008, .edge_s = 0.002}));
+                 Gain(WindowGain{.from_s = 0.001, .to_s = 0.008, .edge_s = 0.002}),
+                 Gain(SampledGain{.values = {0.1, 0.9, 0.4}, .interval_s = 0.003}));
     Gain on_pressure = on_force;
     std::visit([](auto& g) { g.on = GainOn::pressure; }, on_pressure);
     for (const double t : {0.0004, 0.0023, 0.0057, 0.0072}) {

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -74,6 +75,59 @@ TEST_CASE("the period window takes as many whole periods as are settled", "[wind
     CHECK(window(std::nullopt).fits());
     CHECK(window(std::nullopt).periods == 0);
     CHECK(window(std::nullopt).from_s == 4e-3);
+}
+
+TEST_CASE("a sliding window is the mean over all windows of one period", "[window]") {
+    const double f_Hz = GENERATE(100.0, 101.3, 130.0, 200.0, 333.0);
+    const MeasureOptions measure{
+        .at_s = 14e-3, .settled_after_s = 4e-3, .window = PeriodWeight::sliding};
+    const measures::PeriodWindow window = measures::period_window(measure, thesis_time, f_Hz);
+    REQUIRE(window.fits());
+    CHECK(window.from_s == 4e-3);
+    CHECK(window.to_s == 14e-3);
+    const std::vector<double> weights =
+        measures::window_weights(thesis_time, window.from_s, window.to_s, window.edge_s);
+    const double period_s = 1.0 / f_Hz, last_s = 14e-3 - period_s;
+    std::vector<double> mean(weights.size(), 0.0);
+    const int positions = 4000; // midpoints: the error is proportional to 1 / positions^2
+    for (int i = 0; i < positions; ++i) {
+        const double from_s = std::lerp(4e-3, last_s, (i + 0.5) / positions);
+        const std::vector<double> one =
+            measures::window_weights(thesis_time, from_s, from_s + period_s);
+        for (std::size_t n = 0; n < one.size(); ++n)
+            mean[n] += one[n] / positions;
+    }
+    // The height of the trapezoid is 1; that of the mean depends on its position.
+    const double scale = std::accumulate(weights.begin(), weights.end(), 0.0) /
+                         std::accumulate(mean.begin(), mean.end(), 0.0);
+    double worst = 0.0;
+    for (std::size_t n = 0; n < mean.size(); ++n)
+        worst = std::max(worst, std::abs(scale * mean[n] - weights[n]));
+    CHECK(worst < 1e-5);
+}
+
+TEST_CASE("a sliding window is continuous where another period fits", "[window]") {
+    const auto mean_at = [](PeriodWeight kind, double f_Hz) {
+        const MeasureOptions measure{.at_s = 14e-3, .settled_after_s = 4e-3, .window = kind};
+        const auto window = measures::period_window(measure, thesis_time, f_Hz);
+        const std::vector<double> weights =
+            measures::window_weights(thesis_time, window.from_s, window.to_s, window.edge_s);
+        double sum = 0.0, all = 0.0;
+        for (std::size_t n = 0; n < weights.size(); ++n) {
+            const double t = thesis_time.frame_s(static_cast<std::ptrdiff_t>(n));
+            const double tone = std::cos(2.0 * std::numbers::pi * f_Hz * t + 0.4);
+            sum += weights[n] * (100.0 * t + tone);
+            all += weights[n];
+        }
+        return sum / all;
+    };
+    const auto jump = [&](PeriodWeight kind) {
+        return std::abs(mean_at(kind, 200.001) - mean_at(kind, 199.999));
+    };
+    CHECK(jump(PeriodWeight::whole_periods) > 0.1);
+    CHECK(jump(PeriodWeight::sliding) < 1e-4);
+    // The trend alone: no harmonic of the modulation remains. Frames resolve 100 of a period.
+    CHECK(mean_at(PeriodWeight::sliding, 170.0) == Approx(0.9).epsilon(1e-3));
 }
 
 TEST_CASE("a period that does not fit has a reason and no window", "[window]") {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "case/image_uplift.hpp"
 #include "pipeline/case_warnings.hpp"
 #include "storage/case_file/warnings_text.hpp"
 
@@ -6,6 +7,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 using namespace shearwake;
 
@@ -67,6 +69,35 @@ TEST_CASE("returning waves make the readings invalid only where they carry energ
     CHECK_THAT(weak[0].message, Catch::Contains("expect errors of this order"));
 
     CHECK(of_extent(with_edges(d, 1e-4)).empty());
+}
+
+TEST_CASE("the uplift by images is reported where it changes eta by more than a per cent",
+          "[warnings]") {
+    const Domain d = small_domain().domain;
+    const auto reported = [&](const Case& c, double mean_u2) {
+        std::vector<double> means = with_edges(d, 0.0); // nothing returns; 171 of 200 points move
+        for (double& value : means)
+            value *= mean_u2 * 200.0 / 171.0;
+        return std::ranges::any_of(pipeline::case_warnings(c, {}, {}, means), [](const Remark& w) {
+            return w.message.find("lift the whole domain") != std::string::npos;
+        });
+    };
+    Case c = small_domain();
+    c.scene().load.modulation.envelope = {};
+    c.scene().medium.layers[0].c_p_m_s = 100.0;
+    // A constant force F = p0 2 pi sigma^2 on a half-space: per frame, the uplift is
+    // F t^2 / (2 rho A R) with the disc's radius R = pi A / (4 sqrt(Lx^2 + Ly^2)), less the 0.1 ms
+    // in which P waves cross the domain.
+    const double sigma_m = 4e-3 / 2.3548, area_m2 = 20e-3 * 10e-3, t_s = 20e-3 - 0.1e-3;
+    const double radius_m = 0.785398 * area_m2 / std::hypot(20e-3, 10e-3);
+    const double force_N = c.scene().load.peak_Pa * 6.283185 * sigma_m * sigma_m;
+    const double end_m = force_N * t_s * (t_s + 2 * 0.1e-3) / (2.0 * 1000.0 * area_m2 * radius_m);
+    CHECK(image_uplift_m(c).back() == Approx(end_m).epsilon(1e-3)); // sampling of the delay
+    const double mean = 0.2 * end_m * end_m;                        // of t^4 over the run, about
+    CHECK(reported(c, mean / 0.012));
+    CHECK_FALSE(reported(c, mean / 0.008));
+    c.domain.edges = DomainEdges::open;
+    CHECK_FALSE(reported(c, mean));
 }
 
 TEST_CASE("warnings of the solver and of the receptors are kept with their keys", "[warnings]") {

@@ -22,6 +22,19 @@ TEST_CASE("special characters in cells are quoted in CSV and Markdown", "[reduce
           "| b,c | a |\n| --- | --- |\n| say \"x\\|y\", then z | 0.3333 |\n|  |  |\n");
 }
 
+TEST_CASE("each remark stands once below a Markdown table", "[reduce]") {
+    const reduce::Table table{{"id", "note"},
+                              {{std::string("a"), std::string("waves return; no period")},
+                               {std::string("b"), std::string()},
+                               {std::string("c"), std::string("no <period>; waves return")}},
+                              {{"waves return", "no <period>"}, {}, {"no <period>"}}};
+    CHECK(reduce::markdown(table, {"id", "note"}) ==
+          "| id | note |\n| --- | --- |\n| a | 1, 2 |\n| b |  |\n| c | 2 |\n"
+          "\n1. waves return\n2. no &lt;period>\n");
+    CHECK(reduce::csv(table).find("no <period>; waves return") != std::string::npos);
+    CHECK(reduce::markdown(table, {"id"}) == "| id |\n| --- |\n| a |\n| b |\n| c |\n");
+}
+
 TEST_CASE("every case is a row with its status", "[reduce]") {
     const test::TemporaryFolder folder;
     const Comm alone = Comm::world().split(Comm::world().rank());

@@ -3,6 +3,7 @@
 
 #include "reduce/uncertain_tables.hpp"
 #include "sampling/design.hpp"
+#include "support/known_models.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -72,20 +73,6 @@ public:
     reduce::UncertainTables evaluated;
 };
 
-double ishigami(const std::vector<double>& u) {
-    const auto x = [&](std::size_t i) { return pi * (2.0 * u[i] - 1.0); };
-    return std::sin(x(0)) + 7.0 * std::pow(std::sin(x(1)), 2) +
-           0.1 * std::pow(x(2), 4) * std::sin(x(0));
-}
-
-const std::vector<double> g_weights = {0.0, 1.0, 4.5, 9.0};
-double g_function(const std::vector<double>& u) {
-    double product = 1.0;
-    for (std::size_t i = 0; i < g_weights.size(); ++i)
-        product *= (std::abs(4.0 * u[i] - 2.0) + g_weights[i]) / (1.0 + g_weights[i]);
-    return product;
-}
-
 void check_index(const ModelRun& run, const std::string& key, const std::string& index,
                  double exact) {
     for (const double scale : {1.0, 10.0}) {
@@ -97,45 +84,35 @@ void check_index(const ModelRun& run, const std::string& key, const std::string&
     }
 }
 
+void check_indices(const ModelRun& run, const std::string& key, const test::KnownIndex& exact) {
+    check_index(run, key, "first_order", exact.first_order);
+    check_index(run, key, "total", exact.total);
+}
+
 } // namespace
 
 TEST_CASE("the Sobol indices of the Ishigami function are found", "[reduce][sensitivity]") {
-    // Ishigami and Homma (1990), a = 7, b = 0.1.
-    const double v1 = 0.5 * std::pow(1.0 + 0.1 * std::pow(pi, 4) / 5.0, 2), v2 = 49.0 / 8.0,
-                 v13 = 0.01 * std::pow(pi, 8) * (1.0 / 18.0 - 1.0 / 50.0), v = v1 + v2 + v13;
-    const ModelRun run("sobol-indices", 4096, 3, ishigami);
-    check_index(run, "x1", "first_order", v1 / v);
-    check_index(run, "x2", "first_order", v2 / v);
-    check_index(run, "x3", "first_order", 0.0);
-    check_index(run, "x1", "total", (v1 + v13) / v);
-    check_index(run, "x2", "total", v2 / v);
-    check_index(run, "x3", "total", v13 / v);
+    const ModelRun run("sobol-indices", 4096, 3, test::ishigami);
+    const std::vector<test::KnownIndex> known = test::ishigami_indices();
+    for (std::size_t k = 0; k < known.size(); ++k)
+        check_indices(run, "x" + std::to_string(k + 1), known[k]);
     const auto mean = ModelRun::line(run.evaluated.statistics, 1.0, {"eta", "mean"});
     CHECK(mean.value == Approx(3.5).margin(0.01)); // a / 2
     CHECK(mean.samples == 8192.0);
     CHECK(mean.note.empty());
     const auto sd = ModelRun::line(run.evaluated.statistics, 10.0, {"eta", "sd"});
-    CHECK(sd.value == Approx(10.0 * std::sqrt(v)).epsilon(0.01));
+    CHECK(sd.value == Approx(10.0 * std::sqrt(test::ishigami_variance())).epsilon(0.01));
 }
 
 TEST_CASE("the Sobol indices of the g-function are found", "[reduce][sensitivity]") {
-    std::vector<double> parts;
-    double variance = 1.0;
-    for (const double a : g_weights) {
-        parts.push_back(1.0 / (3.0 * (1.0 + a) * (1.0 + a)));
-        variance *= 1.0 + parts.back();
-    }
-    variance -= 1.0;
-    const ModelRun run("sobol-indices", 4096, 4, g_function);
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-        const std::string key = "x" + std::to_string(k + 1);
-        check_index(run, key, "first_order", parts[k] / variance);
-        check_index(run, key, "total", parts[k] * (variance + 1.0) / (1.0 + parts[k]) / variance);
-    }
+    const std::vector<test::KnownIndex> known = test::g_indices();
+    const ModelRun run("sobol-indices", 4096, known.size(), test::g_function);
+    for (std::size_t k = 0; k < known.size(); ++k)
+        check_indices(run, "x" + std::to_string(k + 1), known[k]);
 }
 
 TEST_CASE("a small sample of indices has a warning and wide intervals", "[reduce][sensitivity]") {
-    const ModelRun run("sobol-indices", 16, 3, ishigami);
+    const ModelRun run("sobol-indices", 16, 3, test::ishigami);
     const auto total = ModelRun::line(run.evaluated.sensitivity, 1.0, {"eta", "x1", "total"});
     CHECK(total.note.find("too few samples") == 0);
     CHECK(total.high - total.low > 0.1);

@@ -71,6 +71,31 @@ TEST_CASE("teams grow until the cases fit into a rank's memory", "[teams][slow]"
     CHECK(laid_out(cases, 4, 0, 1.0).ranks_per_case == 1);
 }
 
+TEST_CASE("every medium of a sweep costs its own transfer function", "[teams]") {
+    Cases same = alike(300), different = alike(300), pairs = alike(300);
+    for (std::size_t i = 0; i < 300; ++i) {
+        different.planned[i].physics.scene().medium.layers[0].c_s_m_s =
+            5.0 + 1e-4 * static_cast<double>(i);
+        pairs.planned[i].physics.scene().medium.layers[0].c_s_m_s =
+            5.0 + 1e-4 * static_cast<double>(i / 2);
+    }
+    cost::CaseCosts costs(same.pointers(), {});
+    const cost::CaseCost& one = costs.of(same.planned[0].physics);
+    REQUIRE(one.shared_s > 0.0);
+    const double case_s = cost::seconds_on(one, 1, 1, costs.machine());
+    // The number of evaluations depends slightly on the medium: 5 %.
+    CHECK(laid_out(same, 1, 1, plenty_B).seconds ==
+          Approx(300.0 * case_s + one.shared_s).epsilon(1e-9));
+    CHECK(laid_out(different, 1, 1, plenty_B).seconds ==
+          Approx(300.0 * (case_s + one.shared_s)).epsilon(0.05));
+    CHECK(laid_out(pairs, 1, 1, plenty_B).seconds ==
+          Approx(300.0 * (case_s + 0.5 * one.shared_s)).epsilon(0.05));
+    // Both teams compute the function of a medium that they share.
+    const double on_two_s = cost::seconds_on(one, 1, 2, costs.machine());
+    CHECK(laid_out(same, 2, 1, plenty_B).seconds ==
+          Approx(150.0 * on_two_s + one.shared_s).epsilon(1e-9));
+}
+
 TEST_CASE("long cases come first, and cases of one medium are adjacent", "[teams]") {
     Cases cases = alike(6);
     cases.planned[1].physics.domain.nx = 512; // long

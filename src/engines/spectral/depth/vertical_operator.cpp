@@ -61,6 +61,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
         VerticalElement el{.slope = 1.0 / half,
                            .half = half,
                            .density = background_.density_kg_m3[point(e, 0)],
+                           .lambda_Pa = background_.lambda_Pa[point(e, 0)],
                            .theta_s = background_.theta_s[e],
                            .absorbs = false};
         for (std::ptrdiff_t i = 0; i < nodes_; ++i) {
@@ -72,6 +73,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
             mass_[level] += mass;
             el.absorbs |= background_.swirl_viscosity_Pa_s[at] > 0.0;
             el.density = std::min(el.density, background_.density_kg_m3[at]);
+            el.lambda_Pa = std::min(el.lambda_Pa, background_.lambda_Pa[at]);
         }
         elements_.push_back(el);
     }
@@ -80,9 +82,9 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
 double VerticalOperator::stabilised_mu_Pa(std::size_t element, double mu_Pa, double k_rad_m,
                                           double dt_s) const {
     const VerticalElement& el = elements_[element];
-    const double kappa2 =
-        greatest_stiffness<double>(k_rad_m * k_rad_m, finest_ * el.slope * el.slope);
-    return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - stable_share * el.density / (kappa2 * dt_s * dt_s));
+    const double held_Pa = held_modulus_Pa(k_rad_m * k_rad_m, finest_ * el.slope * el.slope,
+                                           stable_share * el.density / (dt_s * dt_s), el.lambda_Pa);
+    return std::max(mu_Pa / 12.0, mu_Pa / 4.0 - held_Pa);
 }
 
 VerticalArrays VerticalOperator::arrays() const {

@@ -12,9 +12,9 @@ namespace shearwake::spectral {
 /// Coefficients of the implicit operator at every node of every element ([element * nodes + node]),
 /// laterally constant. The matrix is
 ///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
-/// m = max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2), where kappa^2 is the largest
-/// eigenvalue on the element of K_1, the stiffness of unit mu. The value 1/12 makes shear motion
-/// fourth order in dt; the excess above it makes the scheme stable at any step.
+/// m = max(mu_accurate/12, mu_stable/4 - S), where S is the modulus that the inertia of the element
+/// stabilises (held_modulus_Pa). The value 1/12 makes shear motion fourth order in dt; the excess
+/// above it makes the scheme stable at any step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
     std::vector<double> swirl_viscosity_Pa_s; // absorbs shear waves below a half-space

@@ -22,14 +22,22 @@ struct Assembly {
     double d(std::ptrdiff_t q, std::ptrdiff_t i) const { return v.derivative[q * v.nodes + i]; }
 };
 
-/// max(mu_accurate/12, mu_stable/4 - 0.98 rho/(kappa dt)^2)
-[[gnu::always_inline]] inline Vector implicit_mu(const VerticalArrays& v, std::ptrdiff_t element,
-                                                 std::ptrdiff_t at, Vector k, double dt_s) {
-    const VerticalElement& el = v.element[element];
-    const Vector kappa2 = greatest_stiffness<Vector>(k * k, v.finest * el.slope * el.slope);
-    const Vector stable =
-        0.25 * v.mu_stable_Pa[at] - stable_share * el.density / (kappa2 * dt_s * dt_s);
-    return simd::greater(simd::all_lanes(v.mu_accurate_Pa[at] / 12.0), stable);
+/// The modulus that the inertia of an element stabilises.
+[[gnu::always_inline]] inline Vector held_modulus(const VerticalArrays& v, const VerticalElement& e,
+                                                  Vector k, double dt_s) {
+    const double vertical = v.finest * e.slope * e.slope;
+    const double inertia = stable_share * e.density / (dt_s * dt_s);
+    Vector held{};
+    for (std::ptrdiff_t i = 0; i < width; ++i)
+        held[i] = held_modulus_Pa(k[i] * k[i], vertical, inertia, e.lambda_Pa);
+    return held;
+}
+
+/// max(mu_accurate/12, mu_stable/4 - held)
+[[gnu::always_inline]] inline Vector implicit_mu(const VerticalArrays& v, std::ptrdiff_t at,
+                                                 Vector held) {
+    return simd::greater(simd::all_lanes(v.mu_accurate_Pa[at] / 12.0),
+                         0.25 * v.mu_stable_Pa[at] - held);
 }
 
 void clear(SkylineRows rows, Block* matrix) {
@@ -77,12 +85,13 @@ void assemble_psv(const VerticalArrays& v, const Block& k8, double dt_s, Block* 
             a.add(i, i, simd::all_lanes(v.mass_kg_m2[i / 2] / (dt_s * dt_s)));
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
+            const Vector held = held_modulus(v, el, k, dt_s);
             ElementModuli m;
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
                 m.lambda[q] = simd::all_lanes(w * stabilising_lambda * v.lambda_Pa[at]);
-                m.mu[q] = w * (implicit_mu(v, e, at, k, dt_s) + 0.5 * v.viscosity_Pa_s[at] / dt_s);
+                m.mu[q] = w * (implicit_mu(v, at, held) + 0.5 * v.viscosity_Pa_s[at] / dt_s);
                 m.swirl[q] = simd::all_lanes(w * 0.5 * v.swirl_viscosity_Pa_s[at] / dt_s);
             }
             for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
@@ -102,11 +111,12 @@ void assemble_sh(const VerticalArrays& v, const Block& k8, double dt_s, Block* m
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
             const std::ptrdiff_t first = e * (v.nodes - 1);
+            const Vector held = held_modulus(v, el, k, dt_s);
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
                 const double viscosity = v.viscosity_Pa_s[at] + v.swirl_viscosity_Pa_s[at];
-                const Vector mw = w * (implicit_mu(v, e, at, k, dt_s) + 0.5 * viscosity / dt_s);
+                const Vector mw = w * (implicit_mu(v, at, held) + 0.5 * viscosity / dt_s);
                 a.add(first + q, first + q, k * k * mw);
                 for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
                     for (std::ptrdiff_t j = 0; j <= i; ++j)

@@ -3,6 +3,8 @@
 
 #include "engines/spectral/kernels/skyline.hpp"
 
+#include <cmath>
+
 namespace shearwake::spectral {
 
 /// The maximum degree of an element plus one.
@@ -10,11 +12,11 @@ constexpr std::ptrdiff_t most_nodes = 17;
 
 /// Constants of one element.
 struct VerticalElement {
-    double slope;   // 2 / h
-    double half;    // h / 2
-    double density; // minimum of the background in this element
-    double theta_s; // viscosity over mu_accurate
-    bool absorbs;   // whether it has swirl viscosity
+    double slope;              // 2 / h
+    double half;               // h / 2
+    double density, lambda_Pa; // minima of the background in this element
+    double theta_s;            // viscosity over mu_accurate
+    bool absorbs;              // whether it has swirl viscosity
 };
 
 /// The data of VerticalOperator as arrays; materials are indexed by [element * nodes + node].
@@ -56,19 +58,33 @@ struct VerticalKernels {
                            const Block* before, const Block* counted);
 };
 
-/// Compressional waves are far too fast for any step. A share of 1/4 makes them unconditionally
-/// stable; the excess does the same for the motion coupled to them.
+/// Compressional waves are far too fast for any step. A share of 1/4 of lambda makes them
+/// unconditionally stable; the excess serves the shear stiffness of motion that changes the volume.
 constexpr double stabilising_lambda = 0.26;
 /// Share of the stiffness of a moving node that its inertia stabilises.
 constexpr double stable_share = 0.98;
 
-/// Upper bound of the eigenvalues of unit shear stiffness relative to unit mass on an element, for
-/// motion that preserves volume (W' = k U; the rest is governed by lambda). `vertical` is the
-/// eigenvalue of the slopes. Plane waves have k^2 + vertical; at the ends of an element, where its
-/// finest modes are concentrated, it is up to twice as large.
-template <class Number>
-[[gnu::always_inline]] inline Number greatest_stiffness(Number k2, double vertical) {
-    return k2 + vertical + 4.0 * vertical * k2 / (k2 + vertical);
+/// The greatest modulus S whose stiffness the inertia of an element stabilises,
+///     S K_1 <= inertia M_1 + 0.01 K_lambda,   inertia = 0.98 rho/dt^2,
+/// with the stiffness K_1 of unit mu and the mass M_1 of unit density. K_lambda is that of the
+/// least implicit lambda, of which the implicit operator takes 0.01 more than stability requires.
+/// `vertical` is the greatest eigenvalue of the slopes. For all motion K_1 <= 2 (k^2 + vertical)
+/// M_1. Motion that preserves volume (W' = k U) has at most `shear`; the estimate for all other
+/// motion splits off W' - k U, for which K_lambda pays. docs/developer/physics.md, section 4,
+/// derives it. S decreases with k.
+[[gnu::always_inline]] inline double held_modulus_Pa(double k2, double vertical, double inertia,
+                                                     double lambda_Pa) {
+    const double both = k2 + vertical, paid_Pa = (stabilising_lambda - 0.25) * lambda_Pa;
+    if (lambda_Pa <= 0.0) return 0.5 * inertia / both + paid_Pa;
+    const double less = k2 < vertical ? k2 : vertical;
+    const double apart = 2.0 * (both - 2.0 * less) / both;
+    const double shear = both + 4.0 * vertical * k2 / both;
+    const double compression = inertia * apart / paid_Pa;
+    const double difference = shear - compression;
+    const double greatest =
+        0.5 * (shear + compression +
+               std::sqrt(difference * difference + 4.0 * compression * apart * less));
+    return inertia / (greatest < 2.0 * both ? greatest : 2.0 * both);
 }
 
 } // namespace shearwake::spectral

@@ -100,7 +100,8 @@ std::size_t point_of(const DepthMesh& mesh, const StrainPoint& p) {
     return p.element * static_cast<std::size_t>(mesh.degree + 1) + static_cast<std::size_t>(p.node);
 }
 
-/// Sets the background to the minimum at each node.
+/// Sets the background to the minimum at each node; lambda, where it varies too little for
+/// iterations, to the maximum.
 Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh, Background& b) {
     Variety variety;
     for (const Gathered& g : gathered) {
@@ -112,6 +113,12 @@ Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh,
         b.density_kg_m3[at] = least.density_kg_m3;
         b.mu_accurate_Pa[at] = b.mu_stable_Pa[at] = least.mu_Pa;
         b.viscosity_Pa_s[at] = least.viscosity_Pa_s;
+    }
+    for (const Gathered& g : gathered) {
+        const std::size_t at = point_of(mesh, g.where);
+        b.lambda_Pa[at] =
+            variety.lambda ? g.extremes.least.lambda_Pa : g.extremes.greatest.lambda_Pa;
+        b.force_lambda_Pa[at] = std::min(b.force_lambda_Pa[at], b.lambda_Pa[at]);
     }
     return variety;
 }
@@ -256,8 +263,6 @@ LateralVariation lateral_variation(const Case& c, const DepthMesh& mesh, const W
         const Material &least = g.extremes.least, &greatest = g.extremes.greatest;
         Background& b = v.background;
         const std::size_t at = point_of(mesh, g.where);
-        b.lambda_Pa[at] = variety.lambda ? least.lambda_Pa : greatest.lambda_Pa;
-        b.force_lambda_Pa[at] = std::min(b.force_lambda_Pa[at], b.lambda_Pa[at]);
         b.theta_s[g.where.element] =
             std::min(b.theta_s[g.where.element], least.viscosity_Pa_s / least.mu_Pa);
         if (!v.iterates) b.mu_stable_Pa[at] = greatest.mu_Pa;

@@ -40,6 +40,36 @@ TEST_CASE("a plan reads back as it was written", "[plan]") {
     CHECK(index.cases[1].is_reference);
 }
 
+TEST_CASE("a plan is extended by points of the same adaptive axes only", "[plan]") {
+    using storage::PlanMatch;
+    Plan plan = small_plan();
+    plan.adaptive = {{.key = "load.peak_Pa",
+                      .goal = AdaptiveAxis::Goal::crossing,
+                      .first = 0.1,
+                      .last = 1.0,
+                      .column = "eta_period_1",
+                      .tolerance = 0.01,
+                      .has_level = true,
+                      .level = 0.3}};
+    const std::string text = storage::plan_text(plan);
+    const test::TemporaryFolder folder;
+    storage::write_file(folder / "plan.json", text);
+    CHECK(storage::read_plan(folder / "plan.json").adaptive == plan.adaptive);
+    CHECK(storage::compare_plan(text, plan) == PlanMatch::same);
+    Plan larger = plan;
+    larger.cases.insert(larger.cases.begin(), {"03", plan.cases[0].physics, {}, false, "02"});
+    CHECK(storage::compare_plan(text, larger) == PlanMatch::extended);
+    CHECK(storage::compare_plan(storage::plan_text(larger), plan) == PlanMatch::another);
+    larger.adaptive[0].tolerance = 0.001;
+    CHECK(storage::compare_plan(text, larger) == PlanMatch::extended);
+    larger.adaptive[0].level = 0.4;
+    CHECK(storage::compare_plan(text, larger) == PlanMatch::another);
+    larger.adaptive.clear(); // an ordinary sweep with more values is another plan
+    CHECK(storage::compare_plan(text, larger) == PlanMatch::another);
+    Plan smaller = small_plan();
+    CHECK(storage::compare_plan(storage::plan_text(smaller), larger) == PlanMatch::another);
+}
+
 TEST_CASE("an invalid plan is rejected", "[plan]") {
     const test::TemporaryFolder folder;
     for (const char* text : {"", "{", "[]", "{\"name\": 3}", "{\"name\": \"a\"}"}) {

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "app/commands.hpp"
+#include "config/job.hpp"
+#include "optimise/study.hpp"
+#include "schedule/output_folder.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::app {
+
+/// The files of a study, in the folder `optimise`.
+struct StudyFiles {
+    std::filesystem::path root;
+    std::filesystem::path identity() const { return root / "study.txt"; }
+    std::filesystem::path forms(const std::string& id) const { return root / (id + ".forms.json"); }
+    /// Without extension.
+    std::filesystem::path stem(const optimise::OptimisedCase& c, double strength) const;
+    std::filesystem::path optimum(const optimise::OptimisedCase& c, double strength) const {
+        return stem(c, strength).string() + ".json";
+    }
+};
+
+/// A study: its job, options and folders, the same on every rank.
+struct Study {
+    config::Job job;
+    OptimiseOptions options;
+    std::vector<optimise::OptimisedCase> cases;
+    schedule::OutputFolder folder;
+    StudyFiles files;
+    schedule::RunArguments run; // of the cases; `out` is not used
+
+    schedule::OutputFolder basis() const { return schedule::OutputFolder{folder.basis()}; }
+};
+
+/// Runs the cases of a plan in this folder. A plan of the folder with other cases is replaced, and
+/// the cases that both have remain. Collective.
+ExitCode run_plan(const Study& study, const Plan& plan, const schedule::OutputFolder& folder,
+                  const Comm& world);
+
+/// Computes the forms of these cases that are not known, and all cases with which the optima are
+/// compared. Collective.
+ExitCode compute_forms(const Study& study, const std::vector<optimise::MovedCase>& cases,
+                       const Comm& world);
+
+/// The forms of a case that are known. Their strength refers to the motion of the job. Not
+/// collective.
+optimise::Forms known_forms(const Study& study, const optimise::MovedCase& c);
+
+/// The best motion for each case and strength, [case][strength]. Computes forms; the code is that
+/// of the last run. Collective.
+ExitCode find_motions(const Study& study, std::vector<std::vector<optimise::MotionChange>>& best,
+                      const Comm& world);
+
+} // namespace shearwake::app

@@ -1,0 +1,225 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Adaptive axes, as users run them: refined curves, extrema, crossings, interruptions, shards and errors."""
+import bisect
+import csv
+import json
+import os
+import random
+import signal
+import unittest
+
+from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, table
+
+SPEED, FREQUENCY = "medium.layer[1].c_s_m_s", "load.modulation.am_frequency_Hz"
+PLAIN = (("[record]\ntraces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""),
+         ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),  # otherwise waves return, and readings are not valid
+         ('x = "load.modulation.am_frequency_Hz"\n', f"x = '{SPEED}'\n"))
+# The focus moves at 7 m/s, so the curve bends where the shear waves become faster than the focus.
+REFINE = f"'{SPEED}' = {{ refine = [3, 12], column = \"eta_period_1\", tolerance = 0.002 }}"
+CURVE = changed(*PLAIN, (SWEEP, REFINE), ('reference = { kind = "STM" }\n', ""))
+
+
+def adaptive(out):
+    with open(out / "tables" / "small.adaptive.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def curve(out, key=SPEED, column="eta_period_1"):
+    return sorted((float(row[key]), float(row[column])) for row in table(out) if row["reference"] != "yes")
+
+
+def interpolated(points, at):
+    x = [p[0] for p in points]
+    i = min(max(bisect.bisect_right(x, at), 1), len(x) - 1)
+    (a, b), (c, d) = points[i - 1], points[i]
+    return b + (d - b) * (at - a) / (c - a)
+
+
+class Adaptive(ProgramTest):
+    def tables_of(self, out):
+        self.shearwake("reduce", out)
+        return table(out), (out / "tables" / "small.adaptive.csv").read_bytes()
+
+    def test_a_refined_curve_stays_within_its_tolerance_of_a_fine_grid(self):
+        self.write_job(CURVE)
+        said = self.shearwake("plan", "job.toml").said
+        self.says(said, "9 cases", f"adaptive axis {SPEED}: 9 points in the first round, at most 200",
+                  "the estimates above cover the first round only")
+        said = self.shearwake("run", "job.toml", ranks=2).said
+        self.says(said, "adding", "the estimated error of eta_period_1 between the points is at most",
+                  "next: shearwake reduce")
+        self.shearwake("reduce", self.out)
+        points = curve(self.out)
+        self.assertGreater(len(points), 9)
+        self.assertTrue(all(row["within_tolerance"] == "yes" for row in adaptive(self.out)))
+        self.assertEqual(len(adaptive(self.out)), len(points) - 1)
+
+        fine = f"sweep.\"{SPEED}\"={{ linspace = [3, 12, {5 * len(points)}] }}"
+        self.shearwake("run", "job.toml", "-S", fine, "--out", "fine", "--quiet", ranks=2)
+        self.shearwake("reduce", "fine")
+        grid = curve(self.folder / "fine")
+        self.assertEqual(len(grid), 5 * len(points))
+        for x, y in grid:
+            self.assertLessEqual(abs(interpolated(points, x) - y), 0.002, f"at {x}")
+
+        widest, narrowest = (f(b[0] - a[0] for a, b in zip(points, points[1:])) for f in (max, min))
+        self.assertGreaterEqual(widest, 2 * narrowest, "the points are uniform")
+        said = self.shearwake("report", self.out).said
+        page = (self.out / "report" / "index.html").read_text(encoding="utf-8")
+        self.assertIn('id="adaptive"', page)
+        self.says(self.shearwake("status", self.out).said, "next: shearwake reduce")
+        self.says(self.shearwake("run", "job.toml").said, "0 computed now")
+
+        more = self.shearwake("run", "job.toml", "-S", "sweep.\"" + SPEED + "\".tolerance=0.001", ranks=2).said
+        self.says(more, "adding", "(tolerance 0.001)")
+        self.shearwake("reduce", self.out)
+        self.assertLess(set(points), set(curve(self.out)))
+
+    def test_kills_and_ranks_do_not_change_the_points(self):
+        self.write_job(CURVE)
+        self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
+        expected = self.tables_of(self.folder / "whole")
+        chance = random.Random(5)
+        for kill in range(4):
+            process = self.start("run", "job.toml", "--quiet", ranks=2)
+            wanted = len(case_files(self.out)) + chance.randint(1, 6)
+            self.wait_for(lambda: len(case_files(self.out)) >= wanted or process.poll() is not None, "cases")
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        self.wait_for(lambda: not json.loads(self.shearwake("status", self.out, "--json").stdout)["is_active"], "the end")
+        self.shearwake("run", "job.toml", "--quiet", ranks=3)
+        self.assertEqual(self.tables_of(self.out), expected)
+        self.assertEqual((self.out / "plan.json").read_bytes(), (self.folder / "whole" / "plan.json").read_bytes())
+
+    def test_status_resumes_between_rounds(self):
+        self.write_job(CURVE)
+        self.shearwake("run", "job.toml", "--quiet", "--only", self.first_id())
+        self.shearwake("run", "job.toml", "--quiet")
+        expected = plan_ids(self.out)
+        removed = self.folder / "other"
+        self.shearwake("run", "job.toml", "--quiet", "--out", removed, "--only", ",".join(self.first_ids()))
+        said = self.shearwake("status", removed).said
+        self.says(said, "9 done", "adaptive axes:", "to add", "next: shearwake run")
+        command = next(line for line in said.splitlines() if line.startswith("next: shearwake ")).split()[2:]
+        self.shearwake(*command)
+        self.assertEqual(plan_ids(removed), expected)
+
+    def first_ids(self):
+        document = json.loads(self.shearwake("plan", "job.toml", "--json").stdout)
+        self.assertEqual([axis["goal"] for axis in document["adaptive"]], ["refine"])
+        return [case["id"] for case in document["cases"]]
+
+    def first_id(self):
+        return self.first_ids()[0]
+
+    def test_shards_work_together_and_in_turn(self):
+        self.write_job(CURVE)
+        self.shearwake("run", "job.toml", "--out", "whole", "--quiet")
+        expected = self.tables_of(self.folder / "whole")
+        shards = [self.start("run", "job.toml", "--shard", f"{k}/2", "--out", "together") for k in (1, 2)]
+        said = [shard.communicate()[0] for shard in shards]
+        # If one shard ends its cases before the other has begun, it cannot know that this will compute its own.
+        for k in range(60):
+            if all(shard.returncode == 0 for shard in shards):
+                break
+            shards[k % 2] = self.shearwake("run", "job.toml", "--shard", f"{k % 2 + 1}/2", "--out", "together", expect=None)
+            self.assertIn(shards[k % 2].returncode, (0, 75), said)
+        self.assertEqual(self.tables_of(self.folder / "together"), expected)
+
+        out = self.folder / "turn"
+        codes = []
+        while len(codes) < 60 and codes[-1:] != [0]:
+            done = self.shearwake("run", "job.toml", "--shard", f"{len(codes) % 2 + 1}/2", "--out", out, expect=None)
+            codes.append(done.returncode)
+            if done.returncode:
+                self.says(done.said, "rerun this command after them", f"--shard {(len(codes) - 1) % 2 + 1}/2")
+        self.assertEqual(set(codes[:-1]), {75})
+        self.assertEqual(self.tables_of(out), expected)
+
+    def test_extrema_are_searched_in_two_dimensions(self):
+        search = ("{{ find = \"maximum\", in = [{}], column = \"eta_period_1\", tolerance = {}, initial = 5 }}")
+        self.write_job(changed(*PLAIN, (SWEEP, f"'{SPEED}' = {search.format('3, 12', 0.6)}\n"
+                                               f"'load.modulation.speed_m_s' = {search.format('4, 7', 0.5)}"),
+                               ('reference = { kind = "STM" }\n', "")))
+        self.says(self.shearwake("plan", "job.toml").said, "25 cases", "about 9 for one curve", "about 7 for one curve")
+        said = self.shearwake("run", "job.toml", ranks=2).said
+        self.says(said, f"{SPEED}: maximum of eta_period_1 at", "load.modulation.speed_m_s: maximum of eta_period_1 at")
+        self.shearwake("reduce", self.out)
+        rows = adaptive(self.out)
+        self.assertEqual(len(rows), 2)
+        best = max(table(self.out), key=lambda row: float(row["eta_period_1"]))
+        for row in rows:
+            self.assertEqual(row["value"], best["eta_period_1"])
+            self.assertEqual(row["location"], best[row["key"]])
+            self.assertEqual(row["within_tolerance"], "yes")
+        self.shearwake("report", self.out)
+
+    def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
+        self.write_job(changed(*PLAIN, (SWEEP, f"'{SPEED}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
+                                               f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))
+        said = self.shearwake("run", "job.toml", ranks=2).said
+        self.shearwake("reduce", self.out)
+        rows = adaptive(self.out)
+        ratios = {f: [(float(row[SPEED]), float(row["eta_period_over_reference_1"]) - 1.0) for row in table(self.out)
+                      if row["reference"] != "yes" and float(row[FREQUENCY]) == f] for f in (500, 1000)}
+        for frequency, points in ratios.items():
+            points.sort()
+            changes = [(a[0], b[0]) for a, b in zip(points, points[1:]) if (a[1] < 0) != (b[1] < 0)]
+            found = [row for row in rows if row["settings"] == f"{FREQUENCY} = {frequency}"]
+            self.assertEqual([(float(r["from"]), float(r["to"])) for r in found], changes)
+            if not changes:
+                self.says(said, f"no crossing of eta_period_1, {FREQUENCY} = {frequency}")
+            for low, high in changes:
+                self.assertLessEqual(high - low, 0.05 + 1e-9)
+        self.assertTrue(rows, "the curves never cross the reference")
+        self.shearwake("report", self.out)
+
+    def test_limits_are_reported(self):
+        self.write_job(changed(("tolerance = 0.002", "tolerance = 1e-9, most = 12"), text=CURVE))
+        said = self.shearwake("run", "job.toml").said
+        self.says(said, "12 points", "intervals exceed the tolerance because of the limits most = 12")
+        self.assertEqual(len(plan(self.out)["cases"]), 12)
+        self.says(self.shearwake("run", "job.toml", "-S", "load.peak_Pa=50", expect=2).said, "another plan")
+        self.says(self.shearwake("run", "job.toml", "-S", f"sweep.\"{SPEED}\"=[3, 12]", expect=2).said, "another plan")
+
+    def test_errors_are_reported_before_any_case_is_computed(self):
+        for old, new, message in (
+                ("[3, 12]", "[12, 3]", "must be two ascending numbers"),
+                ("[3, 12]", "[3]", "must be two ascending numbers"),
+                ('"eta_period_1"', '"eta_perod_1"', 'did you mean "eta_period_1"?'),
+                ("0.002", "0", "above 0"),
+                ("0.002", "nan", "tolerance"),
+                ("tolerance = 0.002", "tolerance = 0.002, most = 2.5", "most"),
+                ("tolerance = 0.002", "tolerance = 0.002, level = 3", "level"),
+                ("refine = [3, 12]", 'find = "maximun", in = [3, 12]', "maximum"),
+                ("refine = [3, 12]", 'find = "maximum"', "in"),
+                ("refine = [3, 12]", 'find = "crossing", in = [3, 12]', "requires a level to cross, or a reference"),
+                ("refine = [3, 12]", 'find = "minimum", in = [3, 1e5]', "a millionth of the interval")):
+            self.write_job(changed((old, new), text=CURVE))
+            self.says(self.shearwake("check", "job.toml", expect=3).said, message)
+        self.write_job(changed((REFINE, "zip = [ { " + REFINE + f", \"{FREQUENCY}\" = [400, 500] }} ]"), text=CURVE))
+        self.says(self.shearwake("check", "job.toml", expect=3).said, "is adaptive")
+        self.assertFalse(self.out.exists())
+
+    def test_sliding_windows_have_no_jumps_along_the_frequency(self):
+        axis = f"'{FREQUENCY}' = {{ refine = [400, 1000], column = \"eta_period_1\", tolerance = 0.005 }}"
+        self.write_job(changed(*PLAIN[:2], (SWEEP, axis), ('reference = { kind = "STM" }\n', "")))
+        self.says(self.shearwake("run", "job.toml").said, "intervals exceed the tolerance because of the limits")
+        said = self.shearwake("run", "job.toml", "-S", "measure.window='sliding'", "--out", "sliding").said
+        self.assertNotIn("exceed the tolerance", said)
+        self.assertLess(len(plan(self.folder / "sliding")["cases"]), len(plan(self.out)["cases"]))
+
+    def test_the_job_searches_the_gain_with_a_tenth_of_a_grid(self):
+        self.shearwake("run", ROOT / "jobs" / "adaptive-gain.toml", "--out", "gain", "--quiet", ranks=2)
+        self.assertLess(len(plan(self.folder / "gain")["cases"]), 71)  # a grid has 701 and the reference
+        self.shearwake("reduce", "gain")
+        with open(self.folder / "gain" / "tables" / "adaptive-gain.adaptive.csv", newline="", encoding="utf-8") as file:
+            row, = csv.DictReader(file)
+        self.assertEqual(row["within_tolerance"], "yes")
+        # The grid with a spacing of 1 Hz has its maximum of 1.046408 at 147 Hz.
+        self.assertLessEqual(abs(float(row["location"]) - 147.0), 1.0)
+        self.assertAlmostEqual(float(row["value"]), 1.0464, delta=1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""shearwake optimise: the optimum is reproduced by its case, the bound by NumPy alone, and the study is resumed."""
+import csv
+import json
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import numpy as np
+from program import ROOT, ProgramTest, changed
+
+STEADY = """
+schema = 1
+[job]
+name = "best"
+[medium]
+base = "half-space"
+[[medium.layer]]
+density_kg_m3 = 1000.0
+c_p_m_s = 50.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 6.0 }
+[load.modulation]
+kind = "STM"
+path = { shape = "circle", radius_mm = 8.0 }
+draw_frequency_Hz = 140.0
+[domain]
+extent_mm = [48.0, 48.0]
+spacing_mm = 2.0
+edges = "open"
+[time]
+regime = "periodic"
+output_interval_us = 250.0
+[solver]
+engine = "layered"
+[measure]
+region_mm = [40.0, 40.0]
+[optimise]
+knot_us = 500.0
+strength_at_least = [0.7, 0.9]
+starts = 4
+update_rate_Hz = 3000.0
+bits = 6
+"""
+CIRCLE = 'path = { shape = "circle", radius_mm = 8.0 }\ndraw_frequency_Hz = 140.0'
+TRANSIENT = (
+    (CIRCLE, 'path = { shape = "line", from_mm = [-20.0, 0.0], to_mm = [20.0, 0.0] }\nspeed_m_s = 7.0'),
+    ('edges = "open"', ""), ("extent_mm = [48.0, 48.0]", "extent_mm = [96.0, 64.0]"),
+    ('regime = "periodic"', "duration_ms = 5.0"), ("region_mm = [40.0, 40.0]", "settled_after_ms = 1.0"),
+    ("update_rate_Hz = 3000.0\nbits = 6\n", ""))
+PLAIN = ("update_rate_Hz = 3000.0\nbits = 6\n", "")
+ONE = ("strength_at_least = [0.7, 0.9]", "strength_at_least = [0.8]")
+# Eight rows of jobs/speed-fwhm-modulation.toml, on its own domain.
+ROWS = """
+[job]
+name = "rows"
+[medium]
+base = "half-space"
+[[medium.layer]]
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = 5.0
+viscosity_Pa_s = 1.0
+[load]
+peak_Pa = 100.0
+footprint = { shape = "gaussian", fwhm_mm = 10.0 }
+[load.modulation]
+kind = "SM-STM"
+path = { shape = "line", from_mm = [-75.0, 0.0], to_mm = [85.0, 0.0] }
+speed_m_s = 7.0
+speed_deviation_m_s = 2.0
+sm_frequency_Hz = 200.0
+am_frequency_Hz = 200.0
+[domain]
+extent_mm = [300.0, 162.0]
+spacing_mm = 2.5
+[time]
+duration_ms = 14.0
+output_interval_us = 100.0
+[solver]
+engine = "layered"
+[measure]
+at_ms = 14.0
+settled_after_ms = 4.0
+[sweep]
+"load.modulation.speed_m_s" = [4.0, 7.0]
+"""
+
+
+class Optimise(ProgramTest):
+    def job(self, *changes):
+        self.write_job(changed(*changes, text=STEADY))
+
+    def rows(self, out="out/best.optimise"):
+        with open(self.folder / out / "optimise" / "table.csv", encoding="utf-8") as file:
+            return [{k: float(v) if v and k != "case" else v for k, v in row.items()} for row in csv.DictReader(file)]
+
+    def verify(self, out="out/best.optimise"):
+        return subprocess.run([sys.executable, ROOT / "scripts" / "verify_certificate.py", self.folder / out],
+                              capture_output=True, text=True, check=False)
+
+    def check_rows(self, rows):
+        for row in rows:
+            # The case of the optimum is computed by itself; the forms are exact but for rounding.
+            self.assertLess(abs(row["eta_computed_1"] / row["eta_optimum_1"] - 1.0), 1e-6)
+            self.assertGreaterEqual(row["strength_optimum_1"], row["strength_at_least_1"] * (1.0 - 1e-12))
+            self.assertLessEqual(row["eta_optimum_1"], row["eta_ceiling_1"])
+            self.assertGreaterEqual(row["eta_optimum_1"], row["eta_am_1"])
+            self.assertGreaterEqual(row["eta_optimum_1"], row["eta_unmodulated_1"])
+
+    def test_a_steady_optimum_is_reproduced_by_its_case_and_below_a_verified_bound(self):
+        self.job()
+        said = self.shearwake("optimise", "job.toml", ranks=2).said
+        self.says(said, "eta_optimum_1", "eta_ceiling_1", "optima: ")
+        rows = self.rows()
+        self.check_rows(rows)
+        self.assertEqual([row["strength_at_least_1"] for row in rows], [0.7, 0.9])
+        found = self.verify()
+        self.assertEqual((found.returncode, found.stdout.count("verified")), (0, 2), found.stdout + found.stderr)
+        # The bound of a changed certificate is refused.
+        [path, _] = sorted((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json"))
+        optimum = json.loads(path.read_text(encoding="utf-8"))
+        optimum["ceiling"]["eta"] *= 0.98
+        path.write_text(json.dumps(optimum), encoding="utf-8")
+        self.assertEqual(self.verify().returncode, 1)
+
+    def test_an_exported_waveform_reproduces_the_exported_case(self):
+        self.job()
+        self.shearwake("optimise", "job.toml", "--quiet")
+        row = self.rows()[0]
+        stem = self.folder / "out/best.optimise/optimise" / f"{row['case']}.strength-0.7"
+        with open(f"{stem}.csv", encoding="utf-8") as file:
+            updates = list(csv.DictReader(file))
+        levels = [int(u["level"]) for u in updates]
+        self.assertTrue(0 <= min(levels) and max(levels) == 63)
+        self.assertEqual(len(updates), round(3000 / 140))
+        optimum = json.loads(Path(f"{stem}.json").read_text(encoding="utf-8"))["found"]["values"]
+        t = np.array([float(u["t_us"]) for u in updates]) * 1e-6
+        knots = np.arange(len(optimum) + 1) / len(optimum) / 140
+        exact = np.interp(t, knots, [*optimum, optimum[0]])
+        # Half a level of the sound pressure.
+        self.assertLess(np.abs(np.array(levels) / 63 - np.sqrt(exact)).max(), 0.5 / 63 + 1e-9)
+        # The TOML table in a job of its own gives the eta of the exported case.
+        envelope = Path(f"{stem}.toml").read_text(encoding="utf-8")
+        self.job(("[domain]", envelope + "[domain]"))
+        self.shearwake("run", "job.toml", "--out", "again")
+        self.shearwake("reduce", "again")
+        with open(self.folder / "again/tables/best.csv", encoding="utf-8") as file:
+            [again] = list(csv.DictReader(file))
+        self.assertAlmostEqual(float(again["eta_period_1"]), row["eta_exported_1"], delta=1e-9)
+
+    def test_a_transient_optimum_is_reproduced_and_a_study_is_resumed(self):
+        self.job(*TRANSIENT)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        rows = self.rows()
+        self.check_rows(rows)
+        self.assertEqual(self.verify().returncode, 0)
+        out = self.folder / "out/best.optimise"
+        # The fields of the knots are no longer needed, and nothing is computed again.
+        self.assertEqual(len(list(out.glob("optimise/*.forms.json"))), 1)
+        said = self.shearwake("optimise", "job.toml").said
+        self.says(said, "0 computed now")
+        self.assertEqual(self.rows(), rows)
+        # Without one optimum, only this one is searched again; the result is the same.
+        next(out.glob("optimise/*.strength-0.9.json")).unlink()
+        self.shearwake("optimise", "job.toml", "--quiet")
+        self.assertEqual(self.rows(), rows)
+        self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
+                  "contains the optima of another job")
+
+    def check_one(self, *changes, column="eta_period_1"):
+        """The optimum of the changed job is reproduced; returns its row."""
+        self.job(PLAIN, ONE, ("starts = 4", f'starts = 4\nmaximise = "{column}"'), *changes)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        rows = self.rows()
+        self.check_rows(rows)
+        verified = self.verify()
+        self.assertEqual(verified.returncode, 0, verified.stdout)
+        return rows[0]
+
+    def test_two_foci_are_modulated_together(self):
+        self.check_one(("draw_frequency_Hz = 140.0", "draw_frequency_Hz = 140.0\nfoci_mm = [[-4.0, 0.0], [4.0, 0.0]]"))
+
+    def test_the_focus_of_an_array_is_modulated(self):
+        self.check_one(('{ shape = "gaussian", fwhm_mm = 6.0 }', '{ shape = "array", preset = "array-16x16", distance_mm = '
+                        '150.0, pressure_Pa_m = 3.4 }'), ("peak_Pa = 100.0\n", ""))
+
+    def test_the_sharpness_of_a_shape_is_maximised(self):
+        self.check_one(column="sharpness_1")
+
+    def test_the_share_of_a_band_at_the_depth_of_a_receptor_is_maximised(self):
+        row = self.check_one(("region_mm = [40.0, 40.0]", "region_mm = [40.0, 40.0]\nbands_Hz = [[200, 500]]\n"
+                              "depths_mm = [2.0]\n[record]\ntraces_mm = [[8.0, 0.0]]"), column="share_200_500_1")
+        self.assertGreater(row["eta_optimum_1"], 1.2 * row["eta_unmodulated_1"])
+
+    def test_speed_profile_speed_and_size_are_optimised_with_the_envelope(self):
+        self.job(PLAIN, ONE)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        envelope = self.rows()[0]["eta_optimum_1"]
+        self.job(PLAIN, ONE, ("starts = 4", 'starts = 4\nover = ["envelope", "speed-profile", "speed", "size"]\nrounds = 2\n'
+                              'factor_at_most = 1.2'))
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "moved", ranks=2)
+        [row] = self.rows("moved")
+        self.check_rows([row])
+        self.assertGreater(row["eta_optimum_1"], envelope)
+        self.assertEqual(self.verify("moved").returncode, 0)
+        self.assertTrue(1 / 1.2 - 1e-9 <= row["optimum_size_1"] <= 1.2 + 1e-9)
+
+    def test_an_optimum_is_computed_in_other_tissues(self):
+        self.job(PLAIN, ONE, ("starts = 4", "starts = 4\nrobust_to = 0.2"))
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        with open(self.folder / "out/best.optimise/optimise/robustness.csv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 10)
+        self.assertEqual({row["difference"] for row in rows if "," not in row["difference"]},
+                         {f"{what} {sign}20 %" for what in ("c_s", "viscosity", "speed") for sign in "+-"})
+        # The tissue with a higher c_s is that of a job with this c_s.
+        optimum = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json")).read_text())
+        values = ", ".join(repr(v) for v in optimum["found"]["values"])
+        knots = json.loads(next((self.folder / "out/best.optimise/optimise").glob("*.forms.json")).read_text())["knots"]
+        self.job(PLAIN, ("c_s_m_s = 5.0", "c_s_m_s = 6.0"), ("[domain]", '[[load.modulation.envelope]]\nshape = "samples"\n'
+                 f'interval_us = {1e6 * knots["interval_s"]!r}\nrepeat = true\nvalues = [{values}]\n[domain]'))
+        self.shearwake("run", "job.toml", "--out", "stiffer")
+        self.shearwake("reduce", "stiffer")
+        with open(self.folder / "stiffer/tables/best.csv", encoding="utf-8") as file:
+            [stiffer] = list(csv.DictReader(file))
+        [row] = [row for row in rows if row["difference"] == "c_s +20 %"]
+        self.assertAlmostEqual(float(row["eta_found_1"]), float(stiffer["eta_period_1"]), delta=1e-9)
+
+    def test_no_modulation_of_a_sweep_exceeds_the_bound_of_its_path_and_strength(self):
+        self.write_job("schema = 1\n" + ROWS + '"load.modulation.kind" = ["SM-STM", "AM-STM"]\n'
+                       'zip = [ { "load.modulation.am_frequency_Hz" = [100, 400], "load.modulation.sm_frequency_Hz" = [100, 400] } ]\n'
+                       '[table]\nx = "load.modulation.speed_m_s"\nreference = { kind = "STM" }\n')
+        self.shearwake("run", "job.toml", "--out", "rows", ranks=2)
+        self.shearwake("reduce", "rows")
+        # For AM-STM the path is that of plain STM; the envelope of SM-STM is constant on its own path.
+        plain = re.sub(r"(speed_deviation_m_s|[as]m_frequency_Hz) = .*\n", "", ROWS).replace("SM-STM", "STM")
+        self.write_job("schema = 1\n" + plain +
+                       "[optimise]\nstrength_at_least = [0.5, 0.6, 0.7, 1.0]\nstarts = 2\nknot_us = 500.0\n")
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "plain", ranks=2)
+        self.write_job("schema = 1\n" + ROWS.replace("am_frequency_Hz = 200.0\n", "") + '"load.modulation.sm_frequency_Hz" = [100, 400]\n'
+                       "[optimise]\nstrength_at_least = [1.0]\nstarts = 2\nknot_us = 1000.0\n")
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "sm", ranks=2)
+        compared = subprocess.run([sys.executable, ROOT / "scripts" / "compare_with_bounds.py", "rows/tables/rows.csv", "plain", "sm"],
+                                  capture_output=True, text=True, check=False, cwd=self.folder)
+        self.assertEqual(compared.returncode, 0, compared.stdout + compared.stderr)
+        self.says(compared.stdout, "10 rows: 0 exceed")
+
+    def test_jobs_that_cannot_be_optimised_are_rejected(self):
+        self.job((STEADY[STEADY.index("[optimise]"):], ""))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has no table [optimise]")
+        self.job(('kind = "STM"', 'kind = "AM-STM"\nam_frequency_Hz = 280.0'))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, "has an envelope, which would be replaced")
+        self.job(("knot_us = 500.0", 'knot_us = 500.0\nmaximise = "share_40_400_1"'))
+        self.says(self.shearwake("optimise", "job.toml", expect=3).said, 'must be "eta_period_1" or "sharpness_1"', "bands_Hz")
+        self.job(("knot_us = 500.0", 'knot_us = 500.0\nover = ["speed"]'))
+        self.says(self.shearwake("check", "job.toml", expect=3).said, 'must contain "envelope"')
+        self.job(("knot_us = 500.0", "knots_us = 500.0"))
+        self.says(self.shearwake("check", "job.toml", expect=3).said, "knot_us")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""measure.region_mm with every engine and in both regimes, and what the table says about the steady state."""
+import csv
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ProgramTest, SWEEP, case_files, without_reference
+
+REGION = ("settled_after_ms = 1.0", "settled_after_ms = 1.0\nregion_mm = [29.3, 20.3]\nregion_center_mm = [4.0, -3.0]")
+ONE_CASE = (f"\n[sweep]\n{SWEEP}\n", "")
+STEADY = [("duration_ms = 4.0", 'regime = "periodic"'), ("spacing_mm = 1.5", 'spacing_mm = 1.5\nedges = "open"'),
+          ("to_mm = [14.0, 0.0]", 'to_mm = [14.0, 0.0], at_end = "back-and-forth"'), ("speed_m_s = 7.0", "speed_m_s = 5.6"),
+          ("at_ms = 4.0\nsettled_after_ms = 1.0\n", "")]
+ENGINES = {"layered": "", "spectral": "", "pstd": "\n[solver.pstd]\nc_p_over_c_s = 3.0\n"}
+
+
+def participation(u, cell_mm2):
+    return (u**2).sum() ** 2 / (u**4).sum() * cell_mm2
+
+
+class RegionTest(ProgramTest):
+    def table(self, name="small"):
+        with open(self.folder / "out" / name / "tables" / f"{name}.csv", encoding="utf-8") as file:
+            return next(csv.DictReader(file))
+
+    def test_every_engine_measures_within_the_stated_region(self):
+        for engine, keys in ENGINES.items():
+            self.write_job(without_reference(REGION, ONE_CASE, ('[table]\nx = "load.modulation.am_frequency_Hz"\n', ""),
+                                             ('engine = "layered"\n', f'engine = "{engine}"\n{keys}'),
+                                             ('name = "small"', f'name = "{engine}"')))
+            self.shearwake("run", "job.toml")
+            self.shearwake("reduce", f"out/{engine}")
+            row = self.table(engine)
+            with h5py.File(case_files(self.folder / "out" / engine)[0]) as file:
+                x, y = 1e3 * file["surface/x"][()], 1e3 * file["surface/y"][()]
+                u = 1e6 * np.squeeze(file["surface/u_z"][-1])
+            inside = np.ix_(np.abs(x - 4.0) <= 14.65, np.abs(y + 3.0) <= 10.15)
+            spacing = x[1] - x[0]
+            with self.subTest(engine):
+                # Frames are stored in single precision.
+                np.testing.assert_allclose(float(row["participation_at_mm2"]), participation(u[inside], spacing**2),
+                                           rtol=1e-5)
+                self.assertGreater(abs(participation(u, spacing**2) / participation(u[inside], spacing**2) - 1.0), 0.01)
+                self.assertAlmostEqual(float(row["region_mm2"]), u[inside].size * spacing**2, places=6)
+
+    def test_the_steady_state_is_measured_around_the_path_and_states_its_energies(self):
+        self.write_job(without_reference(*STEADY, ONE_CASE, ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", "out/small")
+        row = self.table()
+        self.assertGreater(float(row["region_mm2"]), 0.0)
+        work, absorbed, radiated = (float(row[f"period_{what}_uJ"]) for what in ("work", "absorbed", "radiated"))
+        self.assertGreater(work, 0.0)
+        self.assertAlmostEqual(radiated / work, 0.0, delta=1e-9)  # the base is rigid
+        self.assertAlmostEqual(absorbed / work, 1.0, delta=1e-6)  # the energy balance
+
+
+if __name__ == "__main__":
+    unittest.main()
