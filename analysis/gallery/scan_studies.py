@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The tables of docs/explanation/scans.md: how measures degrade with the scan, and how often intervals contain the truth.
 
-Usage: scan_studies.py degradation | coverage [FIRST LAST]
-Prints a Markdown table. Needs the program in build/.
+Usage: scan_studies.py degradation | coverage [FIRST LAST] | dispersion PICTURE
+Prints a Markdown table, or draws the measured dispersion and the secular equation. Needs the program in build/.
 """
 import json
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,13 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build" / "shearwake"
 sys.path.insert(0, str(ROOT / "analysis" / "report"))
+from dispersion import curves, line_coordinates  # noqa: E402
 from scan import Scan, read_scan, write_scan  # noqa: E402
+from secular import secular_speeds  # noqa: E402
 
 COLUMNS = ("eta_period_1", "focal_rms_period_nm", "peak_abs_nm", "pr_at_1")
 FULL = "grid_mm = [190.0, 190.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
+LAYER_KEYS = (("thickness_mm", 1e-3), ("density_kg_m3", 1.0), ("c_p_m_s", 1.0), ("c_s_m_s", 1.0))
 LINE = "line_mm = [[-59.0, 0.0], [59.0, 0.0]]\nspacing_mm = 2.0\n"
 
 
@@ -113,6 +117,36 @@ def coverage(first=0, last=100):
         print(f"| `{key}` | {sum(inside[key])} of {len(inside[key])} | {np.max(np.abs(errors[key])):.3g} |")
 
 
+def dispersion(picture):
+    """Draws the dispersion of the line of jobs/gel-dispersion.toml on the roots of the secular equation."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    with tempfile.TemporaryDirectory() as name:
+        text = (ROOT / "jobs" / "gel-dispersion.toml").read_text(encoding="utf-8")
+        _, case = simulated(Path(name), text)
+        scan = read_scan(case)
+    layers = [tuple(layer[key] * unit for key, unit in LAYER_KEYS) for layer in tomllib.loads(text)["medium"]["layer"]]
+    frequencies, speeds, _ = curves(line_coordinates(scan.x_m, scan.y_m), scan.velocity_m_s, scan.rate_Hz)
+    figure, axes = plt.subplots(figsize=(7.0, 4.2), constrained_layout=True)
+    trial = np.geomspace(1.0, 12.0, 400)
+    roots = [(f, c) for f in range(60, 701, 2) for c in secular_speeds(2.0 * np.pi * f, layers, trial)]
+    axes.plot(*zip(*roots), ".", ms=1.5, color="0.55", label="roots of the secular equation (no viscosity)")
+    axes.plot(frequencies, speeds, "o", ms=4, color="C3", label="line scan")
+    axes.set(xlabel="frequency (Hz)", ylabel="phase speed (m/s)", xlim=(60, 700), ylim=(1, 10))
+    axes.legend(markerscale=2)
+    figure.savefig(picture, dpi=140)
+    inside = (frequencies >= 100.0) & (frequencies <= 600.0) & np.isfinite(speeds)
+    errors = [min(abs(c / root - 1.0) for root in secular_speeds(2.0 * np.pi * f, layers, trial))
+              for f, c in zip(frequencies[inside], speeds[inside])]
+    print(f"{len(errors)} frequencies from 100 to 600 Hz; largest difference {100.0 * max(errors):.2f} %, "
+          f"median {100.0 * np.median(errors):.2f} %")
+
+
 if __name__ == "__main__":
     what, *arguments = sys.argv[1:]
-    {"degradation": degradation, "coverage": coverage}[what](*map(int, arguments))
+    if what == "dispersion":
+        dispersion(*arguments)
+    else:
+        {"degradation": degradation, "coverage": coverage}[what](*map(int, arguments))

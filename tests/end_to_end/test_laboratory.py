@@ -11,9 +11,10 @@ import numpy as np
 
 from program import ROOT, ProgramTest
 
-sys.path.insert(0, str(ROOT / "analysis" / "report"))
+sys.path[:0] = [str(ROOT / "analysis" / "report"), str(ROOT / "analysis" / "gallery")]
 from dispersion import curves, line_coordinates  # noqa: E402
 from scan import Scan, read_scan, write_scan  # noqa: E402
+from secular import secular_speeds  # noqa: E402
 
 C_S, VISCOSITY = 2.5, 0.3
 
@@ -62,69 +63,7 @@ samples = 2
 "vibrometer.trigger_delay_ms" = { distribution = "normal", mean = 0.0, sd = 1.0 }
 """
 
-# A short pulse over a soft layer on a stiffer one, with little loss: broad-band guided waves.
-LAYERS = ((6e-3, 1000.0, 1500.0, 2.0), (8e-3, 1000.0, 1500.0, 4.0))
-PULSE = """\
-schema = 1
-[job]
-name = "pulse"
-title = "guided waves of two layers"
-[medium]
-base = "rigid"
-""" + "".join(f"""[[medium.layer]]
-thickness_mm = {1e3 * h}
-density_kg_m3 = {rho}
-c_p_m_s = {c_p}
-c_s_m_s = {c_s}
-viscosity_Pa_s = 0.05
-""" for h, rho, c_p, c_s in LAYERS) + """\
-[load]
-peak_Pa = 100.0
-footprint = { shape = "gaussian", fwhm_mm = 3.0 }
-[load.modulation]
-kind = "custom"
-[[load.modulation.envelope]]
-shape = "window"
-to_ms = 0.8
-[domain]
-extent_mm = [256.0, 256.0]
-spacing_mm = 1.0
-[time]
-duration_ms = 60.0
-output_interval_us = 250.0
-[solver]
-engine = "layered"
-[vibrometer]
-line_mm = [[1.0, 0.0], [100.0, 0.0]]
-spacing_mm = 1.0
-"""
-
-
-def secular(k, omega, layers):
-    """det of the traction at the surface over admissible states of real layers on a rigid base, by propagator matrices of the
-    displacement-stress vector (Aki and Richards, eq. 7.28), for k in 1/m."""
-    states = np.zeros((4, 2))
-    states[2, 0] = states[3, 1] = 1.0  # tractions at the rigid base; no displacement
-    from scipy.linalg import expm
-
-    for h, rho, c_p, c_s in reversed(layers):
-        mu, lam = rho * c_s ** 2, rho * (c_p ** 2 - 2.0 * c_s ** 2)
-        p = lam + 2.0 * mu
-        zeta = 4.0 * mu * (lam + mu) / p
-        a = np.array([[0.0, k, 1.0 / mu, 0.0], [-k * lam / p, 0.0, 0.0, 1.0 / p],
-                      [k * k * zeta - omega ** 2 * rho, 0.0, 0.0, k * lam / p], [0.0, -omega ** 2 * rho, -k, 0.0]])
-        states = expm(-a * h) @ states
-        states = states / np.abs(states).max(axis=0)
-    return np.linalg.det(states[2:])
-
-
-def secular_speeds(omega, layers, speeds):
-    """All phase speeds at which the secular function changes its sign."""
-    from scipy.optimize import brentq
-
-    values = [secular(omega / c, omega, layers) for c in speeds]
-    return [brentq(lambda c: secular(omega / c, omega, layers), a, b)
-            for a, b, u, v in zip(speeds, speeds[1:], values, values[1:]) if u * v < 0.0]
+LAYERS = ((6e-3, 1000.0, 1500.0, 2.0), (8e-3, 1000.0, 1500.0, 4.0))  # of jobs/gel-dispersion.toml
 
 
 class LaboratoryTest(ProgramTest):
@@ -233,7 +172,7 @@ class Fit(LaboratoryTest):
 
 class Dispersion(LaboratoryTest):
     def test_guided_waves_of_two_layers_follow_the_secular_equation(self):
-        _, case = self.scanned(PULSE)
+        _, case = self.scanned((ROOT / "jobs" / "gel-dispersion.toml").read_text(encoding="utf-8"))
         scan = read_scan(case)
         frequencies, speeds, _ = curves(line_coordinates(scan.x_m, scan.y_m), scan.velocity_m_s, scan.rate_Hz)
         compared = 0
