@@ -23,6 +23,8 @@ using laboratory::Parameter;
 
 /// Beyond these quantiles of a distribution no value is tried.
 constexpr double tail = 1e-9;
+/// Job files contain 0 or larger magnitudes.
+constexpr double least_magnitude = 1e-9;
 
 /// A uniform or triangular distribution gives bounds alone.
 std::optional<laboratory::Prior> prior_of(const sampling::Distribution& distribution) {
@@ -113,7 +115,9 @@ private:
         std::vector<std::string> overrides = {"sweep={}", "uncertain={}", "table={}"};
         overrides.insert(overrides.end(), arguments_.overrides.begin(), arguments_.overrides.end());
         for (std::size_t i = 0; i < parameters_.size(); ++i)
-            overrides.push_back(fmt::format("{}={:.17g}", parameters_[i].key, values[i]));
+            overrides.push_back(
+                fmt::format("{}={:.17g}", parameters_[i].key,
+                            std::abs(values[i]) < least_magnitude ? 0.0 : values[i]));
         return schedule::load_job(arguments_.job, overrides, world_).plan.cases.front().physics;
     }
 

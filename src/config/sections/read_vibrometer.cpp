@@ -138,7 +138,7 @@ void check_points(const Reader& reader, const VibrometerOptions& options, const 
 
 std::optional<VibrometerOptions> read_vibrometer(Reader& reader, const Case& c,
                                                  const TextLoader& load_text) {
-    if (reader.empty()) return std::nullopt;
+    if (reader.keys().empty()) return std::nullopt;
     VibrometerOptions options;
     const std::size_t before = reader.diagnostics().errors();
     options.points_m = read_scan(reader, load_text);

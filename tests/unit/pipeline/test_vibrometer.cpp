@@ -9,7 +9,7 @@ using namespace shearwake;
 
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double full_circle_rad = 2.0 * std::numbers::pi;
 
 /// Frames every 50 us for 20 ms, and one point.
 Case measured(const VibrometerOptions& options) {
@@ -28,7 +28,7 @@ VibrometerOptions points(std::size_t count) {
 
 /// A displacement that starts smoothly at t = 0, and its velocity.
 double displacement(double t) {
-    return 1e-6 * std::pow(t / 2e-3, 4) * std::exp(-t / 2e-3) * std::sin(two_pi * 200.0 * t);
+    return 1e-6 * std::pow(t / 2e-3, 4) * std::exp(-t / 2e-3) * std::sin(full_circle_rad * 200.0 * t);
 }
 double velocity(double t) {
     constexpr double h = 1e-7;
@@ -107,7 +107,7 @@ TEST_CASE("filters of the vibrometer pass their band", "[vibrometer]") {
     c.time.regime = Regime::periodic;
     std::vector<double> u;
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
-        u.push_back(std::sin(two_pi * frequency_Hz * c.time.frame_s(n)));
+        u.push_back(std::sin(full_circle_rad * frequency_Hz * c.time.frame_s(n)));
     const auto recorded = pipeline::scan(c, u);
     REQUIRE(recorded.time_s.size() == 400);
     double sum = 0.0;
@@ -116,6 +116,6 @@ TEST_CASE("filters of the vibrometer pass their band", "[vibrometer]") {
     // The analog filters; the bilinear transform shifts 1 kHz by 1 % at 20 kHz.
     const double high = std::pow(frequency_Hz / 100.0, 4), low = std::pow(frequency_Hz / 500.0, 4);
     const double expected =
-        two_pi * frequency_Hz * std::sqrt(0.5 * high / (1.0 + high) / (1.0 + low));
+        full_circle_rad * frequency_Hz * std::sqrt(0.5 * high / (1.0 + high) / (1.0 + low));
     CHECK(std::sqrt(sum) == Approx(expected).epsilon(0.02));
 }
