@@ -23,6 +23,13 @@ Case observed_case(Case c, const ConvertedData& data) {
     }
     VibrometerOptions& scan = *c.vibrometer;
     scan.points_m = data.points_m;
+    for (const Vec2 nominal : data.points_m)
+        if (const Vec2 point = nominal + Vec2{scan.offset_x_m, scan.offset_y_m};
+            !c.domain.holds(point))
+            throw UsageError(fmt::format(
+                "the scan has a point at [{:.6g}, {:.6g}] mm outside of the domain of the job: "
+                "enlarge domain.extent_mm, or correct the positions",
+                1e3 * point.x, 1e3 * point.y));
     scan.rate_Hz = data.rate_Hz;
     scan.trigger_delay_s += data.start_s;
     scan.noise_m_s_rtHz = scan.missing_share = 0.0;
@@ -52,8 +59,8 @@ ObservedModel::ObservedModel(const ConvertedData& data, std::size_t samples, con
 
 std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
     std::vector<double> rows;
+    const Case c = observed_case(given, data_);
     fail_together(team_, [&] {
-        const Case c = observed_case(given, data_);
         if (!engine_) engine_ = engines::make_engine(c.solver);
         pipeline::ScanSeries series(c, team_);
         engine_->run(c, team_, series, nullptr);

@@ -18,7 +18,8 @@ public:
 
     /// Velocities without noise, one row of samples per point; on the root, empty elsewhere.
     /// Filters, spot, line of sight, delay and offset are those of the vibrometer of the case or,
-    /// without one, of the file. Throws CaseFailure on all ranks together. Collective.
+    /// without one, of the file. Throws CaseFailure, or UsageError as
+    /// observed_case(), on all ranks together. Collective.
     std::vector<double> velocities_m_s(const Case& c);
 
 private:
@@ -28,7 +29,8 @@ private:
     std::unique_ptr<engines::Engine> engine_;
 };
 
-/// The case with the scan of these data and nothing else to record. Not collective.
+/// The case with the scan of these data and nothing else to record. Throws UsageError if a point is
+/// outside of the domain. Not collective.
 Case observed_case(Case c, const ConvertedData& data);
 
 /// Number of the first samples of a scan that the case covers; in the periodic regime all. Throws

@@ -123,8 +123,9 @@ void check_points(const Reader& reader, const VibrometerOptions& options, const 
     if (static_cast<double>(options.points_m.size()) > most_points)
         reader.error("points_mm", fmt::format("has {} points; at most {:.0f} are supported",
                                               options.points_m.size(), most_points));
-    for (const Vec2 point : options.points_m)
-        if (domain.nx > 0 && !domain.holds(point)) {
+    const Vec2 offset_m = {options.offset_x_m, options.offset_y_m};
+    for (const Vec2 nominal : options.points_m)
+        if (const Vec2 point = nominal + offset_m; domain.nx > 0 && !domain.holds(point)) {
             reader.error("points_mm",
                          fmt::format("has a point at [{:.6g}, {:.6g}] mm outside of the "
                                      "domain, which ends at {:.6g} and {:.6g} mm",

@@ -44,6 +44,8 @@ TEST_CASE("an error in a vibrometer is reported", "[config][vibrometer]") {
          "vibrometer.line_mm must contain two different points, the start and the end"},
         {"points_mm = [[90, 0]]", "vibrometer.points_mm has a point at [90, 0] mm outside of the "
                                   "domain"},
+        {"points_mm = [[0, 0]]\noffset_x_mm = 90",
+         "vibrometer.points_mm has a point at [90, 0] mm outside of the domain"},
         {"points_mm = [[0, 0]]\nlow_pass_Hz = 20000",
          "vibrometer.low_pass_Hz must be below half of the sampling rate, 10000 Hz"},
     }));
