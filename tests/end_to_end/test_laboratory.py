@@ -74,6 +74,12 @@ class LaboratoryTest(ProgramTest):
         self.shearwake("run", path, "--out", out, *more)
         return path, next((out / "cases").glob("*.h5"))
 
+    def fails(self, *arguments):
+        """A command that ends with the exit code of a usage error or of a bad job."""
+        done = self.shearwake(*arguments, expect=None)
+        self.assertIn(done.returncode, (2, 3), done.said)
+        return done
+
     def with_noise(self, case, dB, missing=0.0, seed=1, name="noisy.mat"):
         scan = read_scan(case)
         rng = np.random.default_rng(seed)
