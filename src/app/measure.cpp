@@ -240,7 +240,8 @@ ExitCode measure_command(const MeasureArguments& arguments, const Comm& world) {
         fmt::print("case: {}\ntable: {}\n", folder.case_file(planned.id).string(),
                    written.csv.string());
     });
-    return arguments.draws ? report_command({.folder = folder.root, .only = {}}, world) : ExitCode::done;
+    return arguments.draws ? report_command({.folder = folder.root, .only = {}}, world)
+                           : ExitCode::done;
 }
 
 } // namespace shearwake::app

@@ -28,7 +28,8 @@ VibrometerOptions points(std::size_t count) {
 
 /// A displacement that starts smoothly at t = 0, and its velocity.
 double displacement(double t) {
-    return 1e-6 * std::pow(t / 2e-3, 4) * std::exp(-t / 2e-3) * std::sin(full_circle_rad * 200.0 * t);
+    return 1e-6 * std::pow(t / 2e-3, 4) * std::exp(-t / 2e-3) *
+           std::sin(full_circle_rad * 200.0 * t);
 }
 double velocity(double t) {
     constexpr double h = 1e-7;
