@@ -21,7 +21,7 @@ from dispersion import curves, line_coordinates  # noqa: E402
 from scan import Scan, read_scan, write_scan  # noqa: E402
 from secular import secular_speeds  # noqa: E402
 
-COLUMNS = ("eta_period_1", "focal_rms_period_nm", "peak_abs_nm", "pr_at_1")
+COLUMNS = ("eta_period_1", "focal_rms_um", "peak_um", "rms_40_400_um")
 FULL = "grid_mm = [190.0, 190.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
 LAYER_KEYS = (("thickness_mm", 1e-3), ("density_kg_m3", 1.0), ("c_p_m_s", 1.0), ("c_s_m_s", 1.0))
 LINE = "line_mm = [[-59.0, 0.0], [59.0, 0.0]]\nspacing_mm = 2.0\n"
