@@ -145,6 +145,22 @@ class Measure(LaboratoryTest):
                     self.assertNotIn("Traceback", failed.stderr)
 
 
+class Scans(LaboratoryTest):
+    def test_the_scan_does_not_depend_on_the_number_of_ranks(self):
+        job = self.write_job(LINE + "tilt_deg = 30\nazimuth_deg = 20\nspot_um = 500\n")
+        found = []
+        for ranks in (1, 3):
+            out = self.folder / f"out{ranks}"
+            self.shearwake("run", job, "--out", out, ranks=ranks)
+            found.append(read_scan(next((out / "cases").glob("*.h5"))))
+        one, three = (scan.velocity_m_s for scan in found)
+        self.assertEqual(one.shape, (60, 161))
+        # Sums over other parts of the plane differ by rounding.
+        self.assertLess(np.max(np.abs(one - three)), 1e-10 * np.max(np.abs(one)))
+        # At 30 degrees, what differs between both sides of the focus is twice the tangential motion.
+        self.assertGreater(np.max(np.abs(one - one[::-1])), 0.05 * np.max(np.abs(one)))
+
+
 class Fit(LaboratoryTest):
     def test_a_noisy_line_gives_the_material_back(self):
         job, case = self.scanned(LINE)
