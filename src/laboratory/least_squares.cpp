@@ -36,9 +36,10 @@ public:
         }
     }
 
-    void PrepareForEvaluation(bool with_derivatives, bool at_new_values) override {
-        if (at_new_values || !values_) {
+    void PrepareForEvaluation(bool with_derivatives, bool /*at_new_values*/) override {
+        if (!values_ || scaled_ != evaluated_at_) {
             values_ = model_(unscaled());
+            evaluated_at_ = scaled_;
             has_derivatives_ = false;
         }
         if (with_derivatives && values_ && !has_derivatives_) differentiate();
@@ -81,7 +82,7 @@ private:
 
     const std::vector<Parameter>& parameters_;
     const Model& model_;
-    std::vector<double> scales_, scaled_;
+    std::vector<double> scales_, scaled_, evaluated_at_;
     std::optional<std::vector<double>> values_;
     std::vector<std::vector<double>> derivatives_;
     bool has_derivatives_ = false;

@@ -12,6 +12,20 @@
 #include <fmt/format.h>
 
 namespace shearwake::laboratory {
+namespace {
+
+/// Memory of the motions that are kept, and their largest number: those of a derivative.
+constexpr double most_kept_B = 2.5e8, most_kept = 16.0;
+
+/// The case whose displacements are those of `c` for a load of 1 Pa.
+Case with_unit_load(Case c) {
+    scene_of(c.problem).load.peak_Pa = 1.0;
+    VibrometerOptions& scan = *c.vibrometer;
+    scan.rate_Hz = scan.high_pass_Hz = scan.low_pass_Hz = scan.trigger_delay_s = 0.0;
+    return c;
+}
+
+} // namespace
 
 Case observed_case(Case c, const ConvertedData& data) {
     if (!c.vibrometer) {
@@ -62,11 +76,11 @@ std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
     const Case c = observed_case(given, data_);
     fail_together(team_, [&] {
         if (!engine_) engine_ = engines::make_engine(c.solver);
-        pipeline::ScanSeries series(c, team_);
-        engine_->run(c, team_, series, nullptr);
-        series.finish();
+        std::vector<double> displacements_m = motion_m(with_unit_load(c));
         if (!team_.is_root()) return;
-        const pipeline::Scan scan = pipeline::scan(c, series.displacements_m());
+        for (double& value : displacements_m)
+            value *= c.scene().load.peak_Pa;
+        const pipeline::Scan scan = pipeline::scan(c, displacements_m);
         const std::size_t count = scan.time_s.size();
         for (std::size_t point = 0; point < data_.points_m.size(); ++point)
             for (std::size_t n = 0; n < samples_; ++n) {
@@ -76,6 +90,23 @@ std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
             }
     });
     return rows;
+}
+
+const std::vector<double>& ObservedModel::motion_m(const Case& c) {
+    const auto known = std::find_if(kept_.begin(), kept_.end(),
+                                    [&](const Motion& motion) { return motion.of == c; });
+    if (known != kept_.end()) {
+        std::rotate(kept_.begin(), known, known + 1);
+        return kept_.front().displacements_m;
+    }
+    pipeline::ScanSeries series(c, team_);
+    engine_->run(c, team_, series, nullptr);
+    series.finish();
+    kept_.insert(kept_.begin(), {c, series.displacements_m()});
+    const double motion_B = sizeof(double) * static_cast<double>(series.displacements_m().size());
+    while (static_cast<double>(kept_.size()) > std::clamp(most_kept_B / motion_B, 1.0, most_kept))
+        kept_.pop_back();
+    return kept_.front().displacements_m;
 }
 
 } // namespace shearwake::laboratory

@@ -10,7 +10,7 @@
 namespace shearwake::laboratory {
 
 /// Predicts what the vibrometer of a case records at the points and times of a scan. Keeps the
-/// engine between calls.
+/// engine and the last motions between calls: the pressure and the delay need no new ones.
 class ObservedModel {
 public:
     /// `samples`: number of the first samples of each point that are predicted.
@@ -26,7 +26,16 @@ private:
     const ConvertedData& data_;
     std::size_t samples_;
     const Comm& team_;
+    /// Displacements for a load of 1 Pa, one row of frames per point.
+    struct Motion {
+        Case of;
+        std::vector<double> displacements_m;
+    };
+    /// `c`: a case with a load of 1 Pa. Valid until the next call. Collective.
+    const std::vector<double>& motion_m(const Case& c);
+
     std::unique_ptr<engines::Engine> engine_;
+    std::vector<Motion> kept_; // the most recent one first
 };
 
 /// The case with the scan of these data and nothing else to record. Throws UsageError if a point is
