@@ -1,31 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of adaptive axes: the points of each curve, its estimated error between them, and what was found."""
-import csv
 import math
 
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_heat
 import layout
 import style
 from figure import Figure
+from package import read_adaptive
 from warnings_of import is_valid
 from words import counted, number
 
 GOALS = {"maximum": "maxima", "minimum": "minima", "crossing": "crossings"}
-
-
-def read(sweep):
-    """The rows of tables/NAME.adaptive.csv as dictionaries; empty cells of numbers are NaN."""
-    path = sweep.folder / "tables" / f"{sweep.name}.adaptive.csv"
-    if not path.exists():
-        return []
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    for row in rows:
-        for name in ("from", "to", "location", "value", "estimated_error"):
-            row[name] = float(row[name]) if row[name] else math.nan
-    return rows
 
 
 def settings_text(case, key):
@@ -72,7 +60,7 @@ def draw_axis(axes, sweep, axis, rows):
                          if key in case.settings and (reference := sweep.reference_of(case)))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
     axes.set_xlabel(layout.axis_label(sweep, key))
-    axes.set_ylabel(column)
+    axes.set_ylabel(fig_heat.measure_label(sweep, column))
     if 1 < len(shown) <= style.DIRECT_LABELS:
         axes.legend()
     return len(shown), len(made)
@@ -95,7 +83,7 @@ def sentence(sweep, axis, rows):
 
 
 def figures(sweep, folder):
-    rows = read(sweep)
+    rows = read_adaptive(sweep.folder, sweep.name)
     if not sweep.adaptive or not rows:
         return []
     figure, made = plt.subplots(len(sweep.adaptive), 1, figsize=(style.WIDTH_in, 2.9 * len(sweep.adaptive) + 0.3),

@@ -46,7 +46,7 @@ def class_figure(sweep, folder, kind):
         axes.set_ylabel(label)
         style.label_right(axes, labels)
     curves_module.set_x_axis(made[-1], sweep)
-    curves_module.legend_above(figure, sweep, curves)
+    curves_module.legend_above(figure, curves)
     style.save(figure, folder / f"{name}.png")
     title = f"{kind} afferents against {key_name(sweep.x)}"
     return Figure(name, title,

@@ -126,15 +126,14 @@ def widen(axes, least=0.02):
         axes.set_ylim(middle * (1 - least / 2), middle * (1 + least / 2))
 
 
-def legend_above(figure, sweep, curves, top_in=0.08):
+def legend_above(figure, curves, top_in=0.08):
     """A legend with one entry per curve, above the panels."""
     if len(curves) < 2:
         return
     lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
              for group, colour, marker in curves]
-    keys = ", ".join(layout.name(sweep, k) for k in layout.group_keys(sweep))
-    figure.legend(handles=lines, title=keys[:1].upper() + keys[1:], ncol=legend_columns(curves),
-                  loc="upper center", bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
+    figure.legend(handles=lines, ncol=legend_columns(curves), loc="upper center",
+                  bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
 
 
 def curves_of(sweep):
@@ -150,12 +149,13 @@ def legend_columns(curves):
 
 
 def legend_rows(curves):
-    return 0 if len(curves) < 2 else 1 + math.ceil(len(curves) / legend_columns(curves))
+    return 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
 
 
 def panels(count, curves, height_in=2.35):
     """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
-    top, bottom, between = 0.3 + 0.22 * legend_rows(curves), 0.62, 0.42
+    rows = legend_rows(curves)
+    top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
     total = top + bottom + count * height_in + (count - 1) * between
     figure = plt.figure(figsize=(style.WIDTH_in, total))
     made = []
@@ -225,7 +225,7 @@ def measure_figure(sweep, folder, measure):
     set_x_axis(made[-1], sweep)
     for axes in made if not numeric else []:
         axes.grid(False, axis="x")
-    legend_above(figure, sweep, curves)
+    legend_above(figure, curves)
     style.save(figure, folder / (measure["name"] + ".png"))
     title = measure["title"].format(x=layout.name(sweep, sweep.x))
     charts = [curve_chart(sweep, measure["name"], column, measure["label"],

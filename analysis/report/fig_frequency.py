@@ -73,10 +73,12 @@ def draw_band(axes, sweep, curves, band):
         for column, line, face in ((band.column, "-", colour), (band.velocity, "--", "white")):
             fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour, markersize=5,
                                   markerfacecolor=face, linestyle=line if numeric else "none")
-    if band.is_share:
+    if band.is_share:  # without references: those of u and du/dt could not be told apart
         axes.set_ylim(-0.02, 1.04)
     else:
+        labels = fig_curves.reference_lines(axes, sweep, curves, band.column, NAME)
         axes.set_ylim(bottom=0.0)
+        style.label_right(axes, labels)
     axes.set_ylabel(band.label)
     axes.set_title(band.title, loc="left", color="#555555")
 
@@ -116,7 +118,7 @@ def figures(sweep, folder):
     for axes, band in zip(made[len(found):], shown):
         draw_band(axes, sweep, curves, band)
     fig_curves.set_x_axis(made[-1], sweep)
-    fig_curves.legend_above(figure, sweep, curves)
+    fig_curves.legend_above(figure, curves)
     style.save(figure, folder / f"{NAME}.png")
     parts = ["dominant frequency"] * bool(found)
     if shown:

@@ -20,6 +20,8 @@ PANELS = 12
 COLUMNS = 3
 WORDS = 18  # characters per line of a tick label
 WRITTEN = 60  # largest number of cells with printed values
+NUMBERS_pt = 8.0
+PANEL_pt = 420.0, 250.0  # about the width and height of a single panel
 LEAST = 3  # smallest number of values along both keys; fewer are drawn as curves
 
 MEASURES = [
@@ -36,6 +38,14 @@ MEASURES = [
      "frequency of du/dt (Hz)"),
 ]
 HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
+
+
+def measure_label(sweep, column):
+    """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
+    other one."""
+    reference = layout.reference_name(layout.all_references(sweep))
+    found = next((label for name, _, label in MEASURES if name == column), column)
+    return textwrap.fill(found.format(reference=reference), 26, break_on_hyphens=False, break_long_words=False)
 
 
 def band_measures(sweep):
@@ -114,6 +124,29 @@ def ticks(axis, key, sweep, room):
             label.set_horizontalalignment("right")
 
 
+def rotation(words, shape):
+    """The angle in degrees at which numbers fit into the cells of a single panel without touching; None if they do not
+    fit."""
+    length, height = 0.64 * NUMBERS_pt * max(map(len, words)) + 4.0, 1.4 * NUMBERS_pt  # digits are 0.64 em wide
+    cell = PANEL_pt[0] / shape[1], PANEL_pt[1] / shape[0]
+    if length <= cell[0] and height <= cell[1]:
+        return 0
+    return 90 if length <= cell[1] and height <= cell[0] else None
+
+
+def write_numbers(axes, values, norm, colours):
+    """Writes the finite values into their cells if there is room."""
+    words = {place: number(value, 3) for place, value in np.ndenumerate(values) if np.isfinite(value)}
+    angle = rotation(words.values(), values.shape) if words else None
+    if angle is None:
+        return
+    for (row, column), word in words.items():
+        red, green, blue, _ = colours(norm(values[row, column]))
+        dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
+        axes.text(column, row, word, ha="center", va="center", fontsize=NUMBERS_pt, rotation=angle,
+                  color="white" if dark else style.INK)
+
+
 def draw(axes, grid, failed, invalid, norm, colours, written):
     valid = np.where(invalid, math.nan, grid)
     axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
@@ -128,12 +161,7 @@ def draw(axes, grid, failed, invalid, norm, colours, written):
         axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
                                      edgecolor="#9a9a9a", hatch=mark, linewidth=0))
     if written:
-        for (row, column), value in np.ndenumerate(valid):
-            if np.isfinite(value):
-                red, green, blue, _ = colours(norm(value))
-                dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
-                axes.text(column, row, number(value, 3), ha="center", va="center", fontsize=8,
-                          color="white" if dark else style.INK)
+        write_numbers(axes, valid, norm, colours)
     axes.grid(False)
 
 

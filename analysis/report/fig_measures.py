@@ -71,7 +71,7 @@ def ratio_curves(sweep, folder, column, name, label):
 
 def finish(figure, axes, sweep, curves, path):
     curves_module.set_x_axis(axes, sweep)
-    curves_module.legend_above(figure, sweep, curves)
+    curves_module.legend_above(figure, curves)
     style.save(figure, path)
 
 

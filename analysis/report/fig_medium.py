@@ -190,6 +190,19 @@ def mark_speeds(bar, values, norm):
     bar.ax.minorticks_off()
 
 
+def draw_scale(figure, image, axes, values):
+    """A colour bar for these speeds, or a text if there is only one."""
+    if len(values) == 1:
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, f"The shear-wave speed is {number(values[0], 4)} m/s everywhere.", ha="center", va="top",
+                  transform=axes.transAxes)
+        return
+    bar = figure.colorbar(image, cax=axes, orientation="horizontal", label="shear-wave speed (m/s)")
+    bar.ax.grid(False)
+    if len(values) <= 6:
+        mark_speeds(bar, values, image.norm)
+
+
 def different(sweep):
     """The first case of each medium."""
     found = {}
@@ -212,10 +225,7 @@ def figures(sweep, folder):
           [(plane.name, plane.extent[1] - plane.extent[0], plane.extent[2] - plane.extent[3]) for plane in row])
          for case, row in pairs])
     image = [draw(axes, plane, norm) for pair, (_, row) in zip(made, pairs) for axes, plane in zip(pair, row)][-1]
-    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label="shear-wave speed (m/s)")
-    bar.ax.grid(False)
-    if len(values) <= 6:
-        mark_speeds(bar, values, norm)
+    draw_scale(figure, image, bar_axes, values)
     style.save(figure, folder / "medium.png")
     return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
                    "Shear-wave speed over position and depth", maps=hover.maps_of(figure), cases=[c.id for c, _ in pairs])]

@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Figures of `shearwake optimise`: efficiency against strength with its upper bound, envelopes, the energy at the focus and
 in the wake over time, and surfaces."""
-import csv
-import json
-import math
-
 import matplotlib.pyplot as plt
 import numpy as np
 
@@ -12,6 +8,7 @@ import fig_surface
 import layout
 import style
 from figure import Figure
+from package import Optima
 from words import number
 
 CASES = 6  # largest number of optimised cases with panels of their own
@@ -19,27 +16,19 @@ KINDS = (("optimum", "optimum"), ("AM-STM", "am"), ("SM-STM", "sm"))
 COLOURS = {"unmodulated": style.GREY, **dict(zip((name for name, _ in KINDS), style.PALETTE))}
 
 
-def folder_of(sweep):
-    return sweep.folder / "optimise"
+def optima(sweep):
+    return Optima(sweep.folder)
 
 
 def is_study(sweep):
-    return (folder_of(sweep) / "table.csv").is_file()
-
-
-def maximised(sweep):
-    """The column that was maximised."""
-    first = (folder_of(sweep) / "study.txt").read_text(encoding="utf-8").splitlines()[0]
-    return first.partition(" = ")[2]
+    return optima(sweep).exists
 
 
 def read_table(sweep):
-    """{id of the optimised case: rows}, with numbers where the cell is one; NaN: empty."""
+    """{id of the optimised case: rows}."""
     found = {}
-    with open(folder_of(sweep) / "table.csv", encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            numbers = {name: float(cell) if cell else math.nan for name, cell in row.items() if name.endswith("_1")}
-            found.setdefault(row["case"], []).append({**row, **numbers})
+    for row in optima(sweep).rows:
+        found.setdefault(row["case"], []).append(row)
     return found
 
 
@@ -88,23 +77,19 @@ def front(sweep, folder, table):
     for axes, rows in zip(made, table.values()):
         draw_front(axes, rows)
     made[0].set_ylim(bottom=0.0)  # of all panels
-    finish(figure, made, "strength (1)", maximised(sweep))
+    finish(figure, made, "strength (1)", optima(sweep).maximised)
     style.save(figure, folder / "optimise_front.png")
-    return Figure("optimise_front", f"The largest {maximised(sweep)} for a given strength",
+    return Figure("optimise_front", f"The largest {optima(sweep).maximised} for a given strength",
                   "The best envelope that was found for each strength, with the best AM-STM and SM-STM of at least the same "
                   "strength. The strength is the rms over the focal disc relative to the load without modulation. The dashed line "
                   "is an upper bound for all envelopes on the same path: scripts/verify_certificate.py verifies it.",
-                  f"{maximised(sweep)} against strength for the optimum, its upper bound and common modulations", cases=[])
-
-
-def read_optimum(sweep, case, strength):
-    return json.loads((folder_of(sweep) / f"{case}.strength-{strength:g}.json").read_text(encoding="utf-8"))
+                  f"{optima(sweep).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
 
 
 def envelope(sweep, case, strength):
     """Times in ms and values of an optimum, to the end of a period."""
-    optimum = read_optimum(sweep, case, strength)
-    knots = json.loads((folder_of(sweep) / f"{optimum['forms']}.forms.json").read_text(encoding="utf-8"))["knots"]
+    optimum = optima(sweep).optimum(case, strength)
+    knots = optima(sweep).forms(optimum["forms"])["knots"]
     values = optimum["found"]["values"] + (optimum["found"]["values"][:1] if knots["repeat"] else [])
     return 1e3 * knots["interval_s"] * np.arange(len(values)), values
 

@@ -36,6 +36,15 @@ def frame(axes, afferents, path):
     axes.set_yticks([])
 
 
+def scale_bar(axes):
+    """A bar of 1, 2, 5, 10, 20 or 50 mm, at most 0.3 of the width, in the lower left corner."""
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    length = max(mm for mm in (1, 2, 5, 10, 20, 50) if mm <= 0.3 * (right - left))
+    x, y = left + 0.05 * (right - left), low + 0.05 * (high - low)
+    axes.plot([x, x + length], [y, y], color=style.INK, linewidth=2.0, solid_capstyle="butt", zorder=6)
+    axes.text(x + length / 2, y + 0.015 * (high - low), f"{length} mm", ha="center", va="bottom", fontsize=9, zorder=6)
+
+
 def figures(sweep, folder):
     cases = [c for c in layout.ordinary(sweep) if "afferents" in c.physics]
     if not cases:
@@ -60,6 +69,7 @@ def figures(sweep, folder):
             axes.plot(afferents.pins[:, 1], -afferents.pins[:, 0], "+", color="#cc0000", markersize=13,
                       markeredgewidth=1.4, zorder=4)
         frame(axes, afferents, path)
+        scale_bar(axes)
         axes.set_title(f"{kind}: {counted(len(every), 'receptor')}", pad=3)
     style.save(figure, folder / "receptors.png")
     text = "Dots: receptors of each class on the palmar side of a right hand."

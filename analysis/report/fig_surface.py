@@ -134,6 +134,15 @@ def colour_scale(curves):
     return end, plt.matplotlib.colors.FuncNorm(root, -end, end)
 
 
+def root_ticks(end, norm):
+    """Ticks of a colour bar that follows the root of u: those of a linear axis whose labels do not touch."""
+    kept = []
+    for value in plt.MaxNLocator(4).tick_values(0.0, end)[::-1]:
+        if 0.0 < value <= end and min([norm(last) for last in kept], default=2.0) - norm(value) > 0.09 < norm(value) - 0.5:
+            kept.append(value)
+    return [*(-value for value in kept), 0.0, *reversed(kept)]
+
+
 def arrange(sweep, shots, columns, limits):
     """Axes of equal scale with titles, hidden where there is no snapshot, and the axes of the colour bar.
     Lengths are in inches."""
@@ -195,6 +204,8 @@ def figures(sweep, folder):
         label += f"; clipped at ±{number(end, 2)}, the focus reaches {number(peak, 3)}"
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal", label=label,
                           extend="both" if clipped else "neither")
+    if isinstance(norm, plt.matplotlib.colors.FuncNorm):
+        bar.set_ticks(root_ticks(end, norm))
     bar.outline.set_linewidth(0.5)
     bar_axes.grid(False)
     style.save(figure, folder / "surface.png")

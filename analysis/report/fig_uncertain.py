@@ -5,11 +5,13 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
+import fig_heat
 import layout
 import sample
 import style
 import words
 from figure import Figure
+from package import read_sensitivity, read_statistics
 
 COLUMNS = ("eta_period_1", "eta_period_over_reference_1", "focal_rms_um", "focal_rms_over_reference_1")
 TITLES = {"first_order": "first order", "total": "total", "mu_star": "µ*", "sigma": "σ"}
@@ -87,7 +89,7 @@ def bands(sweep, folder, rows):
     for axes, column in zip(made[:, 0], columns):
         draw_curves(axes, sweep, sample.by_place(sweep, rows, column), "q50",
                     (("q05", "value"), ("q95", "value")), (("q50", "low_95"), ("q50", "high_95")))
-        axes.set_ylabel(column)
+        axes.set_ylabel(fig_heat.measure_label(sweep, column))
     style.save(figure, folder / "uncertain_bands.png")
     return [Figure("uncertain_bands", "Median and spread over the samples",
                    "Points: median over the samples. Light band or thin line: from the 5 % to the 95 % quantile, which "
@@ -115,7 +117,7 @@ def probabilities(sweep, folder, rows):
 
 
 def indices(sweep, folder):
-    rows = [row for row in sample.read(sweep, "sensitivity") if not math.isnan(row["value"])]
+    rows = [row for row in read_sensitivity(sweep.folder, sweep.name) if not math.isnan(row["value"])]
     column = next((c for c in COLUMNS if any(row["column"] == c for row in rows)), None)
     if column is None:
         return []
@@ -181,7 +183,7 @@ def scatter(sweep, folder):
         axes.set_xlabel(words.axis_label(key))
     for axes in list(made.flat)[len(keys):]:
         axes.set_visible(False)
-    made[0, 0].set_ylabel(column)
+    made[0, 0].set_ylabel(fig_heat.measure_label(sweep, column))
     if made[0, 0].get_legend_handles_labels()[0]:
         style.legend_strip(figure, made[0, 0].get_legend_handles_labels()[0])
     style.save(figure, folder / "uncertain_scatter.png")
@@ -196,6 +198,6 @@ def scatter(sweep, folder):
 
 
 def figures(sweep, folder):
-    rows = sample.read(sweep, "statistics")
+    rows = read_statistics(sweep.folder, sweep.name)
     return [*bands(sweep, folder, rows), *probabilities(sweep, folder, rows), *indices(sweep, folder),
             *scatter(sweep, folder)]

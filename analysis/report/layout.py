@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the cases of a sweep for the figures: x, one group per curve, and the references."""
+import re
 import textwrap
 from dataclasses import dataclass, replace
 
@@ -114,7 +115,8 @@ CHARACTERS = 12  # of a title per inch
 
 
 def wrapped(title, width_in):
-    """The title, wrapped to the width of a panel."""
+    """The title, wrapped to the width of a panel, but not between the two sides of an equals sign."""
+    title = re.sub(r" (?:\d+ )?= ", lambda match: match.group(0).replace(" ", "\u00a0"), title)
     return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
 
 

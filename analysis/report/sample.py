@@ -1,25 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The statistics of a job with [uncertain], which `shearwake reduce` wrote."""
-import csv
 import math
 
 import layout
+from package import read_statistics
 from words import counted, number
 
 RESULT = ("eta_period_1", "eta_at_1")  # the column of the summary: the first that has values
-
-
-def read(sweep, kind):
-    """The rows of tables/NAME.<kind>.csv as dictionaries; numbers are numbers and empty cells NaN."""
-    path = sweep.folder / "tables" / f"{sweep.name}.{kind}.csv"
-    if not path.exists():
-        return []
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    for row in rows:
-        for name in ("value", "low_95", "high_95", "samples", "without_value"):
-            row[name] = float(row[name]) if row[name] else math.nan
-    return rows
 
 
 def swept(sweep):
@@ -61,7 +48,7 @@ def by_place(sweep, rows, column):
 
 def sentence(sweep):
     """The result in a sentence, for the top of the page."""
-    rows = read(sweep, "statistics")
+    rows = read_statistics(sweep.folder, sweep.name)
     column = next((c for c in RESULT if by_place(sweep, rows, c)), None)
     if column is None:
         return "No sample has a value yet, so there is nothing to summarise."

@@ -14,6 +14,7 @@ from package import wake  # noqa: E402
 
 WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
 DPI = 150
+PDF = True  # for papers; tests draw faster without
 INK = "#222222"
 GREY = "#8a8a8a"
 # Okabe and Ito (2008), without yellow, which is hardly visible on white.
@@ -117,6 +118,7 @@ def legend_strip(figure, handles):
 def save(figure, path):
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
-    figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
-    figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
+    if PDF:
+        figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
+        figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
     plt.close(figure)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import datetime
 import os
 import tempfile
 import tomllib
@@ -111,11 +112,11 @@ class Job:
 
     @property
     def text(self) -> str:
-        """The job as TOML."""
+        """The job as TOML. Raises TypeError for values that TOML cannot express, for example None."""
         if self._text is not None:
             return self._text
         import tomli_w
-        return tomli_w.dumps(plain(self._tables))
+        return tomli_w.dumps(plain(self._tables, ""))
 
     def __repr__(self) -> str:
         return f"<shearwake.Job {self._path or self.name}>"
@@ -250,12 +251,16 @@ def merge(into: dict[str, Any], tables: Mapping[str, Any]) -> None:
             into[key] = copy.deepcopy(dict(value) if isinstance(value, Mapping) else value)
 
 
-def plain(value: Any) -> Any:
-    """Arrays, numbers and tuples as values that TOML can express."""
+def plain(value: Any, key: str) -> Any:
+    """Arrays, numbers and tuples as values that TOML can express. Raises TypeError, with `key`, for any other value."""
     if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
+        return {str(name): plain(entry, f"{key}.{name}" if key else str(name)) for name, entry in value.items()}
     if hasattr(value, "tolist"):
-        return plain(value.tolist())
+        return plain(value.tolist(), key)
     if isinstance(value, (list, tuple, range)):
-        return [plain(entry) for entry in value]
+        return [plain(entry, f"{key}[{place}]") for place, entry in enumerate(value, 1)]
+    if value is None:
+        raise TypeError(f"{key}: None is not a value of a job; omit the key, so that its default applies")
+    if not isinstance(value, (bool, int, float, str, datetime.date, datetime.time)):
+        raise TypeError(f"{key}: {type(value).__name__} is not a type of a job; use numbers, text, lists and tables")
     return value

@@ -6,13 +6,14 @@ import functools
 import json
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping
 
 from . import stored
 from .case import Case
 from .errors import NotAnOutputFolder, NotRecorded
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, read_plan, read_table
+from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,6 +115,36 @@ class Sweep:
                                 **{column.name: column.unit for column in self.columns}}
         table.attrs["meanings"] = {column.name: column.meaning for column in self.columns}
         return table
+
+    @property
+    def statistics(self) -> pd.DataFrame:
+        """The distribution of each column over the samples of [uncertain], as `shearwake reduce` wrote it: one row per swept
+        values, column and statistic. Empty without [uncertain]. Raises NotAnOutputFolder if the file is damaged."""
+        return self._frame("statistics", read_statistics)
+
+    @property
+    def sensitivity(self) -> pd.DataFrame:
+        """The Sobol indices or Morris measures of each column and uncertain key, see `statistics`."""
+        return self._frame("sensitivity", read_sensitivity)
+
+    @property
+    def adaptive(self) -> pd.DataFrame:
+        """The intervals of adaptive axes with their estimated errors, and the extrema and crossings that were found, see
+        `statistics`. Empty without adaptive axes."""
+        return self._frame("adaptive", read_adaptive)
+
+    @property
+    def optima(self) -> pd.DataFrame:
+        """The optima of `shearwake optimise` with their upper bounds: one row per case and strength, see `statistics`."""
+        return self._frame("optimise", lambda folder, _: Optima(folder).rows)
+
+    def _frame(self, kind: str, read: Callable[[Path, str], list[Row]]) -> pd.DataFrame:
+        import pandas as pd
+        try:
+            return pd.DataFrame(read(self.folder, self.name))
+        except (OSError, ValueError) as error:
+            raise NotAnOutputFolder(f"{self.folder}: the table of kind {kind} is damaged ({first_line(error)}); write it again "
+                                    "with the program") from error
 
     def dataset(self, *names: str, references: bool = False) -> xr.Dataset:
         """One Dataset of all cases with the swept keys as dimensions, which is read when its values are needed.

@@ -2,6 +2,7 @@
 #include "app/adaptive_run.hpp"
 
 #include "app/adaptive_shards.hpp"
+#include "base/json_document.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/adaptive_tables.hpp"
@@ -115,6 +116,13 @@ public:
     }
 
     ExitCode run() {
+        const ExitCode code = all_rounds();
+        if (world_.is_root() && arguments_.json) fmt::print("{}", json_document("run", document_));
+        return code;
+    }
+
+private:
+    ExitCode all_rounds() {
         while (true) {
             const ExitCode code = one_round();
             const bool may_continue =
@@ -130,14 +138,18 @@ public:
                 conclude(round);
                 return code;
             }
-            if (world_.is_root() && !arguments_.quiet)
-                fmt::print("adding {}\n", counts_text(round.next));
+            say(fmt::format("adding {}", counts_text(round.next)));
             add(round.next, points_);
             round_.retry_failed = false; // once per run, not in each round
         }
     }
 
-private:
+    /// Prints on rank 0; with --json on the standard error, as the output is a document.
+    void say(const std::string& text) const {
+        if (world_.is_root() && !arguments_.quiet)
+            fmt::print(arguments_.json ? stderr : stdout, "{}\n", text);
+    }
+
     /// Runs the cases of the present points and of those in the folder. Another shard may extend
     /// the plan between reading and locking it; its points are the same, so the round is repeated.
     ExitCode one_round() {
@@ -149,11 +161,21 @@ private:
                 round_.walltime =
                     fmt::format("{:.0f}", std::max(1.0, deadline_.limit_s() - elapsed_s()));
             try {
-                return schedule::run_job(job_, round_, world_);
+                const ExitCode code = schedule::run_job(job_, round_, world_, &document_);
+                if (world_.is_root() && arguments_.json) count_round();
+                return code;
             } catch (const UsageError&) {
                 if (arguments_.shard.empty() || known() == seen) throw;
             }
         }
+    }
+
+    /// Makes the document of the last round one of all rounds. Not collective.
+    void count_round() {
+        const long now = document_.at("computed").get<long>();
+        document_["computed"] = computed_ + now;
+        document_["already_complete"] = document_.at("already_complete").get<long>() - computed_;
+        computed_ += now;
     }
 
     /// The points of the plan in the folder. Collective.
@@ -170,8 +192,14 @@ private:
         on_root(world_, [&] { outcome = shards_->wait(job_.plan); });
         outcome.is_extended = world_.broadcast(outcome.is_extended ? 1L : 0L) != 0;
         outcome.reason = world_.broadcast(std::move(outcome.reason));
-        if (world_.is_root() && !outcome.reason.empty())
-            fmt::print("{}\nnext: {}\n", outcome.reason, schedule::run_command_line(arguments_));
+        if (outcome.reason.empty()) return outcome;
+        const std::string next = schedule::run_command_line(arguments_);
+        document_["state"] = "stopped";
+        document_["next"] = next;
+        if (world_.is_root() && !arguments_.json)
+            fmt::print("{}\nnext: {}\n", outcome.reason, next);
+        else
+            say(outcome.reason);
         return outcome;
     }
 
@@ -184,11 +212,14 @@ private:
         return round;
     }
 
-    void conclude(const Round& round) const {
-        if (!world_.is_root() || arguments_.quiet) return;
+    void conclude(const Round& round) {
+        const std::string next = schedule::reduce_command_line(folder_);
+        document_["adaptive"] = round.sentences;
+        document_["next"] = next;
+        if (arguments_.json) return;
         for (const std::string& sentence : round.sentences)
-            fmt::print("{}\n", sentence);
-        fmt::print("next: {}\n", schedule::reduce_command_line(folder_));
+            say(sentence);
+        say("next: " + next);
     }
 
     double elapsed_s() const {
@@ -204,6 +235,8 @@ private:
     AxisPoints points_;
     schedule::RunArguments round_;
     std::optional<OtherShards> shards_; // on rank 0
+    nlohmann::ordered_json document_;   // of all rounds, on rank 0
+    long computed_ = 0;                 // cases of all rounds, on rank 0
 };
 
 } // namespace

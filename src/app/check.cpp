@@ -39,6 +39,14 @@ ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
     } catch (const config::BadJob& bad) {
         if (!arguments.json) throw;
         diagnostics = bad.diagnostics();
+    } catch (const UsageError& error) { // the job cannot be read
+        if (arguments.json && world.is_root())
+            print_json(arguments, {},
+                       {{.severity = Severity::error,
+                         .file = arguments.job.string(),
+                         .message = error.what()}});
+        if (!arguments.json) throw;
+        return error.code();
     }
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!world.is_root()) return ExitCode::done;

@@ -78,12 +78,14 @@ struct DiffArguments {
 
 struct ReduceArguments {
     std::filesystem::path folder;
+    bool json = false;
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
 
 struct ReportArguments {
     std::filesystem::path folder;
     std::vector<std::string> only; // ids of the cases with a panel or a line; empty: some or all
+    bool json = false;
 };
 
 /// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.

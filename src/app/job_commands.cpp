@@ -87,6 +87,7 @@ void add_run(CLI::App& app, Action& action) {
     command->add_flag("--force", arguments->force,
                       "run although the estimates exceed the memory or the disk");
     command->add_flag("--quiet", arguments->quiet, "print only errors");
+    add_json(command, arguments->json);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return adaptive_run(*arguments, world); };
     });

@@ -5,13 +5,17 @@
 #include "app/interactive_commands.hpp"
 #include "app/laboratory_commands.hpp"
 
+#include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
+#include "config/job.hpp"
 #include "pipeline/provenance.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
 
 namespace shearwake::app {
 namespace {
@@ -70,6 +74,15 @@ void add_text(CLI::App& app, Action& action, const std::string& name, const std:
     });
 }
 
+/// Advice on an option that another command has; otherwise empty.
+std::string advice_on(const std::string& command, const std::string& option) {
+    if (option == "--out" && (command == "plan" || command == "check"))
+        return command + " writes no files; give --out to run";
+    if (option == "--ranks" && command == "run")
+        return "mpirun -n N shearwake run starts the program on N ranks";
+    return "";
+}
+
 /// The message about the first argument that the command does not have, with the nearest option.
 std::string unexpected_arguments(const CLI::App& app) {
     const auto selected = app.get_subcommands();
@@ -82,9 +95,62 @@ std::string unexpected_arguments(const CLI::App& app) {
     const std::string hint = fmt::format("{} --help lists the arguments", name);
     if (option == extra.end())
         return fmt::format("unexpected argument: {}; {}", printable(extra.front()), hint);
-    const auto meant = nearest(option->substr(0, option->find('=')), option_names(command));
+    const std::string given = option->substr(0, option->find('='));
+    if (const std::string advice = advice_on(command.get_name(), given); !advice.empty())
+        return fmt::format("unknown option: {}; {}", printable(*option), advice);
+    const auto meant = nearest(given, option_names(command));
     return fmt::format("unknown option: {}; {}", printable(*option),
                        meant ? fmt::format("did you mean {}?", *meant) : hint);
+}
+
+/// The command that shall print a JSON document; empty: none.
+std::string json_command(const CLI::App& app, std::span<char*> arguments) {
+    if (arguments.size() < 2) return "";
+    const std::string_view wanted = "--json";
+    const auto options = arguments.subspan(2);
+    if (std::find(options.begin(), options.end(), wanted) == options.end()) return "";
+    for (const CLI::App* command : app.get_subcommands({}))
+        if (command->get_name() == arguments[1] &&
+            command->get_option_no_throw(std::string(wanted)) != nullptr)
+            return command->get_name();
+    return "";
+}
+
+/// Prints a document with the errors that prevent the document of the command.
+void print_errors(const std::string& command, const UsageError& error) {
+    const auto* bad_job = dynamic_cast<const config::BadJob*>(&error);
+    const std::vector<config::Diagnostic> errors =
+        bad_job ? bad_job->diagnostics()
+                : std::vector<config::Diagnostic>{
+                      {.severity = Severity::error, .file = "", .message = error.what()}};
+    nlohmann::ordered_json members;
+    if (command == "check") // whose documents count the errors
+        members = {{"job", ""},
+                   {"cases", nullptr},
+                   {"errors", errors.size()},
+                   {"warnings", 0},
+                   {"diagnostics", config::json_of(errors)}};
+    else
+        members["errors"] = config::json_of(errors);
+    fmt::print("{}", json_document(command, members));
+}
+
+/// Parses the command line and executes its command.
+ExitCode execute(CLI::App& app, const Action& action, int argc, char** argv, const Comm& world) {
+    // CLI11 would only report that a command is required.
+    if (argc > 1 && argv[1][0] != '-') find_command(app, argv[1]);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ExtrasError&) {
+        throw UsageError(unexpected_arguments(app));
+    } catch (const CLI::ParseError& error) {
+        const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
+        if (!is_help && !json_command(app, {argv, static_cast<std::size_t>(argc)}).empty())
+            throw UsageError(error.what());
+        if (world.is_root()) app.exit(error);
+        return is_help ? ExitCode::done : ExitCode::usage;
+    }
+    return action(world);
 }
 
 } // namespace
@@ -107,18 +173,13 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     add_text(app, action, "completion", "print a script that completes commands in bash",
              [&app] { return bash_completion(app); });
     app.footer(footer + exit_code_list());
-    // CLI11 would only report that a command is required.
-    if (argc > 1 && argv[1][0] != '-') find_command(app, argv[1]);
     try {
-        app.parse(argc, argv);
-    } catch (const CLI::ExtrasError&) {
-        throw UsageError(unexpected_arguments(app));
-    } catch (const CLI::ParseError& error) {
-        const bool is_help = error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success);
-        if (world.is_root()) app.exit(error);
-        return is_help ? ExitCode::done : ExitCode::usage;
+        return execute(app, action, argc, argv, world);
+    } catch (const UsageError& error) { // also printed on the standard error
+        const std::string command = json_command(app, {argv, static_cast<std::size_t>(argc)});
+        if (world.is_root() && !command.empty()) print_errors(command, error);
+        throw;
     }
-    return action(world);
 }
 
 } // namespace shearwake::app

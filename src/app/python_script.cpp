@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -14,25 +15,56 @@
 namespace shearwake::app {
 namespace {
 
-/// Exit code of a program run without a shell; -1 if it could not be started.
-int run_program(const std::vector<std::string>& command, bool silent) {
-    std::fflush(nullptr);
-    const pid_t child = ::fork();
-    if (child < 0) return -1;
-    if (child == 0) {
-        if (silent &&
-            (!std::freopen("/dev/null", "w", stdout) || !std::freopen("/dev/null", "w", stderr)))
-            ::_exit(127);
-        std::vector<char*> argv;
-        for (const std::string& word : command)
-            argv.push_back(const_cast<char*>(word.c_str()));
-        argv.push_back(nullptr);
-        ::execvp(argv[0], argv.data());
-        ::_exit(127);
-    }
+/// Replaces this process.
+[[noreturn]] void replace_process(const std::vector<std::string>& command) {
+    std::vector<char*> argv;
+    for (const std::string& word : command)
+        argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    ::execvp(argv[0], argv.data());
+    ::_exit(127);
+}
+
+/// Exit code of a child; -1 if it was killed.
+int exit_code_of(pid_t child) {
     int status = 0;
     if (::waitpid(child, &status, 0) != child) return -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// Exit code of a program run without a shell and without output; -1 if it could not be started.
+int run_silently(const std::vector<std::string>& command) {
+    std::fflush(nullptr);
+    const pid_t child = ::fork();
+    if (child < 0) return -1;
+    if (child > 0) return exit_code_of(child);
+    if (!std::freopen("/dev/null", "w", stdout) || !std::freopen("/dev/null", "w", stderr))
+        ::_exit(127);
+    replace_process(command);
+}
+
+/// Exit code of a program run without a shell; -1 if it could not be started.
+int run_program(const std::vector<std::string>& command, Captured* captured) {
+    std::fflush(nullptr);
+    std::array<int, 2> ends{-1, -1};
+    if (captured && ::pipe(ends.data()) != 0) return -1;
+    const pid_t child = ::fork();
+    if (child == 0) {
+        if (captured) {
+            ::dup2(ends[1], captured->stream == Stream::output ? STDOUT_FILENO : STDERR_FILENO);
+            ::close(ends[0]);
+            ::close(ends[1]);
+        }
+        replace_process(command);
+    }
+    if (captured) {
+        ::close(ends[1]);
+        std::array<char, 4096> part{};
+        for (ssize_t n = 0; child > 0 && (n = ::read(ends[0], part.data(), part.size())) > 0;)
+            captured->text.append(part.data(), static_cast<std::size_t>(n));
+        ::close(ends[0]);
+    }
+    return child < 0 ? -1 : exit_code_of(child);
 }
 
 /// "numpy, h5py and xxhash".
@@ -46,8 +78,8 @@ std::string find_python(const PythonPackages& packages) {
     if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
         candidates.insert(candidates.begin(), chosen);
     for (const std::string& python : candidates)
-        if (run_program({python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))},
-                        true) == 0)
+        if (run_silently(
+                {python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))}) == 0)
             return python;
     throw UsageError(fmt::format("{} a Python with {} (Debian: {}); set SHEARWAKE_PYTHON to choose "
                                  "another Python",
@@ -87,11 +119,11 @@ const PythonPackages scan_packages = {"scans need",
                                       "python3-xxhash"};
 
 int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
-                      const PythonPackages& packages) {
+                      const PythonPackages& packages, Captured* captured) {
     std::vector<std::string> command = {find_python(packages),
                                         (find_scripts(script) / script).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    return run_program(command, false);
+    return run_program(command, captured);
 }
 
 } // namespace shearwake::app

@@ -24,6 +24,7 @@ void add_report(CLI::App& app, Action& action, const std::string& folder) {
                      "where not all cases can be drawn, draw these, by id, and their references")
         ->type_name("ID[,ID]")
         ->delimiter(',');
+    add_json(command, arguments->json);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return report_command(*arguments, world); };
     });

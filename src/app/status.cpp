@@ -9,6 +9,7 @@
 #include "reduce/reduce.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/output_folder.hpp"
+#include "schedule/progress.hpp"
 #include "schedule/shards.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/journal/journal.hpp"
@@ -34,6 +35,7 @@ struct Tally {
     std::string host;                   // of that run; empty: this host, or unknown
     int teams = 1;                      // of that run, or of the last one
     double elapsed_s = 0.0;             // of the running cases together
+    std::optional<schedule::RecordedProgress> progress; // of the active runs
 
     std::size_t to_do() const { return left + interrupted + running; }
     double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
@@ -44,8 +46,11 @@ struct Tally {
         const double running_s = static_cast<double>(running) * seconds_per_case();
         return all_s - std::min(elapsed_s, 0.5 * running_s);
     }
-    /// Time in s until the teams have computed all cases.
-    double time_left_s() const {
+    /// Time in s until the teams have computed all cases; nothing if it is unknown.
+    std::optional<double> time_left_s() const {
+        if (to_do() == 0) return 0.0;
+        if (progress && progress->left >= static_cast<long>(to_do())) return progress->left_s;
+        if (!(seconds > 0.0)) return std::nullopt;
         const auto rounds = static_cast<double>(std::max<std::size_t>(1, to_do()));
         return work_left_s() / std::min(static_cast<double>(teams), rounds);
     }
@@ -103,6 +108,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
             ++tally.left;
         }
     }
+    if (tally.is_active) tally.progress = schedule::recorded_progress(folder);
     tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
     return tally;
 }
@@ -135,7 +141,8 @@ std::string next_step(const schedule::OutputFolder& folder, const State& state) 
             ? schedule::run_command_line(folder.job(), state.journal.overrides, folder.root)
             : state.journal.resumed_by; // a study of `converge`
     if (tally.to_do() > 0) {
-        const schedule::ShardStates shards = schedule::shard_states(folder, tally.open);
+        const schedule::ShardStates shards =
+            schedule::shard_states(folder, tally.open, state.journal.part);
         // A run of the complete sweep is active if no shard is; of a run on another host, the shard
         // is unknown.
         const bool may_start = !tally.is_active || (!shards.running.empty() && tally.host.empty());
@@ -179,6 +186,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
     for (const std::string& id : tally.damaged)
         damaged.push_back({{"id", id}, {"reason", state.index.find(id)->damage}});
     const bool has_times = tally.seconds > 0.0;
+    const std::optional<double> left_s = tally.time_left_s();
     fmt::print("{}", json_document(
                          "status",
                          {{"folder", folder.root.string()},
@@ -187,6 +195,7 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"cases", state.plan.cases.size()},
                           {"done", tally.done},
                           {"running", tally.running},
+                          {"partial", tally.progress ? tally.progress->partial : 0.0},
                           {"failed", tally.failed},
                           {"remaining", tally.left + tally.interrupted},
                           {"interrupted", tally.interrupted},
@@ -194,12 +203,25 @@ void print_json(const schedule::OutputFolder& folder, State& state) {
                           {"state", state_of(state)},
                           {"teams", tally.teams},
                           {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
-                          {"seconds_left", has_times ? Json(tally.time_left_s()) : Json()},
+                          {"seconds_left", left_s ? Json(*left_s) : Json()},
                           {"failed_cases", failed},
                           {"damaged_cases", damaged},
                           {"not_valid", tally.not_valid.size()},
                           {"not_valid_cases", tally.not_valid},
                           {"next", state.next}}));
+}
+
+/// "remaining: about 5 min 07 s on 2 teams, at 30 s per case; the running cases are 20 % complete"
+void print_remaining(const Tally& tally) {
+    const std::optional<double> left_s = tally.time_left_s();
+    if (!left_s || tally.to_do() == 0) return;
+    fmt::print("remaining: about {} on {} team{}", duration_text(*left_s), tally.teams,
+               tally.teams == 1 ? "" : "s");
+    if (tally.seconds > 0.0) fmt::print(", at {:.3g} s per case", tally.seconds_per_case());
+    if (tally.progress && tally.running > 0)
+        fmt::print("; the running case{} {:.0f} % complete", tally.running == 1 ? " is" : "s are",
+                   100.0 * tally.progress->partial / static_cast<double>(tally.running));
+    fmt::print("\n");
 }
 
 void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
@@ -214,10 +236,7 @@ void print_text(const schedule::OutputFolder& folder, State& state, bool verify)
                : tally.is_active  ? "; a run is active"
                                   : "",
                tally.host.empty() ? "" : " on " + tally.host);
-    if (tally.seconds > 0.0 && tally.to_do() > 0)
-        fmt::print("remaining: about {} on {} team{}, at {:.3g} s per case\n",
-                   duration_text(tally.time_left_s()), tally.teams, tally.teams == 1 ? "" : "s",
-                   tally.seconds_per_case());
+    print_remaining(tally);
     for (const storage::IndexedCase* c : failed_cases(state))
         fmt::print("failed {} {}: {}{}\n", c->id, storage::settings_text(c->settings),
                    journal.cases.at(c->id).reason,

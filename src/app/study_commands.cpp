@@ -91,6 +91,7 @@ void add_reduce(CLI::App& app, Action& action) {
     command->add_flag_callback(
         "--errors", [=] { arguments->errors = reduce::ErrorColumns::added; },
         "add columns <column>_error with the errors that shearwake converge estimated");
+    add_json(command, arguments->json);
     command->callback([=, &action] {
         action = [=](const Comm& world) { return reduce_command(*arguments, world); };
     });

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <string>
 
 namespace shearwake {
 namespace {
@@ -133,13 +134,24 @@ void check_map(const Case& c, std::vector<Remark>& remarks) {
                          places(), milli(2.0 * half_x_m), milli(2.0 * half_y_m))});
 }
 
+/// The message about a body, which begins with "it", with the name that the user has given.
+std::string with_name(const Body& body, std::size_t i, const std::string& message) {
+    const std::string it = "it ";
+    if (body.name.empty() || body.name == fmt::format("body {}", i + 1) || !message.starts_with(it))
+        return message;
+    return fmt::format("\"{}\" {}", body.name, message.substr(it.size()));
+}
+
 } // namespace
 
 std::vector<Remark> check_variation(const Case& c) {
     std::vector<Remark> remarks;
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
+        const std::size_t before = remarks.size();
         check_resolution(c, i, remarks);
         check_place(c, i, remarks);
+        for (std::size_t n = before; n < remarks.size(); ++n)
+            remarks[n].message = with_name(c.scene().medium.bodies[i], i, remarks[n].message);
     }
     if (c.scene().medium.map) check_map(c, remarks);
     return remarks;

@@ -14,7 +14,6 @@ namespace shearwake::config {
 namespace {
 
 constexpr std::string_view modulation_prefix = "load.modulation.";
-constexpr std::string_view kind_key = "load.modulation.kind";
 
 /// After this number of invalid cases, further cases are not read.
 constexpr std::size_t most_bad_cases = 1000;
@@ -70,9 +69,9 @@ public:
             ++bad_cases_;
             return;
         }
-        const bool kind_varies = sweep_.holds(kind_key);
-        const auto c = read_case(root, kind_varies ? OtherKinds::ignored : OtherKinds::refused,
-                                 files_, diagnostics_);
+        const auto c =
+            read_case(root, sweep_.varies_kind ? OtherKinds::ignored : OtherKinds::refused, files_,
+                      diagnostics_);
         if (!c || diagnostics_.errors() != before) {
             ++bad_cases_;
             return;

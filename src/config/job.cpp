@@ -80,16 +80,32 @@ void check_crossings(const Sweep& sweep, const TableSection& table, DiagnosticLi
                                           axis.key));
 }
 
-Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const FileLoaders& files,
-               const AxisPoints& points, std::optional<OptimiseOptions>& optimise,
-               DiagnosticList& diagnostics) {
+/// A job with its overrides, and the table [sweep] of the file.
+struct ParsedJob {
+    NodePtr tree, sweep;
+};
+
+/// Whether the file sweeps the kind of modulation.
+bool varies_kind(const NodePtr& sweep_of_file, const FileLoaders& files) {
+    DiagnosticList ignored; // errors are reported for the sweep that is used
+    Sweep sweep = read_sweep(sweep_of_file, {}, ignored);
+    add_listed_cases(sweep_of_file, sweep, files, ignored);
+    return sweep.holds(kind_key);
+}
+
+Plan read_plan(const ParsedJob& parsed, std::span<const Override> overrides,
+               const FileLoaders& files, const AxisPoints& points,
+               std::optional<OptimiseOptions>& optimise, DiagnosticList& diagnostics) {
     Plan plan;
+    const NodePtr& tree = parsed.tree;
     Reader root(tree, "", diagnostics);
     check_schema(root, tree->at);
     read_identity(root.table("job"), plan);
     root.allow(case_tables());
     Sweep sweep = read_sweep(root.node("sweep"), points, diagnostics);
     add_listed_cases(root.node("sweep"), sweep, files, diagnostics);
+    const bool is_replaced = root.node("sweep") != parsed.sweep;
+    sweep.varies_kind = sweep.holds(kind_key) || (is_replaced && varies_kind(parsed.sweep, files));
     const TableSection table = read_table(root.optional_table("table"), sweep);
     check_crossings(sweep, table, diagnostics);
     if (const NodePtr node = root.node("uncertain"))
@@ -104,16 +120,16 @@ Plan read_plan(const NodePtr& tree, std::span<const Override> overrides, const F
     return plan;
 }
 
-NodePtr parse(std::string_view text, const std::string& file_name,
-              std::span<const Override> overrides, DiagnosticList& diagnostics) {
+ParsedJob parse(std::string_view text, const std::string& file_name,
+                std::span<const Override> overrides, DiagnosticList& diagnostics) {
     if (text.size() > most_bytes) {
         diagnostics.error({std::make_shared<const std::string>(file_name)},
                           fmt::format("the file has {} bytes, but a job file may have at most {}",
                                       text.size(), most_bytes));
-        return nullptr;
+        return {};
     }
     NodePtr tree = parse_toml(text, file_name, diagnostics);
-    if (!tree) return nullptr;
+    if (!tree) return {};
     const auto flatten = [&](const Path& path, const auto& flat) {
         std::string problem;
         if (const NodePtr table = find(tree, path))
@@ -121,9 +137,10 @@ NodePtr parse(std::string_view text, const std::string& file_name,
     };
     flatten({{"sweep"}}, flattened_sweep);
     flatten({{"uncertain"}}, flattened_uncertain);
+    const NodePtr sweep = find(tree, {{"sweep"}});
     for (const Override& override : overrides)
         tree = with_override(tree, override, diagnostics);
-    return tree;
+    return {tree, sweep};
 }
 
 } // namespace
@@ -136,9 +153,10 @@ Job read_job(std::string_view text, const std::string& file_name,
              const TextLoader& load_text, const StudyLoader& load_study, const AxisPoints& points) {
     DiagnosticList diagnostics;
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
-    if (const NodePtr tree = parse(text, file_name, overrides, diagnostics))
+    const ParsedJob parsed = parse(text, file_name, overrides, diagnostics);
+    if (parsed.tree)
         job.plan =
-            read_plan(tree, overrides,
+            read_plan(parsed, overrides,
                       {.load_map = load_map, .load_text = load_text, .load_study = load_study},
                       points, job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();

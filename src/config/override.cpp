@@ -21,16 +21,34 @@ bool is_bare_word(std::string_view text) {
            std::all_of(text.begin(), text.end(), is_letter);
 }
 
-NodePtr parse_value(const std::string& value, const Place& at, DiagnosticList& diagnostics) {
+/// Whether the value is a list of numbers without brackets: "60,60" for a key with a list, or more
+/// than two numbers.
+bool is_bare_list(const std::string& value, const NodePtr& before) {
+    const auto commas = std::ranges::count(value, ',');
+    const bool has_list = before && std::holds_alternative<ListNode>(before->value);
+    DiagnosticList trial;
+    return (commas > 1 || (commas == 1 && has_list)) &&
+           parse_toml("value = [" + value + "]", "", trial) && trial.errors() == 0;
+}
+
+/// `before`: the value that the override replaces, or null.
+NodePtr parse_value(const std::string& value, const NodePtr& before, const Place& at,
+                    DiagnosticList& diagnostics) {
     DiagnosticList trial;
     const NodePtr document = parse_toml("value = " + value, *at.file, trial);
     const auto* table = document ? std::get_if<TableNode>(&document->value) : nullptr;
     if (table && table->entries.size() == 1 && trial.errors() == 0)
         return moved_to(table->entries.front().value, at);
     if (is_bare_word(value)) return make_node(value, at);
+    if (is_bare_list(value, before)) {
+        diagnostics.error(
+            at, fmt::format("write lists in brackets: [{0}] instead of {0}", excerpt(value)));
+        return nullptr;
+    }
     if (const auto number = with_decimal_point(value)) {
-        diagnostics.error(at, fmt::format("write decimal numbers with a point: {} instead of {}",
-                                          excerpt(*number), excerpt(value)));
+        diagnostics.error(at, fmt::format("write decimal numbers with a point: {} instead of {}{}",
+                                          excerpt(*number), excerpt(value),
+                                          before ? "" : "; lists are written in brackets"));
         return nullptr;
     }
     diagnostics.error(
@@ -48,25 +66,49 @@ Path joined_below_sweep(const NodePtr& root, const Path& path, std::string_view 
     return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
 }
 
-void warn_if_swept(const NodePtr& root, const Override& override, const Place& at,
-                   DiagnosticList& diagnostics) {
+/// The first value of a list.
+NodePtr first_of(const NodePtr& list) {
+    const auto* values = list ? std::get_if<ListNode>(&list->value) : nullptr;
+    return values && !values->empty() ? values->front() : nullptr;
+}
+
+bool is_number(const Node& node) {
+    return std::holds_alternative<double>(node.value) ||
+           std::holds_alternative<std::int64_t>(node.value);
+}
+
+/// Warns of an override of a swept key, and rejects a value of another type than those of the
+/// sweep.
+void check_if_swept(const NodePtr& root, const Override& override, const Node& value,
+                    const Place& at, DiagnosticList& diagnostics) {
     const NodePtr sweep = find(root, {{"sweep"}});
     const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
     if (!table) return;
-    const auto holds = [&](const TableNode& keys) { return keys.find(override.key) != nullptr; };
-    bool swept = holds(*table);
+    const auto values_in = [&](const TableNode& keys) {
+        const Entry* entry = keys.find(override.key);
+        return entry ? entry->value : nullptr;
+    };
+    NodePtr values = values_in(*table);
+    const bool has_own_axis = values != nullptr;
     const Entry* zip = table->find("zip");
     const auto* zipped = zip ? std::get_if<ListNode>(&zip->value->value) : nullptr;
     for (std::size_t i = 0; zipped && i < zipped->size(); ++i) {
         const NodePtr flat = flattened_sweep((*zipped)[i]);
         const auto* keys = std::get_if<TableNode>(&flat->value);
-        swept = swept || (keys && holds(*keys));
+        if (!values && keys) values = values_in(*keys);
     }
-    if (swept)
-        diagnostics.warning(at,
-                            fmt::format("{} is swept, so this override has no effect; to change "
-                                        "the sweep, use -S sweep.\"{}\"=[...]",
-                                        override.key, override.key));
+    if (!values) return;
+    const NodePtr swept = first_of(values);
+    if (swept && is_number(*swept) && !is_number(value))
+        return diagnostics.error(
+            at, fmt::format("{} must be a number, like the values of its sweep, but is {}",
+                            override.key, excerpt(render(value))));
+    diagnostics.warning(
+        at, fmt::format("{} is swept, so this override has no effect; {}", override.key,
+                        has_own_axis
+                            ? fmt::format("to compute only this value, use -S 'sweep.\"{}\"=[{}]'",
+                                          override.key, excerpt(render(value)))
+                            : "change its values in sweep.zip of the job file"));
 }
 
 /// Whether the key begins with the name of a table or key of a job.
@@ -97,9 +139,9 @@ NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticL
         diagnostics.error(at, fmt::format("{} is unknown; {}", excerpt(override.key), meant));
         return root;
     }
-    const NodePtr value = parse_value(override.value, at, diagnostics);
+    const NodePtr value = parse_value(override.value, find(root, *path), at, diagnostics);
     if (!value) return root;
-    warn_if_swept(root, override, at, diagnostics);
+    check_if_swept(root, override, *value, at, diagnostics);
     std::string problem;
     const NodePtr changed =
         with(root, joined_below_sweep(root, *path, override.key), value, at, problem);

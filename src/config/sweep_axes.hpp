@@ -12,6 +12,8 @@
 
 namespace shearwake::config {
 
+inline constexpr std::string_view kind_key = "load.modulation.kind";
+
 /// A key that takes several values.
 struct SweptKey {
     std::string key; // as written in the job
@@ -40,6 +42,9 @@ struct Sweep {
     std::vector<Exclusion> exclusions;
     std::vector<AdaptiveAxis> adaptive = {};
     std::optional<std::size_t> sampled_axis = std::nullopt; // the axis of [uncertain]
+    // Whether the file sweeps the kind of modulation, even if an override replaces the sweep. Keys
+    // of other kinds are then ignored.
+    bool varies_kind = false;
 
     std::vector<std::string> keys() const; // in the order of the job
     bool holds(std::string_view key) const;

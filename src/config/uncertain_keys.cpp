@@ -100,6 +100,9 @@ Column column_of(std::string_view csv, const std::string& name) {
     } catch (const CsvError& error) {
         return {{}, fmt::format("line {}: has {}", error.line, error.what())};
     }
+    if (!place) return {{}, "is empty; its first line must name the columns"};
+    if (column.values.size() < 2)
+        return {{}, fmt::format("has fewer than two values in the column \"{}\"", excerpt(name))};
     std::ranges::sort(column.values);
     return column;
 }

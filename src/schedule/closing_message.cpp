@@ -7,10 +7,13 @@
 #include "schedule/next_command.hpp"
 #include "schedule/stop_signal.hpp"
 #include "storage/case_file/case_index.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace shearwake::schedule {
 namespace {
@@ -33,15 +36,20 @@ std::string counts_text(const Selection& selection, const WorkResult& result) {
 }
 
 /// Cases whose readings are not valid according to the warnings in their files.
-std::string validity_text(const OutputFolder& folder, const Plan& plan) {
+std::vector<std::string> not_valid_cases(const OutputFolder& folder, const Plan& plan) {
     storage::CaseIndex index(folder.root);
-    const auto invalid = std::ranges::count_if(plan.cases, [&](const PlannedCase& c) {
-        const storage::CaseDigest* digest = index.find(c.id);
-        return digest && !digest->is_valid();
-    });
+    std::vector<std::string> ids;
+    for (const PlannedCase& c : plan.cases)
+        if (const storage::CaseDigest* digest = index.find(c.id); digest && !digest->is_valid())
+            ids.push_back(c.id);
+    return ids;
+}
+
+std::string validity_text(const OutputFolder& folder, const Plan& plan) {
+    const std::size_t invalid = not_valid_cases(folder, plan).size();
     if (invalid == 0) return "";
     return fmt::format("\nthe readings of {} are not valid: see the column note of the table",
-                       cases_text(static_cast<std::size_t>(invalid)));
+                       cases_text(invalid));
 }
 
 std::string stopped_text(const OutputFolder& folder, const Plan& plan, const Selection& selection,
@@ -64,15 +72,28 @@ std::string stopped_text(const OutputFolder& folder, const Plan& plan, const Sel
     return text;
 }
 
-/// The number of cases that were not selected and have no file.
+/// The number of cases that were not selected, have no file and have not failed.
 std::size_t left_to_others(const OutputFolder& folder, const Plan& plan,
                            const Selection& selection) {
     if (selection.not_selected == 0) return 0;
     std::error_code none;
     const auto open = std::ranges::count_if(selection.others, [&](std::size_t number) {
-        return !std::filesystem::exists(folder.case_file(plan.cases[number].id), none);
+        const std::string& id = plan.cases[number].id;
+        return !std::filesystem::exists(folder.case_file(id), none) &&
+               !std::filesystem::exists(folder.failure(id), none);
     });
     return static_cast<std::size_t>(open);
+}
+
+/// What the user does next; empty if another command decides this.
+std::string next_step(const OutputFolder& folder, const Plan& plan, const Selection& selection,
+                      Ending ending, const RunArguments& arguments) {
+    if (ending == Ending::stopped) return run_command_line(arguments);
+    if (left_to_others(folder, plan, selection) > 0)
+        return fmt::format("run the other {}, then {}",
+                           arguments.shard.empty() ? "cases" : "shards",
+                           reduce_command_line(folder));
+    return arguments.resumed_by.empty() ? reduce_command_line(folder) : "";
 }
 
 } // namespace
@@ -119,13 +140,46 @@ std::string closing_message(const OutputFolder& folder, const Plan& plan,
         text += fmt::format("\n{} of the sweep that this run did not select {} not complete",
                             cases_text(others), others == 1 ? "is" : "are");
     if (arguments.is_round) return text;
-    if (others > 0)
-        text +=
-            fmt::format("\nnext: run the other {}, then {}",
-                        arguments.shard.empty() ? "cases" : "shards", reduce_command_line(folder));
-    else if (arguments.resumed_by.empty())
-        text += "\nnext: " + reduce_command_line(folder);
+    if (const std::string next = next_step(folder, plan, selection, ending, arguments);
+        !next.empty())
+        text += "\nnext: " + next;
     return text;
+}
+
+nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
+                                        const Selection& selection, const WorkResult& result,
+                                        Ending ending, const RunArguments& arguments) {
+    using Json = nlohmann::ordered_json;
+    const storage::JournalContents journal = storage::read_journals(folder.root);
+    Json failed = Json::array();
+    std::error_code none;
+    for (const PlannedCase& c : job.plan.cases) {
+        const auto entry = journal.cases.find(c.id);
+        if (entry != journal.cases.end() &&
+            entry->second.state == storage::CaseHistory::State::failed &&
+            !std::filesystem::exists(folder.case_file(c.id), none))
+            failed.push_back({{"id", c.id},
+                              {"settings", storage::settings_json(c.settings)},
+                              {"reason", entry->second.reason}});
+    }
+    const long not_started =
+        static_cast<long>(selection.work.size()) - result.done - result.failed - result.elsewhere;
+    return {{"job", arguments.job.string()},
+            {"name", job.plan.name},
+            {"folder", folder.root.string()},
+            {"state", ending == Ending::stopped ? "stopped" : "finished"},
+            {"cases", selection.total},
+            {"computed", result.done},
+            {"already_complete", selection.whole},
+            {"failed", result.failed + selection.failed_before},
+            {"by_other_runs", result.elsewhere},
+            {"not_selected", selection.not_selected},
+            {"not_completed", std::max(0L, not_started)},
+            {"failed_cases", failed},
+            {"not_valid_cases", not_valid_cases(folder, job.plan)},
+            {"diagnostics", config::json_of(job.diagnostics)},
+            {"adaptive", Json::array()}, // adaptive_run adds sentences
+            {"next", next_step(folder, job.plan, selection, ending, arguments)}};
 }
 
 } // namespace shearwake::schedule

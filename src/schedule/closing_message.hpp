@@ -2,12 +2,14 @@
 #pragma once
 
 #include "case/plan.hpp"
+#include "config/job.hpp"
 #include "schedule/output_folder.hpp"
 #include "schedule/run_arguments.hpp"
 #include "schedule/select_cases.hpp"
 #include "schedule/worker.hpp"
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -26,5 +28,10 @@ std::string resumable_cases(const OutputFolder& folder, const Plan& plan,
 std::string closing_message(const OutputFolder& folder, const Plan& plan,
                             const Selection& selection, const WorkResult& result, Ending ending,
                             const RunArguments& arguments);
+
+/// The same as the members of a JSON document. Reads the folder. Not collective.
+nlohmann::ordered_json closing_document(const OutputFolder& folder, const config::Job& job,
+                                        const Selection& selection, const WorkResult& result,
+                                        Ending ending, const RunArguments& arguments);
 
 } // namespace shearwake::schedule

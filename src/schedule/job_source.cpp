@@ -6,6 +6,8 @@
 #include "measures/measure_table.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
+#include "schedule/next_command.hpp"
+#include "schedule/output_folder.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "storage/input/study_file.hpp"
@@ -147,6 +149,18 @@ void check_columns(const config::Job& job, const std::string& file) {
     if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
 }
 
+/// Throws UsageError for a folder, with the job file of an output folder. Not collective.
+void refuse_folder(const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (!std::filesystem::is_directory(path, unknown)) return;
+    const OutputFolder folder{path};
+    if (!std::filesystem::exists(folder.job(), unknown))
+        throw UsageError(fmt::format("{} is a folder; give a job file (TOML)", path.string()));
+    throw UsageError(fmt::format("{} is an output folder; give a job file, such as the job of this "
+                                 "folder: {}",
+                                 path.string(), run_command_line(folder.job(), {}, path)));
+}
+
 } // namespace
 
 config::Override parse_override(const std::string& text) {
@@ -162,7 +176,10 @@ config::Job load_job(const std::filesystem::path& path, const std::vector<std::s
     for (const std::string& text : overrides)
         parsed.push_back(parse_override(text));
     std::string text;
-    on_root(world, [&] { text = storage::read_file(path, storage::largest_user_text_B); });
+    on_root(world, [&] {
+        refuse_folder(path);
+        text = storage::read_file(path, storage::largest_user_text_B);
+    });
     config::Job job = config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
                                        maps_beside(path, world), texts_beside(path, world),
                                        studies_beside(path, world), points);

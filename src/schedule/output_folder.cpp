@@ -28,6 +28,7 @@ bool is_ours(const std::string& name) {
                                   "basis",     "optimise", "robustness",       "uncertainty.json",
                                   "scan.json", "scan.f64", "scan-request.json"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
+    if (name.starts_with("progress.") && name.ends_with(".json")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
 }
 

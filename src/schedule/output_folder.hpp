@@ -21,6 +21,10 @@ struct OutputFolder {
     std::filesystem::path journal(const std::string& part = "", const std::string& host = "") const;
     /// The index that belongs to the journal of the same part and host.
     std::filesystem::path index(const std::string& part = "", const std::string& host = "") const;
+    /// The progress of a run at work; removed when it ends. A killed run leaves it.
+    std::filesystem::path progress(const std::string& part) const {
+        return root / (part.empty() ? "progress.json" : "progress." + part + ".json");
+    }
     /// Held by every run; a run of a part holds part_lock() in addition.
     std::filesystem::path run_lock() const { return root / "locks" / "run"; }
     std::filesystem::path part_lock(const std::string& part) const { return root / "locks" / part; }

@@ -11,10 +11,16 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
 #include <unistd.h>
 
 namespace shearwake::schedule {
 namespace {
+
+/// The interval at which files are updated.
+constexpr auto between_records = std::chrono::seconds(10);
+/// After this time the state is recorded for the first time.
+constexpr auto shortest_recorded = std::chrono::seconds(2);
 
 /// Under mpirun, stderr is a pipe to mpirun, whose stderr may be the terminal of the user.
 bool user_sees_a_terminal() {
@@ -42,30 +48,56 @@ Progress::Progress(Style style, Log log)
 
 void Progress::start() {
     began_ = last_ = std::chrono::steady_clock::now();
+    recorded_ = began_ + shortest_recorded - between_records; // short runs record no state
 }
 
-/// Appends a line to the log every ten seconds; finish() appends the last one.
+/// Updates the files every ten seconds; finish() appends the last line.
 void Progress::log(const SweepCounts& counts) {
     counts_ = counts;
-    has_unlogged_ = true;
-    if (std::chrono::steady_clock::now() - logged_ >= std::chrono::seconds(10)) write_log();
+    const auto now = std::chrono::steady_clock::now();
+    if (!log_.lines.empty()) {
+        has_unlogged_ = true;
+        if (now - logged_ >= between_records) write_log();
+    }
+    if (!log_.state.empty() && now - recorded_ >= between_records) {
+        recorded_ = now;
+        write_state();
+    }
 }
 
 /// docs/reference/json-output.md describes the members.
+std::string Progress::json() const {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began_;
+    JsonLine line;
+    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
+    line.add("time", storage::timestamp()).add("elapsed_s", elapsed.count());
+    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
+    line.add("running", counts_.running).add("partial", counts_.partial);
+    return line.add("left_s", counts_.left_s).text();
+}
+
 void Progress::write_log() {
     logged_ = std::chrono::steady_clock::now();
     has_unlogged_ = false;
-    const double elapsed_s = std::chrono::duration<double>(logged_ - began_).count();
-    JsonLine line;
-    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
-    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
-    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
-    line.add("running", counts_.running).add("partial", counts_.partial);
-    storage::append_line(log_.path, line.add("left_s", counts_.left_s).text());
+    storage::append_line(log_.lines, json());
+}
+
+/// Under a temporary name, then renamed. An error is ignored, since only `status` reads the file.
+void Progress::write_state() const {
+    std::filesystem::path part = log_.state;
+    part += ".part";
+    std::ofstream file(part);
+    file << json() << '\n';
+    file.close();
+    std::error_code none;
+    if (file)
+        std::filesystem::rename(part, log_.state, none);
+    else
+        std::filesystem::remove(part, none);
 }
 
 void Progress::update(const SweepCounts& counts) {
-    if (!log_.path.empty()) log(counts);
+    if (!log_.lines.empty() || !log_.state.empty()) log(counts);
     if (quiet_ || counts.total == 0) return;
     const auto now = std::chrono::steady_clock::now();
     const double since = std::chrono::duration<double>(now - last_).count();
@@ -110,7 +142,9 @@ void Progress::say(const std::string& text) {
 }
 
 void Progress::finish() {
-    if (!log_.path.empty() && has_unlogged_) write_log();
+    if (!log_.lines.empty() && has_unlogged_) write_log();
+    std::error_code none;
+    if (!log_.state.empty()) std::filesystem::remove(log_.state, none);
     if (drawn_) fmt::print(stderr, "\n");
     drawn_ = false;
 }

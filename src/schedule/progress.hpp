@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "schedule/output_folder.hpp"
+
 #include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace shearwake::schedule {
@@ -17,15 +20,26 @@ struct SweepCounts {
     double left_s = 0.0;  // estimated time until the teams have ended
 };
 
+/// What the active runs of an output folder have recorded.
+struct RecordedProgress {
+    long left = 0;        // cases that these runs still compute
+    double partial = 0.0; // sum of the complete shares of the running cases
+    double left_s = 0.0;  // until the last of them ends
+};
+/// The progress of the runs that hold their locks; nothing if none has recorded any. Not
+/// collective.
+std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder);
+
 /// Prints the progress on rank 0: a bar that is redrawn on a terminal, elsewhere a line per minute
 /// and at the end. Not collective.
 class Progress {
 public:
     enum class Style { automatic, quiet };
-    /// A file to which a JSON object per line is appended; an empty path: none.
+    /// Where the progress is recorded as JSON; an empty path: nowhere.
     struct Log {
-        std::filesystem::path path;
-        std::string folder, part; // of the run; an empty part: the complete sweep
+        std::filesystem::path lines; // a line is appended every ten seconds
+        std::filesystem::path state; // contains the latest progress while the run is at work
+        std::string folder, part;    // of the run; an empty part: the complete sweep
     };
     Progress(Style style, Log log);
 
@@ -40,14 +54,16 @@ public:
 private:
     void log(const SweepCounts& counts);
     void write_log();
+    void write_state() const;
+    std::string json() const;
     std::string line(const SweepCounts& counts) const;
 
     bool quiet_, live_;
     Log log_;
-    std::chrono::steady_clock::time_point logged_;
-    SweepCounts counts_;                 // the latest ones
-    bool has_unlogged_ = false;          // whether they are not in the log
-    bool drawn_ = false, ended_ = false; // ended_: the last line is printed
+    std::chrono::steady_clock::time_point logged_, recorded_; // lines and state
+    SweepCounts counts_;                                      // the latest ones
+    bool has_unlogged_ = false;                               // whether they are not in the log
+    bool drawn_ = false, ended_ = false;                      // ended_: the last line is printed
     std::chrono::steady_clock::time_point began_, last_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run.hpp"
 
+#include "base/json_document.hpp"
 #include "cost/calibration.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
@@ -25,10 +26,14 @@
 #include <fmt/format.h>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
 
 namespace shearwake::schedule {
+
+using Json = nlohmann::ordered_json;
+
 namespace {
 
 std::string warnings_of(const config::Job& job) {
@@ -142,10 +147,12 @@ ExitCode code_of(const WorkResult& result, const Selection& selection) {
                                                        : ExitCode::done;
 }
 
-/// Records the end of the run, prints the closing message on rank 0 and returns the exit code.
+/// Records the end of the run, prints the closing message or document on rank 0, unless `document`
+/// stores it, and returns the exit code.
 /// Collective.
-ExitCode concluded(const OutputFolder& folder, const Plan& plan, const Selection& selection,
-                   const WorkResult& result, const RunArguments& arguments, const Comm& world) {
+ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Selection& selection,
+                   const WorkResult& result, const RunArguments& arguments, const Comm& world,
+                   Json* document) {
     const ExitCode code = code_of(result, selection);
     const char* how = code == ExitCode::stopped_early ? "stopped"
                       : result.failed > 0             ? "with failures"
@@ -153,9 +160,16 @@ ExitCode concluded(const OutputFolder& folder, const Plan& plan, const Selection
     const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
     on_root(world, [&] {
         storage::Journal(folder.journal(part_name(arguments))).run_ended(how, result.times);
-        if (arguments.quiet && code == ExitCode::done) return;
-        fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
-                   closing_message(folder, plan, selection, result, ending, arguments));
+        if (arguments.json) {
+            const Json members =
+                closing_document(folder, job, selection, result, ending, arguments);
+            if (document)
+                *document = members;
+            else
+                fmt::print("{}", json_document("run", members));
+        } else if (!arguments.quiet || code != ExitCode::done)
+            fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
+                       closing_message(folder, job.plan, selection, result, ending, arguments));
     });
     return code;
 }
@@ -286,7 +300,8 @@ ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
     return run_job(load_job(arguments.job, arguments.overrides, world), arguments, world);
 }
 
-ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world) {
+ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
+                 Json* document) {
     watch_for_stop_signals();
     const std::string part = part_name(arguments); // usage errors precede warnings
     const Deadline deadline(arguments.walltime, world);
@@ -294,7 +309,10 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
                                                     : arguments.out};
     Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
                                                           : Progress::Style::automatic,
-                      {world.is_root() ? arguments.log_json : "", folder.root.string(), part});
+                      {.lines = world.is_root() ? arguments.log_json : "",
+                       .state = world.is_root() ? folder.progress(part) : "",
+                       .folder = folder.root.string(),
+                       .part = part});
     const auto say = [&](const std::string& text) {
         if (world.is_root() && !arguments.quiet) progress.say(text);
     };
@@ -318,7 +336,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     if (!costs) {
         WorkResult none;
         none.asked_to_stop = true;
-        return concluded(folder, job.plan, selection, none, arguments, world);
+        return concluded(folder, job, selection, none, arguments, world, document);
     }
     calibrate_for(*costs, world.size(), world, say, stop_requested);
     const OrderedWork work = ordered(cases, selection, *costs);
@@ -343,7 +361,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     progress.finish();
 
     on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
-    return concluded(folder, job.plan, selection, result, arguments, world);
+    return concluded(folder, job, selection, result, arguments, world, document);
 }
 
 } // namespace shearwake::schedule

@@ -6,12 +6,17 @@
 #include "parallel/comm.hpp"
 #include "schedule/run_arguments.hpp"
 
+#include <nlohmann/json_fwd.hpp>
+
 namespace shearwake::schedule {
 
 /// The command `run`: computes the cases of a job that are not complete yet. Collective.
 ExitCode run_sweep(const RunArguments& arguments, const Comm& world);
 
-/// Computes the cases of this job, which every rank has, as `run` does. Collective.
-ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world);
+/// Computes the cases of this job, which every rank has, as `run` does. The members of the JSON
+/// document are stored in `document` on rank 0 if it is not null, and otherwise printed.
+/// Collective.
+ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
+                 nlohmann::ordered_json* document = nullptr);
 
 } // namespace shearwake::schedule

@@ -36,7 +36,8 @@ struct RunArguments : JobArguments {
     bool force = false;             // run although the estimates exceed the memory or the disk
     bool quiet = false;
     bool is_round =
-        false; // results may ask for further cases, so the sweep does not end with the run
+        false;         // results may ask for further cases, so the sweep does not end with the run
+    bool json = false; // a JSON document instead of the closing message
     std::string resumed_by; // command line that resumes the run; empty: `run` with these arguments
 };
 

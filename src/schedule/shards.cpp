@@ -8,20 +8,53 @@
 
 namespace shearwake::schedule {
 
-ShardStates shard_states(const OutputFolder& folder, const std::vector<std::size_t>& open) {
-    std::set<std::size_t> counts;
-    std::error_code missing; // a missing folder has no journals
-    for (const auto& entry : std::filesystem::directory_iterator(folder.root, missing)) {
-        std::size_t number = 0, of = 0;
-        if (std::sscanf(entry.path().filename().c_str(), "journal.%zu-of-%zu", &number, &of) == 2)
-            counts.insert(of);
+namespace {
+
+struct Shard {
+    std::size_t number = 0, of = 0;
+};
+
+/// The shards that have a file in a folder: `prefix`, "2-of-8", and any end.
+std::vector<Shard> shards_in(const std::filesystem::path& folder, const std::string& prefix) {
+    std::vector<Shard> found;
+    std::error_code missing; // a missing folder has none
+    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
+        Shard shard;
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(prefix) &&
+            std::sscanf(name.c_str() + prefix.size(), "%zu-of-%zu", &shard.number, &shard.of) ==
+                2 &&
+            shard.of > 0)
+            found.push_back(shard);
     }
+    return found;
+}
+
+bool is_running(const OutputFolder& folder, const Shard& shard) {
+    const auto lock = folder.part_lock(fmt::format("{}-of-{}", shard.number, shard.of));
+    return std::filesystem::exists(lock) && storage::is_locked(lock).value_or(true);
+}
+
+/// The number of shards; 0: not computed in shards.
+std::size_t shard_count(const OutputFolder& folder, const std::string& last_part) {
+    std::set<std::size_t> running, all;
+    for (const Shard& shard : shards_in(folder.part_lock("").parent_path(), ""))
+        if (is_running(folder, shard)) running.insert(shard.of);
+    for (const Shard& shard : shards_in(folder.root, "journal."))
+        all.insert(shard.of);
+    const std::set<std::size_t>& counts = running.empty() ? all : running;
+    const bool is_complete_sweep = running.empty() && last_part.empty();
+    return counts.size() == 1 && !is_complete_sweep ? *counts.begin() : 0;
+}
+
+} // namespace
+
+ShardStates shard_states(const OutputFolder& folder, const std::vector<std::size_t>& open,
+                         const std::string& last_part) {
     ShardStates states;
-    if (counts.size() != 1 || *counts.begin() == 0) return states;
-    states.of = *counts.begin();
+    states.of = shard_count(folder, last_part);
     for (std::size_t number = 1; number <= states.of; ++number) {
-        const auto lock = folder.part_lock(fmt::format("{}-of-{}", number, states.of));
-        if (std::filesystem::exists(lock) && storage::is_locked(lock).value_or(true))
+        if (is_running(folder, {number, states.of}))
             states.running.push_back(number);
         else if (std::ranges::any_of(open, [&](auto i) { return i % states.of == number - 1; }))
             states.to_start.push_back(number);

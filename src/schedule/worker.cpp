@@ -4,6 +4,7 @@
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/provenance.hpp"
+#include "schedule/expected_cases.hpp"
 #include "schedule/next_command.hpp"
 #include "schedule/stop_signal.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -28,17 +29,6 @@ constexpr double allowance = 1.2;
 constexpr std::array waits_for_files = {1s, 5s};
 /// After this number of consecutive file errors, further cases would probably fail as well.
 constexpr int most_file_failures_in_a_row = 3;
-
-std::vector<ExpectedCase> expected(const WorkList& list) {
-    std::vector<ExpectedCase> all;
-    for (const PlannedCase* planned : list.cases) {
-        const cost::CaseCost& cost = list.costs.of(planned->physics);
-        all.push_back(
-            {engine_name(planned->physics.solver), cost.kinds,
-             cost::seconds_on(cost, list.ranks_per_case, list.teams, list.costs.machine())});
-    }
-    return all;
-}
 
 struct CaseError {
     std::string reason;
@@ -77,7 +67,7 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
                const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
       journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
-      times_(expected(list), world,
+      times_(expected_cases(list.cases, list.ranks_per_case, list.teams, list.costs), world,
              {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
@@ -151,11 +141,8 @@ bool Worker::claim(std::size_t place) {
 double Worker::estimated_s(const PlannedCase& planned) const {
     const Case& c = planned.physics;
     const cost::CaseCost& cost = list_.costs.of(c);
-    const bool shares =
-        before_ && before_->scene().medium == c.scene().medium && before_->domain == c.domain;
-    const double shared =
-        shares ? 0.0 : cost::shared_seconds_on(cost, team_.size(), list_.costs.machine());
-    return shared + cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
+    return shared_s(c, before_, team_.size(), list_.costs) +
+           cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
 }
 
 /// Whether a case may start now, according to its estimate corrected by measured times, minus the
@@ -173,6 +160,7 @@ bool Worker::in_time(std::size_t index) {
 /// rank ends the attempt on all ranks of the team. Returns whether the case is complete.
 bool Worker::one_case(const PlannedCase& planned) {
     if (team_.is_root()) counters_.fetch_add(begun, 1);
+    tick(); // reports the estimate
     case_log_.clear();
     bool is_done = false;
     for (std::size_t attempt = 0;; ++attempt) {

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The documentation site builds without warnings, and its pages are all there."""
 import subprocess
+import sys
 import unittest
 
 from blocks import DOCS, ROOT, pages
 from program import PATIENCE_s, ProgramTest
+
+sys.path.insert(0, str(ROOT / "tests" / "report"))
+
+import browser  # noqa: E402
+from test_browser import need_chromium  # noqa: E402
 
 
 class Site(ProgramTest):
@@ -21,6 +27,19 @@ class Site(ProgramTest):
         demonstration = self.folder / "site" / "demo.html"
         self.assertTrue(demonstration.is_file())
         self.assertLess(demonstration.stat().st_size, 5_000_000)
+        self.assert_plays(demonstration)
+
+    def assert_plays(self, path):
+        """The page plays in a browser without a server: its result has values, and other frames follow."""
+        need_chromium()
+        with browser.Browser(browser.SOFTWARE_WEBGL) as chromium:
+            page = chromium.open(path, 1280, 900)
+            self.assertEqual(page.run("location.protocol"), "file:")
+            self.assertTrue(page.wait("typeof explorer === 'object' && explorer.result"))
+            self.assertRegex(page.run("document.querySelector('[data-column=\"eta_at_1\"]').textContent"), r"^0\.\d+")
+            page.run("explorer.play(true)")
+            self.assertTrue(page.wait("explorer.frame > 3"))
+            self.assertEqual(page.errors(), [])
 
 
 if __name__ == "__main__":

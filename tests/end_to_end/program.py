@@ -94,6 +94,9 @@ def without_reference(*changes):
     return changed(('reference = { kind = "STM" }\n', ""), *changes)
 
 
+# Without traces and frames, a report draws few figures.
+UNRECORDED = changed(("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\nframes = true\n", ""))
+
 # Many cases of a fraction of a second each, for tests that interrupt a run.
 LONG = without_reference(
     (SWEEP, '"load.modulation.am_frequency_Hz" = { linspace = [300, 1000, 12] }'),

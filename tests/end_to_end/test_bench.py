@@ -105,16 +105,16 @@ class Bench(ProgramTest):
 
     def test_without_a_cache_no_rates_are_saved(self):
         self.write_job()
-        for place in ("off", "/proc/nowhere"):
+        for place, plans in (("off", 2), ("/proc/nowhere", 1)):
             with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": place}):
-                for _ in range(2):
+                for _ in range(plans):
                     self.assertIn("calibrating", self.shearwake("plan", "job.toml").said)
 
     def test_bench_machine_recalibrates(self):
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
-            said = self.shearwake("bench", "machine", ranks=2).said
-        (file,) = cache.glob("machine-*-2.json")
+            said = self.shearwake("bench", "machine").said
+        (file,) = cache.glob("machine-*-1.json")
         machine = json.loads(file.read_text(encoding="utf-8"))
         for kind, rate_s in machine["rates_s"].items():
             self.assertGreater(rate_s, 0.0, kind)

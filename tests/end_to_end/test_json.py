@@ -5,7 +5,7 @@ import unittest
 
 import jsonschema
 
-from program import JOB, ROOT, ProgramTest, case_files, changed, plan_ids
+from program import JOB, ROOT, UNRECORDED, ProgramTest, case_files, changed, plan_ids
 
 SCHEMA = json.loads((ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
 PAGE = (ROOT / "docs" / "reference" / "json-output.md").read_text(encoding="utf-8")
@@ -20,6 +20,58 @@ class Json(ProgramTest):
         jsonschema.Draft202012Validator(SCHEMA).validate(document)
         return document
 
+    def errors(self, command, *arguments, expect):
+        """The messages of the document that a failing command prints; they also go to the standard error."""
+        done = self.shearwake(command, *arguments, "--json", expect=expect)
+        document = json.loads(done.stdout)
+        jsonschema.Draft202012Validator({**SCHEMA, "oneOf": [{"$ref": "#/$defs/errors"}]}).validate(document)
+        jsonschema.Draft202012Validator(SCHEMA).validate(document)
+        self.assertEqual(document["command"], command)
+        messages = [error["message"] for error in document["errors"]]
+        for message in messages:
+            self.says(done.stderr, message)
+        return messages
+
+    def test_failing_commands_print_their_errors(self):
+        self.write_job(changed(("peak_Pa = 100.0", "peek_Pa = 100.0")))
+        for command in ("plan", "run", "evaluate"):
+            with self.subTest(command):
+                self.says("\n".join(self.errors(command, "job.toml", expect=3)), "did you mean peak_Pa?")
+                self.says(self.errors(command, "nowhere.toml", expect=6)[0], "nowhere.toml")
+        self.write_job()
+        for command in ("status", "verify", "reduce", "report", "show"):
+            with self.subTest(command):
+                self.says(self.errors(command, "nowhere", expect=6)[0], "nowhere")
+        for command in ("diff", "compare"):
+            with self.subTest(command):
+                self.says(self.errors(command, "job.toml", "job.toml", expect=2)[0],
+                          "is a job file; give the output folder of its run, by default out/small")
+        self.says(self.errors("run", "job.toml", "--quite", expect=2)[0], "did you mean --quiet?")
+        self.says(self.errors("bench", "nothing", expect=2)[0], "nothing")
+        missing = self.document("check", "nowhere.toml", expect=6)
+        self.assertEqual((missing["job"], missing["cases"], missing["errors"]), ("nowhere.toml", None, 1))
+        self.assertEqual(self.document("check", "--quite", expect=2)["errors"], 1)
+
+    def test_a_run_its_tables_and_its_report_are_described(self):
+        self.write_job(UNRECORDED)
+        part = self.document("run", "job.toml", "--shard", "1/2", "--quiet")
+        self.assertEqual((part["cases"], part["computed"], part["not_selected"], part["state"]), (4, 2, 2, "finished"))
+        self.says(part["next"], "run the other shards")
+        done = self.document("run", "job.toml", ranks=2)
+        self.assertEqual((done["computed"], done["already_complete"], done["failed_cases"]), (2, 2, []))
+        self.assertEqual(done["folder"], "out/small")
+        self.says(done["next"], "shearwake reduce out/small")
+        reduced = self.document("reduce", self.out)
+        self.assertEqual((reduced["cases"], reduced["complete"], reduced["damaged"]), (4, 4, []))
+        self.assertTrue((self.folder / reduced["csv"]).exists())
+        self.assertIsNone(reduced["sensitivity"])
+        report = self.document("report", self.out)
+        self.assertTrue((self.folder / report["page"]).exists())
+        self.assertGreater(len(report["result"]), 10)
+        failed = self.document("run", "job.toml", "-S", "load.peak_Pa=1e200", "--out", "bad", expect=4)
+        self.assertEqual((failed["computed"], len(failed["failed_cases"])), (0, 4))
+        self.says(failed["failed_cases"][0]["reason"], "not finite")
+
     def test_check_lists_diagnostics(self):
         self.write_job()
         sound = self.document("check", "job.toml", ranks=2)
@@ -30,7 +82,6 @@ class Json(ProgramTest):
         error, = [d for d in bad["diagnostics"] if d["severity"] == "error"]
         self.assertEqual((error["file"], error["line"]), ("job.toml", JOB[:JOB.index("peak_Pa")].count("\n") + 1))
         self.says(error["message"], "did you mean peak_Pa?")
-        self.assertEqual(self.shearwake("plan", "job.toml", "--json", expect=3).stdout, "")
         self.write_job(changed(("extent_mm = [64.0, 48.0]", "extent_mm = [1600.0, 1600.0]"),
                                ("spacing_mm = 1.5", "spacing_mm = 0.05")))
         large = self.document("check", "job.toml", expect=3)
@@ -95,7 +146,7 @@ class Json(ProgramTest):
         self.assertEqual((failed["status"], failed["valid"]), ("failed", False))
         self.assertNotEqual(failed["note"], "")
         self.assertIsNone(failed["values"]["eta_period_over_reference_1"])
-        self.assertEqual(self.shearwake("evaluate", "job.toml", "--set", "load.peak=1", "--json", expect=3).stdout, "")
+        self.says(self.errors("evaluate", "job.toml", "--set", "load.peak=1", expect=3)[0], "the unit of peak is Pa: use peak_Pa")
 
     def test_bench_lists_measurements(self):
         for arguments in (("spectral", "--grid", "32x24x9", "--steps", 2), ("pstd", "--grid", "16x12x10", "--steps", 2)):
@@ -104,7 +155,8 @@ class Json(ProgramTest):
             self.assertTrue(any("lower bound" in m["name"] and m["value"] > 0 for m in found["measurements"]))
 
     def test_the_page_describes_every_member(self):
-        for command in ("check", "plan", "evaluate", "status", "verify", "diff", "compare", "show", "bench"):
+        for command in ("check", "plan", "run", "evaluate", "status", "verify", "reduce", "report", "diff", "compare", "show",
+                        "bench"):
             section = PAGE.split(f"\n## `{command}`\n")[1].split("\n## ")[0]
             for member in SCHEMA["$defs"][command]["required"]:
                 if member not in ("schema", "command"):

@@ -20,7 +20,7 @@ SAVED = without_reference(
     ("extent_mm = [64.0, 48.0]", "extent_mm = [36.0, 24.0]"),
     ("from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0]", "from_mm = [-8.0, 0.0], to_mm = [14.0, 0.0]"),
     ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]", "traces_mm = [[0.0, 0.0]]"),
-    ("frames = true", "frames = true\nvolumes_ms = [0.1, 3.0]"),
+    ("duration_ms = 4.0", "duration_ms = 2.0"), ("frames = true", "frames = true\nvolumes_ms = [0.1, 1.5]"),
     ("at_ms = 4.0", "at_ms = 1.0"), ("settled_after_ms = 1.0", "settled_after_ms = 0.2"))
 
 

@@ -46,7 +46,7 @@ class RegionTest(ProgramTest):
                 self.assertAlmostEqual(float(row["region_mm2"]), u[inside].size * spacing**2, places=6)
 
     def test_the_steady_state_is_measured_around_the_path_and_states_its_energies(self):
-        self.write_job(without_reference(*STEADY, ONE_CASE, ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))
+        self.write_job(without_reference(*STEADY, ONE_CASE, ("frames = true\n", ""), ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))
         self.shearwake("run", "job.toml")
         self.shearwake("reduce", "out/small")
         row = self.table()
@@ -55,6 +55,14 @@ class RegionTest(ProgramTest):
         self.assertGreater(work, 0.0)
         self.assertAlmostEqual(radiated / work, 0.0, delta=1e-9)  # the base is rigid
         self.assertAlmostEqual(absorbed / work, 1.0, delta=1e-6)  # the energy balance
+        # All measures over the period need every frame, but only the one at the time of reading is written.
+        with h5py.File(case_files(self.out)[0]) as file:
+            frames, shape = file["time"].size, file["surface/u_z"].shape
+            largest = []
+            file.visititems(lambda name, item: largest.append(item.size) if isinstance(item, h5py.Dataset) else None)
+        self.assertGreater(frames, 20)
+        self.assertEqual(shape[0], 1)
+        self.assertEqual(max(largest), np.prod(shape))
 
 
 if __name__ == "__main__":

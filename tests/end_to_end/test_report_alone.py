@@ -3,12 +3,12 @@
 import shutil
 import unittest
 
-from program import ProgramTest
+from program import UNRECORDED, ProgramTest
 
 
 class ReportAlone(ProgramTest):
     def test_case_files_suffice_for_the_page(self):
-        self.write_job()
+        self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
         shutil.copytree(self.out / "cases", self.folder / "copy" / "cases")
         said = self.shearwake("report", "copy").said

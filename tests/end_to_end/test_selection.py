@@ -40,6 +40,27 @@ class Selection(ProgramTest):
             jsonschema.Draft202012Validator(SCHEMA).validate(last)
         self.assertGreaterEqual(len(lines), 2, "a second run adds to the first one's lines")
 
+    def test_the_next_command_follows_the_last_run(self):
+        def following():
+            return self.shearwake("status", self.out).said.splitlines()[-1]
+
+        self.shearwake("run", "job.toml", "--shard", "1/4", "--quiet")
+        self.says(following(), "for k in 2 3 4; do shearwake run", "--shard $k/4")
+        self.shearwake("run", "job.toml", "--shard", "1/2", "--quiet")  # shards of two sizes
+        self.assertNotIn("--shard", following())
+        (self.out / "journal.1-of-2.jsonl").unlink()
+        self.says(following(), "for k in 2 4; do shearwake run", "--shard $k/4")
+        (self.out / "STOP").touch()
+        self.shearwake("run", "job.toml", expect=75)  # of the complete sweep
+        (self.out / "STOP").unlink()
+        self.assertNotIn("--shard", following())
+
+    def test_shards_whose_cases_failed_are_not_left_to_other_runs(self):
+        self.shearwake("run", "job.toml", "--shard", "1/2", "-S", "load.peak_Pa=1e200", expect=4)
+        said = self.shearwake("run", "job.toml", "--shard", "2/2", "-S", "load.peak_Pa=1e200", expect=4).said
+        self.assertNotIn("run the other shards", said)
+        self.says(self.shearwake("status", self.out).said, "--retry-failed")
+
     def test_an_unknown_id_is_rejected(self):
         self.shearwake("run", "job.toml", "--shard", "1/4")
         name = plan_ids(self.out)[2]

@@ -191,22 +191,47 @@ class Sweep(ProgramTest):
             self.assertNotIn(sign, lines)
 
     def test_progress_within_a_case_is_reported(self):
-        # Far more steps than are computed before the run is stopped; a line is written every ten seconds.
+        # Far more steps than are computed before the run is stopped. The log and the record that `status` reads have the
+        # same content, which is recorded first after two and ten seconds.
         self.write_job(without_reference(
             (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ('engine = "layered"', 'engine = "pstd"'),
             ("duration_ms = 4.0", "duration_ms = 4000.0"), ("frames = true", "")))
         log = self.folder / "log.jsonl"
 
-        def partial():
-            return [line["partial"] for line in map(json.loads, log.read_text(encoding="utf-8").splitlines())] \
-                if log.exists() else []
+        def partial(path):
+            return [line["partial"] for line in map(json.loads, path.read_text(encoding="utf-8").splitlines())] \
+                if path.exists() else []
 
         run = self.start("run", "job.toml", "--force", "--log-json", log.name)
-        self.wait_for(lambda: any(partial()), "progress within a case")
+        self.wait_for(lambda: any(partial(self.out / "progress.json")), "progress within a case")
+        shares = partial(self.out / "progress.json")
         os.kill(run.pid, signal.SIGTERM)
         run.communicate()
-        self.assertTrue(all(0.0 <= share <= 1.0 for share in partial()), partial())
-        self.assertEqual(partial()[-1], 0.0)  # no case is running
+        shares += partial(log)
+        self.assertTrue(all(0.0 <= share <= 1.0 for share in shares), shares)
+        self.assertEqual(shares[-1], 0.0)  # no case is running
+
+    def test_status_states_progress_and_remaining_time_of_the_first_case(self):
+        # A layered case of about a minute, which is killed after some seconds.
+        self.write_job(without_reference(
+            (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'), ("duration_ms = 4.0", "duration_ms = 40.0"),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [384.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("frames = true", "")))
+        run = self.start("run", "job.toml", "--force")
+
+        def status():
+            done = self.shearwake("status", self.out, "--json", expect=None)
+            return json.loads(done.stdout) if done.returncode == 0 else {"partial": 0.0}
+
+        self.wait_for(lambda: status()["partial"] > 0.0, "progress of the first case")
+        found = status()
+        self.assertEqual((found["done"], found["running"], found["state"]), (0, 1, "running"))
+        self.assertGreater(found["seconds_left"], 0.0)
+        self.says(self.shearwake("status", self.out).said, "remaining: about", "the running case is", "% complete")
+        os.killpg(run.pid, signal.SIGKILL)  # which leaves the record of the progress
+        run.wait()
+        killed = status()
+        self.assertEqual((killed["partial"], killed["seconds_left"], killed["state"]), (0.0, None, "stopped"))
 
     def test_plan_distinguishes_swept_keys_that_end_in_the_same_word(self):
         body = ('[[medium.body]]\nshape = "ellipsoid"\nsemi_axes_mm = [5.0, 5.0, 3.0]\ncenter_mm = [0.0, 0.0, 10.0]\n'

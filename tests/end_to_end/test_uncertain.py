@@ -99,6 +99,22 @@ class Drivers(ProgramTest):
         self.assertIn("eta_period_1 = ", warned.stdout)
         self.says(warned.stderr, "warning: domain.spacing_mm")
 
+    def test_each_kind_of_a_swept_modulation_can_be_evaluated(self):
+        # The job has the keys of all kinds, as the sweep needs them.
+        sweep = 'sm_frequency_Hz = 500.0\nspeed_deviation_m_s = 2.0\n'
+        self.write_job(changed(("am_frequency_Hz = 500.0\n", "am_frequency_Hz = 500.0\n" + sweep),
+                               (SWEEP, '"load.modulation.kind" = ["AM-STM", "SM-STM"]'),
+                               ('x = "load.modulation.am_frequency_Hz"', 'x = "load.modulation.kind"')))
+        self.shearwake("run", "job.toml", "--quiet")
+        self.shearwake("reduce", self.out)
+        ids = {row["load.modulation.kind"]: row["id"] for row in table(self.out)}
+        for kind in ("AM-STM", "SM-STM"):
+            done = self.shearwake("evaluate", "job.toml", "--set", f"load.modulation.kind={kind}", "--json")
+            self.assertEqual(json.loads(done.stdout)["id"], ids[kind])
+        said = self.shearwake("run", "job.toml", "-S", "sweep={}", "-S", 'table={}', "-S", "load.modulation.kind=STM",
+                              "--out", "one").said
+        self.says(said, "1 case: 1 computed now")
+
     def test_a_list_of_cases_is_an_axis(self):
         (self.folder / "cases.csv").write_text(f"{LOAD},load.peak_Pa\n500,100\n700,80\n", encoding="utf-8")
         self.write_job(changed((SWEEP, 'list = "cases.csv"')))

@@ -68,6 +68,31 @@ class JobMistakes(ProgramTest):
         text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [0, 400]'))
         self.assert_rejected(text, "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
 
+        for kind in ("AM", "DTP"):  # STM is no replacement for them
+            said = self.assert_rejected(changed(('kind = "AM-STM"', f'kind = "{kind}"'), (SWEEP, '"load.peak_Pa" = [1, 2]'),
+                                                ('x = "load.modulation.am_frequency_Hz"\n', ""),
+                                                ("am_frequency_Hz = 500.0", "am_frequency_Hz = 0")),
+                                        "for a constant amplitude, set am_depth = 0")
+            self.assertNotIn("STM\" instead", said)
+
+    def test_lists_without_brackets_are_explained(self):
+        self.write_job()
+        self.says(self.shearwake("check", "job.toml", "-S", "domain.extent_mm=60,60", expect=3).said,
+                  "write lists in brackets: [60,60] instead of 60,60")
+
+    def test_a_swept_key_cannot_be_overridden(self):
+        self.write_job()
+        key = "load.modulation.am_frequency_Hz"
+        self.says(self.shearwake("check", "job.toml", "-S", f"{key}=-4").said, "this override has no effect",
+                  f"to compute only this value, use -S 'sweep.\"{key}\"=[-4]'")
+        self.says(self.shearwake("check", "job.toml", "-S", f'sweep."{key}"=[-4]', expect=3).said, "but is -4")
+        self.says(self.shearwake("check", "job.toml", "-S", f"{key}=fast", expect=3).said,
+                  "must be a number, like the values of its sweep")
+
+    def test_other_names_of_tables_are_recognised(self):
+        text = changed(("[record]", '[receptors]\nwhere = "hand"\n\n[record]'))
+        self.assert_rejected(text, self.place(text, "[receptors]"), "receptors is unknown; did you mean [afferents]?")
+
     def test_decimal_commas_are_recognised(self):
         for old, new, number in (("peak_Pa = 100.0", "peak_Pa = 100,5", "100.5"),
                                  ("peak_Pa = 100.0", 'peak_Pa = "-1,5e3"', "-1.5e3"),
@@ -115,7 +140,7 @@ class JobMistakes(ProgramTest):
     def test_a_missing_job_is_reported(self):
         self.says(self.shearwake("run", "nowhere.toml", expect=6).said, "nowhere.toml",
                   "No such file or directory")
-        self.says(self.shearwake("run", self.folder, expect=6).said, "Is a directory")
+        self.says(self.shearwake("run", self.folder, expect=2).said, "is a folder; give a job file")
 
 
 class CommandLine(ProgramTest):
@@ -146,6 +171,18 @@ class CommandLine(ProgramTest):
                              (["bench", "Spectral"], "spectral")):
             with self.subTest(words):
                 self.says(self.shearwake(*words, expect=2).said, f"did you mean {meant}?")
+        self.says(self.shearwake("plan", "job.toml", "--out", "x", expect=2).said, "plan writes no files; give --out to run")
+        self.says(self.shearwake("run", "job.toml", "--ranks", 2, expect=2).said, "mpirun -n N shearwake run")
+
+    def test_folders_and_jobs_are_distinguished(self):
+        self.write_job()
+        self.shearwake("run", "job.toml", "--quiet")
+        for command in ("run", "check", "plan"):
+            self.says(self.shearwake(command, self.out, expect=2).said,
+                      "is an output folder; give a job file", "job.toml --out ")
+        for arguments in (("job.toml", self.out), (self.out, "job.toml")):
+            self.says(self.shearwake("compare", *arguments, expect=2).said,
+                      "job.toml is a job file; give the output folder of its run, by default out/small")
 
     def test_scripts_are_located(self):
         for name in ("import-kwave", "make-map"):

@@ -18,12 +18,13 @@ from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids,
     without_reference
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
+SOME = LONG.replace("1000, 12]", "1000, 75]")
 MANY = LONG.replace("1000, 12]", "1000, 150]")
 
 
 class Stops(FaultTest):
     def test_a_stop_file_stops_runs_until_it_is_removed(self):
-        self.write_job(MANY)
+        self.write_job(SOME)
         process = self.start("run", "job.toml", ranks=2)
         self.wait_for(lambda: case_files(self.out), "the first case")
         (self.out / "STOP").touch()
@@ -31,13 +32,13 @@ class Stops(FaultTest):
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "STOP stops all runs: remove it to continue", "next: shearwake run")
         there = len(case_files(self.out))
-        self.assertLess(there, 150, "it was too fast to be stopped")
+        self.assertLess(there, 75, "it was too fast to be stopped")
         self.assertEqual(journal(self.out)[-1]["how"], "stopped")
         self.says(self.shearwake("run", "job.toml", expect=75).said, "0 computed now", "STOP")
         self.says(self.shearwake("status", self.out).said, "STOP stops all runs", "remove it")
         (self.out / "STOP").unlink()
         self.says(self.shearwake("run", "job.toml", ranks=2).said, f"{there} already complete")
-        self.assertEqual(len(started(self.out)), 150)
+        self.assertEqual(len(started(self.out)), 75)
 
     def test_a_stop_request_ends_the_choice_of_time_steps(self):
         self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"')))
@@ -83,13 +84,13 @@ class Stops(FaultTest):
 
 
 class LargeCase(FaultTest):
-    """A case of engine layered, which writes no checkpoints, that takes minutes."""
+    """A case of engine layered, which writes no checkpoints, that takes a minute."""
 
     def setUp(self):
         super().setUp()
         self.write_job(without_reference(
             ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [768.0, 768.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [320.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
             ("output_interval_us = 100.0", "output_interval_us = 5.0")))
 
     def assert_stops(self, ranks, after_s):
@@ -107,7 +108,7 @@ class LargeCase(FaultTest):
         self.assert_nothing_left(self.out)
 
     def test_a_stop_request_is_honoured_in_each_phase(self):
-        for ranks, after_s in ((1, 0.0), (1, 8.0), (2, 8.0)):
+        for ranks, after_s in ((1, 0.0), (1, 4.0), (2, 4.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
                 self.assert_stops(ranks, after_s)
 

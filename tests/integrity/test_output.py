@@ -11,7 +11,7 @@ import h5py
 
 from attacks import LEDGER, times
 from kwave import reference, save, structures_of
-from program import ROOT, ProgramTest, changed, command, environment, table
+from program import ROOT, UNRECORDED, ProgramTest, changed, command, environment, table
 
 NOISE = ("Traceback", "MPI_ABORT", "MPI_Abort", "internal error", "terminate called")
 
@@ -78,7 +78,7 @@ class Surroundings(ProgramTest):
 
     def test_decimal_commas_change_nothing(self):
         env = self.with_decimal_commas()
-        self.write_job()
+        self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
         self.shearwake("reduce", self.out)
         out = self.folder / "commas"
@@ -129,7 +129,7 @@ class Surroundings(ProgramTest):
             LEDGER.add("two processes writing wisdom at once", "both complete")
 
     def test_case_files_that_vanish_while_they_are_read(self):
-        self.write_job()
+        self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
         kept = self.folder / "kept"
         shutil.copytree(self.out / "cases", kept)
@@ -177,7 +177,7 @@ class Kills(ProgramTest):
         self.assertTrue(is_complete())
 
     def test_a_killed_report_leaves_a_complete_one(self):
-        self.write_job()
+        self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
         self.shearwake("reduce", self.out)
         folder = self.out / "report"

@@ -161,6 +161,28 @@ class Explore(InFolder):
             self.assertLess(resident_kB(pids[0]) - before, 20000)
         self.connected(talk)
 
+    def test_closed_tabs_leave_no_memory_behind(self):
+        async def tabs(session, first):
+            for n in range(first, first + 40):
+                tab = await self.connection(session)
+                await tab.send_str(json.dumps({"type": "compute", "id": n, "job": one(peak=50.0 + 0.001 * n)}))
+                if n % 2:
+                    await self.answer(tab, n)
+                    await tab.send_str(json.dumps({"type": "compute", "id": n + 1, "job": LARGE}))
+                await tab.close()
+
+        async def talk(session):
+            await tabs(session, 0)
+            processes = [pid for pid, command in self.page.children().items()
+                         if "explore.py" in command or " serve" in command]
+            self.assertEqual(len(processes), 2)
+            before = [resident_kB(pid) for pid in processes]
+            await tabs(session, 1000)
+            for pid, kB in zip(processes, before):
+                # Tabs that stay in memory with a result of 250 kB each would be 10 MB, with a large one 200 MB.
+                self.assertLess(resident_kB(pid) - kB, 8000)
+        self.in_session(talk)
+
     def test_a_sweep_runs_in_a_folder_of_its_own(self):
         async def talk(ws):
             job = one(more='[measure]\nat_ms = 4.0\n')

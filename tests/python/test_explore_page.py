@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 from exploring import Page
-from study import InFolder, ROOT, program
+from study import InFolder, ROOT, program, shearwake
 
 sys.path.insert(0, str(ROOT / "tests" / "report"))
 
@@ -106,6 +106,18 @@ class ExplorePage(InFolder):
                 self.assertEqual(page.run("explorer.parts.state.className"), "", page.run("explorer.parts.state.textContent"))
         self.assertGreater(page.run("explorer.result.arrays['afferents/x'].length"), 10)
         self.assertEqual(page.errors(), [])
+
+    def test_the_presets_of_the_page_are_those_of_the_program(self):
+        page = self.open()
+        names = page.run("Object.keys(PRESETS)")
+        self.assertGreaterEqual(len(names), 4)
+        for name in names:
+            texts = [page.run(f"jobText({{...explorer.settings, preset: '{name}', base: PRESETS['{name}'].base, layers: {layers}}})")
+                     for layers in ("null", f"structuredClone(PRESETS['{name}'].layers)")]
+            self.assertIn("preset", texts[0])
+            self.assertNotIn("preset", texts[1])
+            ids = [list(shearwake.Job(text).plan().cases.index) for text in texts]
+            self.assertEqual(*ids, name)
 
     def test_a_link_restores_the_settings_and_hides_the_token(self):
         page = self.open()

@@ -28,6 +28,13 @@ class Jobs(InFolder):
         with self.assertRaisesRegex(KeyError, r"medium.layer\[2\]"):
             first.change({"medium.layer[2].c_s_m_s": 4.0})
 
+    def test_values_that_a_job_cannot_contain_are_named(self):
+        for value, text in ((None, "load.peak_Pa: None is not a value"), ({1}, "load.peak_Pa: set is not a type"),
+                            ([1.0, None], "load.peak_Pa[2]: None is not a value")):
+            with self.assertRaises(TypeError) as raised:
+                job().change({"load.peak_Pa": value}).check()
+            self.assertIn(text, str(raised.exception))
+
     def test_errors_have_the_text_and_the_lines_of_the_program(self):
         path = Path("bad.toml")
         path.write_text(program.changed(("peak_Pa", "peak_Pq"), ("spacing_mm = 1.5", "spacing_mm = -2")))

@@ -182,6 +182,26 @@ class Reading(InFolder):
         with self.assertRaises(shearwake.Damaged):
             sweep.cases[0].verify()
 
+    def test_the_tables_beside_the_table_of_cases_are_frames(self):
+        shutil.copytree("out/small", "tables-of-all-kinds")
+        folder = Path("tables-of-all-kinds")
+        (folder / "tables" / "small.statistics.csv").write_text(
+            "column,statistic,value,low_95,high_95,samples,without_value,note\n"
+            "eta_at_1,q50,0.25,0.2,0.3,40,2,\neta_at_1,q95,,,,0,42,too few samples\n", encoding="utf-8")
+        (folder / "optimise").mkdir()
+        (folder / "optimise" / "table.csv").write_text("case,load.speed_m_s,strength_at_least_1,eta_am_1\n"
+                                                       "ab,7,0.9,\n", encoding="utf-8")
+        sweep = shearwake.open(folder)
+        self.assertEqual(sweep.statistics.loc[0, "value"], 0.25)
+        self.assertTrue(np.isnan(sweep.statistics.loc[1, "value"]))
+        self.assertEqual(sweep.statistics["note"].tolist(), ["", "too few samples"])
+        self.assertEqual(sweep.optima.loc[0, "strength_at_least_1"], 0.9)
+        self.assertTrue(np.isnan(sweep.optima.loc[0, "eta_am_1"]))
+        self.assertTrue(sweep.sensitivity.empty and sweep.adaptive.empty)
+        (folder / "tables" / "small.sensitivity.csv").write_text("column,value\neta_at_1,x\n", encoding="utf-8")
+        with self.assertRaisesRegex(shearwake.NotAnOutputFolder, "sensitivity is damaged"):
+            self.assertTrue(sweep.sensitivity.empty)
+
     def test_other_folders_and_names_are_rejected_with_a_reason(self):
         with self.assertRaisesRegex(shearwake.NotAnOutputFolder, "no such output folder"):
             shearwake.open("out/none")

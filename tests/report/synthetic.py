@@ -6,6 +6,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -17,7 +18,8 @@ sys.path.insert(0, str(ROOT / "analysis" / "report"))
 import report  # noqa: E402
 import style  # noqa: E402
 
-style.DPI = 30  # draws faster
+style.DPI, style.PDF = 30, False  # draws faster
+with_pdf = mock.patch.object(style, "PDF", True)
 AM = "load.modulation.am_frequency_Hz"
 FWHM = "load.footprint.fwhm_mm"
 PHYSICS = """

@@ -65,6 +65,19 @@ class Pages(unittest.TestCase):
 
 
 class BrowserTest(Pages):
+    heat_maps = None
+
+    @classmethod
+    def page_of_heat_maps(cls):
+        """Drawn once."""
+        if cls.heat_maps is None:
+            temporary = tempfile.TemporaryDirectory()
+            cls.addClassCleanup(temporary.cleanup)
+            folder = grid(temporary.name, snapshot=False)
+            folder.report()
+            cls.heat_maps = folder.path / "report" / "index.html"
+        return cls.heat_maps
+
     def test_the_page_fits_a_desktop_and_a_phone_without_errors(self):
         for width in (1280, 390):
             for dark in (False, True):
@@ -87,7 +100,7 @@ class BrowserTest(Pages):
                 self.assertTrue(page.run(f'!!document.querySelector("#{figure} + figure img")'))
 
     def test_heat_maps_fit_a_desktop_and_a_phone(self):
-        self.shows(self.folder_of(lambda root: grid(root, snapshot=False)), "heat_eta_period_1")
+        self.shows(self.page_of_heat_maps(), "heat_eta_period_1")
 
     def test_a_drawn_shape_fits_a_desktop_and_a_phone(self):
         def square(root):
@@ -169,19 +182,16 @@ class BrowserTest(Pages):
         return page.run(output)
 
     def test_pointing_at_a_cell_of_a_heat_map_shows_its_value(self):
-        with tempfile.TemporaryDirectory() as folder:
-            made = grid(folder)
-            made.report()
-            for width in (1280, 390):
-                with self.subTest(width=width):
-                    page = self.open(width, path=made.path / "report" / "index.html")
-                    for across, up, words in ((0.5, 0.5, "AM frequency 200\u00a0Hz, focus FWHM 3\u00a0mm"),
-                                              (0.9, 0.1, "AM frequency 400\u00a0Hz, focus FWHM 2\u00a0mm")):
-                        f, w = (200.0, 3.0) if across == 0.5 else (400.0, 2.0)
-                        text = self.pointed_at(page, "heat_eta_period_1", across, up)
-                        self.assertIn(words, text)
-                        self.assertTrue(text.endswith(f" {1e-3 * f + w + 50.0:g}"), text)  # of grid() at 5 m/s
-                    self.assertEqual(page.errors(), [])
+        for width in (1280, 390):
+            with self.subTest(width=width):
+                page = self.open(width, path=self.page_of_heat_maps())
+                for across, up, words in ((0.5, 0.5, "AM frequency 200\u00a0Hz, focus FWHM 3\u00a0mm"),
+                                          (0.9, 0.1, "AM frequency 400\u00a0Hz, focus FWHM 2\u00a0mm")):
+                    f, w = (200.0, 3.0) if across == 0.5 else (400.0, 2.0)
+                    text = self.pointed_at(page, "heat_eta_period_1", across, up)
+                    self.assertIn(words, text)
+                    self.assertTrue(text.endswith(f" {1e-3 * f + w + 50.0:g}"), text)  # of grid() at 5 m/s
+                self.assertEqual(page.errors(), [])
 
     def test_pointing_at_a_surface_shows_u(self):
         for width in (1280, 390):

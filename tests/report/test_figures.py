@@ -91,7 +91,7 @@ class FolderTest(unittest.TestCase):
     def test_three_swept_keys_are_drawn_as_small_multiples(self):
         folder = grid(self.root, speeds=(3.0, 5.0, 7.0, 9.0))
         sweep = self.draw(folder, fig_multiples, fig_measures)
-        self.assertIn("multiples_eta_period_1.pdf", self.names())
+        self.assertIn("multiples_eta_period_1.png", self.names())
         self.assertNotIn("eta.png", self.names())  # would have twelve curves in one panel
         x, y, others = fig_heat.plane(sweep)
         self.assertEqual((x, y, others), (AM, SPEED, [FWHM]))
@@ -124,7 +124,7 @@ class FolderTest(unittest.TestCase):
         lines = [[(0.01, 0.0), (0.0, 0.01)], [(-0.01, 0.0), (0.0, -0.01), (0.01, 0.0)]]
         folder.add({AM: 100.0}, drawn=lines, scalars={"sharpness_1": 0.75})
         sweep = self.draw(folder, fig_intensity)
-        self.assertIn("intensity.pdf", self.names())
+        self.assertIn("intensity.png", self.names())
         x, y, square, found = load.mean_square(sweep.cases[0])
         self.assertEqual(square.shape, (len(x), len(y)))
         self.assertEqual([line.tolist() for line in found],

@@ -13,7 +13,7 @@ import h5py
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import case_id, sweep  # noqa: E402
+from synthetic import case_id, sweep, with_pdf  # noqa: E402
 
 import fig_frequency  # noqa: E402
 import fig_measures  # noqa: E402
@@ -66,6 +66,7 @@ class UnchangedTest(unittest.TestCase):
         loaded.cases[0].warnings.append({"severity": "error", "key": "domain.extent_mm", "message": "waves return"})
         self.assertNotEqual(drawn.key("measures", loaded), before)
 
+    @with_pdf
     def test_a_removed_picture_is_drawn_again(self):
         self.draw()
         (self.report / "eta.pdf").unlink()

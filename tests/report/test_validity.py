@@ -69,8 +69,8 @@ class ValidityTest(unittest.TestCase):
         with mock.patch.object(style, "save", keep):
             figures = draw(load.load(folder.save()), self.root / "report")
         self.addCleanup(plt.close, "all")
-        for name in kept:  # for papers, too
-            self.assertTrue((self.root / "report" / (name + ".pdf")).exists())
+        for name in kept:
+            self.assertTrue((self.root / "report" / (name + ".png")).exists())
         return {figure.name: figure for figure in figures}, kept
 
     @staticmethod

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 #include <complex>
 #include <numbers>
+#include <string_view>
 
 using namespace shearwake;
 
@@ -26,27 +27,40 @@ struct NamedLoad {
     Trajectory trajectory;
     Envelope envelope = {};
     std::vector<Vec2> foci_m = {};
+    Footprint footprint = GaussianFootprint{5e-3};
 };
 
-/// Loads whose least common period is 10 ms.
-std::vector<NamedLoad> loads() {
+/// Loads whose least common period is 10 ms: six kinds for every medium, and further combinations
+/// of them for one.
+std::vector<NamedLoad> loads(std::string_view medium) {
     Travel with_speed = circle(6e-3, 100.0);
     with_speed.motion = OscillatingSpeed{turn * 6e-3 * 100.0, 1.0, 200.0, 0.4};
     const Travel there_and_back{Curve(Vec2{-7e-3, 1e-3}, Vec2{7e-3, -2e-3}),
                                 ConstantSpeed{2.0 * std::hypot(14e-3, 3e-3) / period_s},
                                 AtEnd::back_and_forth};
-    return {{"STM", {{circle(8e-3, 100.0)}}},
-            {"back and forth", {{there_and_back}}},
-            {"AM",
-             {{Hold{{2e-3, 1e-3}}}},
-             {{SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}}},
-            {"LM", {{Swing{{4e-3, 1e-3}, 100.0}}}},
-            {"SM-STM", {{with_speed}}},
-            {"STP", {{circle(5e-3, 100.0), circle(2e-3, 300.0)}}},
-            {"AM-STM with two foci",
-             {{circle(5e-3, 100.0)}},
-             {{SineGain{.frequency_Hz = 200.0}}},
-             {{0.0, 3e-3}, {0.0, -3e-3}}}};
+    std::vector<NamedLoad> kinds = {
+        {"STM", {{circle(8e-3, 100.0)}}},
+        {"back and forth", {{there_and_back}}},
+        {"AM",
+         {{Hold{{2e-3, 1e-3}}}},
+         {{SineGain{.frequency_Hz = 200.0}, SineGain{.frequency_Hz = 300.0}}}},
+        {"LM", {{Swing{{4e-3, 1e-3}, 100.0}}}},
+        {"SM-STM", {{with_speed}}},
+        {"STP", {{circle(5e-3, 100.0), circle(2e-3, 300.0)}}}};
+    if (medium != "skin") return kinds;
+    const std::vector<NamedLoad> combinations = {
+        {"DTP", {{circle(6e-3, 100.0), circle(2e-3, 300.0)}}, {{SineGain{.frequency_Hz = 200.0}}}},
+        {"custom",
+         {{there_and_back, Swing{{0.0, 2e-3}, 300.0}}},
+         {{SineGain{.frequency_Hz = 200.0, .on = GainOn::pressure},
+           SquareGain{.frequency_Hz = 100.0, .edge_s = 1e-3}}}},
+        {"STM of an array", {{circle(8e-3, 100.0)}}, {}, {}, ArrayFootprint{.reach_m = 20e-3}},
+        {"AM-STM with two foci",
+         {{circle(5e-3, 100.0)}},
+         {{SineGain{.frequency_Hz = 200.0}}},
+         {{0.0, 3e-3}, {0.0, -3e-3}}}};
+    kinds.insert(kinds.end(), combinations.begin(), combinations.end());
+    return kinds;
 }
 
 struct NamedMedium {
@@ -71,7 +85,7 @@ Case periodic_case(const Medium& medium) {
     c.domain = {36, 32, 1.25e-3, 0.0, DomainEdges::open};
     c.time = {60, period_s / 60.0, Regime::periodic};
     c.measure.at_s = period_s;
-    c.solver = LayeredOptions{.time_step_s = period_s / 240.0}; // all loads share one table
+    c.solver = LayeredOptions{.time_step_s = period_s / 120.0}; // all loads share one table
     return c;
 }
 
@@ -93,9 +107,10 @@ TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") 
     for (const NamedMedium& medium : media()) {
         const auto steady = engines::make_engine(LayeredOptions{}),
                    transient = engines::make_engine(LayeredOptions{});
-        for (const NamedLoad& load : loads()) {
+        for (const NamedLoad& load : loads(medium.name)) {
             INFO(load.name << " on the medium " << medium.name);
             Case c = periodic_case(medium.medium);
+            c.scene().load.footprint = load.footprint;
             c.scene().load.modulation = {load.name, load.trajectory, load.envelope, load.foci_m};
             const LoadPeriod period = least_period(c.scene().load, 1.0);
             REQUIRE(period.trouble.empty());

@@ -3,7 +3,7 @@
 const SOFT = {density_kg_m3: 1000, c_p_m_s: 1500};
 const PRESETS = {
   "thesis-tissue": {label: "Tissue of the thesis", base: "rigid",
-    layers: [{name: "tissue", ...SOFT, thickness_mm: 20, c_s_m_s: 5, viscosity_Pa_s: 1}]},
+    layers: [{name: "thesis-tissue", ...SOFT, thickness_mm: 20, c_s_m_s: 5, viscosity_Pa_s: 1}]},
   "forearm": {label: "Forearm", base: "rigid",
     layers: [{name: "forearm", ...SOFT, thickness_mm: 20, c_s_m_s: 2.8035691537752375, viscosity_Pa_s: 5.03}]},
   "three-layer-skin": {label: "Skin of three layers", base: "half-space",

@@ -40,10 +40,11 @@ const LAYER_SLIDERS = {
   viscosity_Pa_s: {label: "Viscosity", unit: "Pa s", min: 0, max: 10, step: 0.1},
 };
 
-const number = value => {  // a TOML float
-  const text = String(Number(Number(value).toPrecision(12)));
+const exact = value => {  // a TOML float
+  const text = String(Number(value));
   return /[.e]/.test(text) ? text.replace("e+", "e") : text + ".0";
 };
+const number = value => exact(Number(value).toPrecision(12));  // without the rounding errors of products
 const pair = (x, y) => `[${number(x)}, ${number(y)}]`;
 
 function speedOf(s) { return s.kind === "SM-STM" ? `speed_deviation_m_s = ${number(Math.min(s.dv, 0.9 * s.speed))}\n` : ""; }
@@ -72,12 +73,12 @@ function mediumOf(s) {
   return `[medium]\nbase = "${s.base}"\n` + s.layers.map((layer, i) => {
     const last = i === s.layers.length - 1 && s.base === "half-space";
     const loss = layer.tau_us !== undefined
-      ? `loss = { law = "fractional", tau_us = ${number(layer.tau_us)}, exponent = ${number(layer.exponent)} }`
-      : `viscosity_Pa_s = ${number(layer.viscosity_Pa_s)}`;
+      ? `loss = { law = "fractional", tau_us = ${exact(layer.tau_us)}, exponent = ${exact(layer.exponent)} }`
+      : `viscosity_Pa_s = ${exact(layer.viscosity_Pa_s)}`;
     return `\n[[medium.layer]]\nname = ${JSON.stringify(layer.name)}\n`
-      + (last ? "" : `thickness_mm = ${number(layer.thickness_mm ?? 20)}\n`)
-      + `density_kg_m3 = ${number(layer.density_kg_m3)}\nc_p_m_s = ${number(layer.c_p_m_s)}\n`
-      + `c_s_m_s = ${number(layer.c_s_m_s)}\n${loss}\n`;
+      + (last ? "" : `thickness_mm = ${exact(layer.thickness_mm ?? 20)}\n`)
+      + `density_kg_m3 = ${exact(layer.density_kg_m3)}\nc_p_m_s = ${exact(layer.c_p_m_s)}\n`
+      + `c_s_m_s = ${exact(layer.c_s_m_s)}\n${loss}\n`;
   }).join("");
 }
 

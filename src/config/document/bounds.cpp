@@ -45,7 +45,9 @@ std::optional<PhysicalBounds> physical_bounds(std::string_view key) {
     return std::nullopt;
 }
 
-std::string_view instead_of_zero(std::string_view key) {
+std::string_view instead_of_zero(std::string_view key, std::string_view kind) {
+    if (key == "am_frequency_Hz" && kind != "AM-STM")
+        return "for a constant amplitude, set am_depth = 0";
     if (key == "am_frequency_Hz")
         return "for a case without modulation, set am_depth = 0, or use kind = \"STM\" instead of "
                "\"AM-STM\"; a sweep is compared with it by reference = { kind = \"STM\" } in "

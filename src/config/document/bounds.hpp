@@ -18,7 +18,8 @@ struct PhysicalBounds {
 std::optional<PhysicalBounds> physical_bounds(std::string_view key);
 
 /// How to request what a user may have meant by the value 0 of a key that must not be 0; empty if
-/// nothing is known. A sentence without a capital letter and a full stop.
-std::string_view instead_of_zero(std::string_view key);
+/// nothing is known. `kind`: that of the same table, or empty. A sentence without a capital letter
+/// and a full stop.
+std::string_view instead_of_zero(std::string_view key, std::string_view kind);
 
 } // namespace shearwake::config

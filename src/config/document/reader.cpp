@@ -80,7 +80,10 @@ std::optional<double> Reader::checked(std::string_view key, const Node& node,
         return std::nullopt;
     }
     if (!std::isfinite(*value) || !range.holds(*value)) {
-        const std::string_view hint = *value == 0.0 ? instead_of_zero(key) : "";
+        const Entry* kind = std::get<TableNode>(table_->value).find("kind");
+        const auto* word = kind ? std::get_if<std::string>(&kind->value->value) : nullptr;
+        const std::string_view hint =
+            *value == 0.0 ? instead_of_zero(key, word ? *word : std::string_view()) : "";
         diagnostics_->error(node.at,
                             fmt::format("{} must be {}, but is {}{}{}", full(key), range.words(),
                                         exact(*value), hint.empty() ? "" : "; ", hint));

@@ -6,10 +6,30 @@
 #include "base/units.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
+#include <utility>
 
 namespace shearwake::config {
 namespace {
+
+/// Words that users try, and the tables of a job that they mean.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 15> tables_by_other_names = {
+    {{"receptors", "afferents"},
+     {"receptor", "afferents"},
+     {"fibres", "afferents"},
+     {"fibers", "afferents"},
+     {"nerves", "afferents"},
+     {"neural", "afferents"},
+     {"skin", "medium"},
+     {"tissue", "medium"},
+     {"material", "medium"},
+     {"focus", "load"},
+     {"pressure", "load"},
+     {"source", "load"},
+     {"grid", "domain"},
+     {"engine", "solver"},
+     {"output", "record"}}};
 
 /// Whether each part of `key` between underscores begins the same part of `other`, as in
 /// draw_freq_Hz and draw_frequency_Hz.
@@ -81,6 +101,11 @@ std::string Reader::unknown_message(std::string_view key, std::optional<std::str
     meant = written_out != known_.end() ? *written_out : nearest(key, known_);
     if (meant) return fmt::format("{}; did you mean {}?", start, *meant);
     if (!path_.empty()) return start;
+    for (const auto& [word, table] : tables_by_other_names)
+        if (key == word && std::ranges::find(known_, table) != known_.end()) {
+            meant = table;
+            return fmt::format("{}; did you mean [{}]?", start, table);
+        }
     return start + "; give keys with their tables, as in load.peak_Pa";
 }
 

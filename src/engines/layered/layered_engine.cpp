@@ -60,7 +60,7 @@ public:
     /// are added, or null. Collective.
     void compute(TransferTable& table, std::size_t depth, std::ptrdiff_t first,
                  std::ptrdiff_t count, std::ptrdiff_t most_rows, Energy* energy,
-                 engines::Checkpoints* checkpoints) {
+                 CaseProgress& progress) {
         const engines::Timed timed(of_sample);
         for (std::ptrdiff_t ky = 0; ky < most_rows; ++ky) {
             const bool is_mine = ky < share_.ky_count;
@@ -68,7 +68,7 @@ public:
             const bool adds = energy && is_mine; // the tables are then in memory, see TransferTable
             const Row surface = adds ? Row{table.row(ky, 0), energy->losses->row(ky, 0)} : Row{};
             for (std::ptrdiff_t kx = 0; kx < kept_nx_; kx += lines_together) {
-                engines::end_if_asked(checkpoints);
+                progress.end_if_asked();
                 if (!is_mine) continue;
                 const std::ptrdiff_t lines = std::min(lines_together, kept_nx_ - kx);
                 for (std::ptrdiff_t l = 0; l < lines; ++l) {
@@ -78,6 +78,7 @@ public:
                 backward_.execute(lines_.data());
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
                               count, plane(), fft::reals(spectra_.data() + ky * kept_nx_ + kx));
+                progress.did(CaseProgress::Stage::samples, static_cast<double>(lines));
             }
         }
     }
@@ -198,7 +199,7 @@ TimeLines time_lines(const Case& given, const fft::SlabShare& share) {
         .time_lines();
 }
 
-void LayeredEngine::prepare(const Case& c, const Comm& team, engines::Checkpoints* checkpoints) {
+void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progress) {
     if (!slabs_ || slabs_nx_ != c.domain.nx || slabs_ny_ != c.domain.ny) {
         slabs_ = std::make_unique<fft::SlabTransform>(c.domain.nx, c.domain.ny, team);
         slabs_nx_ = c.domain.nx;
@@ -209,19 +210,30 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, engines::Checkpoint
         loss_table_.reset();
     }
     const auto& options = std::get<LayeredOptions>(c.solver);
-    keep_table(table_, key_of(c, options), team, checkpoints);
-    keep_table(stress_table_, stress_key_of(c, options), team, checkpoints);
-    keep_table(tangential_table_, tangential_key_of(c, options), team, checkpoints);
-    keep_table(loss_table_, loss_key_of(c, options), team, checkpoints);
+    const std::ptrdiff_t ky_count = slabs_->share().ky_count;
+    struct Kept {
+        std::unique_ptr<TransferTable>& table;
+        TransferKey key;
+    };
+    const Kept tables[] = {{table_, key_of(c, options)},
+                           {stress_table_, stress_key_of(c, options)},
+                           {tangential_table_, tangential_key_of(c, options)},
+                           {loss_table_, loss_key_of(c, options)}};
+    expect_frames(progress, c, tables[0].key, ky_count, team.size());
+    for (const Kept& kept : tables)
+        if (!kept.table || kept.table->key() != kept.key)
+            expect_table(progress, kept.key, ky_count, team.size());
+    for (const Kept& kept : tables)
+        keep_table(kept.table, kept.key, team, progress);
 }
 
 void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key,
-                               const Comm& team, engines::Checkpoints* checkpoints) {
+                               const Comm& team, CaseProgress& progress) {
     if (table && table->key() == key) return;
     table.reset(); // freed first, as two tables may not fit into memory
     if (key.depths_m.empty()) return;
     const fft::SlabShare& share = slabs_->share();
-    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, checkpoints);
+    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, &progress);
 }
 
 engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
@@ -242,7 +254,8 @@ void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& obse
 void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observer& observer,
                             engines::Checkpoints* checkpoints) {
     const Case c = solved_case(given);
-    prepare(c, team, checkpoints);
+    CaseProgress progress(checkpoints);
+    prepare(c, team, progress);
     const fft::SlabShare& share = slabs_->share();
     // All ranks use the same batch, determined by the largest slab.
     const auto largest = std::lround(team.max(static_cast<double>(share.ky_count)));
@@ -266,16 +279,17 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                 const std::ptrdiff_t count = std::min(batch, c.time.frames - first);
                 const bool is_first = &table == table_.get() && depth == 0 && first == 0;
                 spectra->compute(table, other + depth, first, count, largest,
-                                 energy && is_first ? &*energy : nullptr, checkpoints);
+                                 energy && is_first ? &*energy : nullptr, progress);
                 const engines::Timed frames(of_frame);
                 for (std::ptrdiff_t n = 0; n < count; ++n) {
-                    engines::end_if_asked(checkpoints);
+                    progress.end_if_asked();
                     slabs_->to_physical([&](std::ptrdiff_t ky,
                                             Complex* row) { spectra->put_row(first, n, ky, row); },
                                         plane.data());
                     give(first + n, depth,
                          View2<const double>(plane.data() + inner.offset, inner.x_count,
                                              given.domain.ny, share.padded_ny));
+                    progress.did(CaseProgress::Stage::frames);
                 }
             }
         }

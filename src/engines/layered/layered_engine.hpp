@@ -39,10 +39,10 @@ private:
     /// run() without the end of a stop: throws StopRequested on all ranks.
     void compute(const Case& c, const Comm& team, engines::Observer& observer,
                  engines::Checkpoints* checkpoints);
-    void prepare(const Case& c, const Comm& team, engines::Checkpoints* checkpoints);
+    void prepare(const Case& c, const Comm& team, CaseProgress& progress);
     /// Frees the table if the key has no depths.
     void keep_table(std::unique_ptr<TransferTable>& table, const TransferKey& key, const Comm& team,
-                    engines::Checkpoints* checkpoints);
+                    CaseProgress& progress);
 
     /// Number of evaluations of H per frequency for the last estimated medium, which the cases of a
     /// sweep often share.

@@ -14,6 +14,12 @@ namespace shearwake::layered {
 namespace {
 
 using namespace kinds;
+
+/// Number of depths of the stress and of components of the tangential displacement.
+double other_fields(const Case& c) {
+    return static_cast<double>(stress_depths_m(c).size()) + (wants_tangential(c) ? 2.0 : 0.0);
+}
+
 using Complex = std::complex<double>;
 
 /// Limit for the spectra of all frames of a rank. Above it, the time transforms are repeated for
@@ -84,6 +90,9 @@ double radial_products(const TransferKey& key) {
            (4.0 * columns + 600.0);
 }
 
+/// Typical number of evaluations of H per frequency, until their time has been measured.
+constexpr double typical_evaluations = 500.0;
+
 /// A case with two layers, dermis and fat.
 Case calibration_case(std::ptrdiff_t nx, std::ptrdiff_t ny, std::ptrdiff_t frames) {
     return engines::calibration_case({{2e-3, 3.65, 1.0}, {18e-3, 2.24, 1.0}}, 4e-3,
@@ -136,6 +145,48 @@ std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count) {
     return std::clamp<std::ptrdiff_t>(fitting, 1, c.time.frames);
 }
 
+void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t ky_count,
+                  int ranks) {
+    using Stage = CaseProgress::Stage;
+    if (key.depths_m.empty()) return;
+    const bool is_open = key.edges == DomainEdges::open;
+    const auto depths = static_cast<double>(key.depths_m.size());
+    const double frequencies = std::floor(static_cast<double>(key.time.samples) / 2.0) + 1.0;
+    // With open edges H is evaluated on the contour as well.
+    const double fits = (is_open ? 2.0 : 1.0) * std::ceil(frequencies / ranks);
+    const double layers = static_cast<double>(key.medium.layers.size());
+    progress.expect(Stage::response, fits,
+                    fits * typical_evaluations * layers * of_response.assumed_s);
+    if (is_open)
+        progress.expect(Stage::radial,
+                        static_cast<double>(radial_blocks(key.spacing_m, reach_m(key))),
+                        radial_products(key) * of_radial.assumed_s / ranks);
+    if (!is_open &&
+        TransferTable::expanded_bytes(key, ky_count) > TransferTable::largest_expansion_B)
+        return;
+    const double points = static_cast<double>(key.nx) * static_cast<double>(key.ny);
+    progress.expect(
+        Stage::expansion, depths * (is_open ? frequencies : static_cast<double>(ky_count)),
+        depths * points * static_cast<double>(key.time.samples) * of_expansion.assumed_s / ranks);
+}
+
+void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
+                   std::ptrdiff_t ky_count, int ranks) {
+    using Stage = CaseProgress::Stage;
+    const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
+    const auto frames = static_cast<double>(c.time.frames);
+    const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
+    const bool along_x = LoadSpectrum::keeps_y(c, key.time);
+    const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
+    const double lines = depths * batches * static_cast<double>(ky_count * kept_nx);
+    const double sample_s = of_far_sample.assumed_s + (along_x ? 0.0 : of_load.assumed_s);
+    progress.expect(Stage::samples, lines,
+                    2.0 * lines * static_cast<double>(key.time.samples) * sample_s);
+    const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+    progress.expect(Stage::frames, depths * frames,
+                    depths * frames * points * of_far_frame.assumed_s / ranks);
+}
+
 double LayeredEngine::evaluations_per_frequency(const TransferKey& key, const TransferKey& stress,
                                                 const TransferKey& loss) const {
     TransferKey curves = key; // without the range of frequencies, on which the panels do not depend
@@ -153,9 +204,7 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const auto& options = std::get<LayeredOptions>(c.solver);
     const TransferKey key = key_of(c, options);
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    // The two tangential components count as two depths.
-    const double stresses =
-        static_cast<double>(stress_depths_m(c).size()) + (wants_tangential(c) ? 2.0 : 0.0);
+    const double stresses = other_fields(c);
     const double depths = static_cast<double>(c.measure.depths_m.size()) + stresses;
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);

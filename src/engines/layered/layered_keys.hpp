@@ -19,4 +19,12 @@ TransferKey loss_key_of(const Case& c, const LayeredOptions& options);
 /// collective.
 std::ptrdiff_t frames_per_batch(const Case& c, std::ptrdiff_t ky_count);
 
+/// Adds the work of a table to the progress of a case, on a rank with ky_count rows of a team of
+/// `ranks`. Not collective.
+void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t ky_count,
+                  int ranks);
+/// Adds the work of the frames of this rank. Not collective.
+void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
+                   std::ptrdiff_t ky_count, int ranks);
+
 } // namespace shearwake::layered

@@ -100,9 +100,9 @@ std::size_t loss_nodes(double spacing_m, double reach_m) {
 }
 
 std::vector<Complex> loss_tables(std::span<const RadialInterpolant> losses, double spacing_m,
-                                 double reach_m, std::size_t radii) {
+                                 double reach_m, std::size_t radii,
+                                 const std::function<void()>& block_done) {
     using Matrix = Eigen::MatrixXd;
-    constexpr std::size_t together = 256; // radii, which limits the memory
     const FixedPanels panels(spacing_m, reach_m);
     const auto nodes = static_cast<Eigen::Index>(panels.nodes()), columns = std::ssize(losses);
     Matrix weights(nodes, 2 * columns); // real and imaginary parts
@@ -115,8 +115,8 @@ std::vector<Complex> loss_tables(std::span<const RadialInterpolant> losses, doub
     }
     std::vector<Complex> tables(losses.size() * radii);
     Matrix bessel;
-    for (std::size_t first = 0; first < radii; first += together) {
-        const std::size_t count = std::min(together, radii - first);
+    for (std::size_t first = 0; first < radii; first += radii_together) {
+        const std::size_t count = std::min(radii_together, radii - first);
         bessel.resize(static_cast<Eigen::Index>(count), nodes);
         for (Eigen::Index i = 0; i < nodes; ++i) {
             const double k = panels.node_rad_m(static_cast<std::size_t>(i));
@@ -130,6 +130,7 @@ std::vector<Complex> loss_tables(std::span<const RadialInterpolant> losses, doub
                 tables[static_cast<std::size_t>(c) * radii + first + r] = {
                     part(static_cast<Eigen::Index>(r), 2 * c),
                     part(static_cast<Eigen::Index>(r), 2 * c + 1)};
+        if (block_done) block_done();
     }
     return tables;
 }

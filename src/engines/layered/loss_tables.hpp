@@ -5,6 +5,7 @@
 #include "engines/layered/stack_response.hpp"
 
 #include <complex>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -25,8 +26,10 @@ RadialInterpolant fit_loss(const StackResponse& response, double spacing_m, doub
 std::size_t loss_nodes(double spacing_m, double reach_m);
 
 /// For each function, l at the radii 0, spacing/4, ...: [function][radius]. `reach_m` is the
-/// largest radius for which it is accurate. Not collective.
+/// largest radius for which it is accurate. Calls `block_done` after each block of radii_together
+/// radii. Not collective.
 std::vector<std::complex<double>> loss_tables(std::span<const RadialInterpolant> losses,
-                                              double spacing_m, double reach_m, std::size_t radii);
+                                              double spacing_m, double reach_m, std::size_t radii,
+                                              const std::function<void()>& block_done = {});
 
 } // namespace shearwake::layered

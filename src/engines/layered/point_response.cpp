@@ -25,13 +25,25 @@ double pass_rad_m(double spacing_m) {
     return pi / (spacing_m * std::pow(10.0 * std::numbers::ln10, 1.0 / exponent));
 }
 
+/// cos z with one exponential; std::cos(z) calls cosh and sinh. |z| is moderate here.
+Complex cosine(Complex z) {
+    const double growing = 0.5 * std::exp(z.imag()), falling = 0.25 / growing;
+    return {(falling + growing) * std::cos(z.real()), (falling - growing) * std::sin(z.real())};
+}
+
 /// The mean of cos(z cos(theta)) over the angles of a trapezoidal rule of 64 points, which is exact
 /// to J_64(z).
 Complex near_j0(Complex z) {
-    constexpr int quarter = 16;
+    constexpr std::size_t quarter = 16;
+    static const std::array<double, quarter> nodes = [] {
+        std::array<double, quarter> found;
+        for (std::size_t j = 0; j < quarter; ++j)
+            found[j] = std::cos(0.5 * pi * (static_cast<double>(j) + 0.5) / quarter);
+        return found;
+    }();
     Complex sum = 0.0;
-    for (int j = 0; j < quarter; ++j)
-        sum += std::cos(z * std::cos(0.5 * pi * (j + 0.5) / quarter));
+    for (const double node : nodes)
+        sum += cosine(z * node);
     return sum / static_cast<double>(quarter);
 }
 
@@ -98,11 +110,20 @@ PointRule point_rule(double spacing_m, double reach_m) {
 
 PointResponse::PointResponse(double spacing_m, double reach_m)
     : rule_(point_rule(spacing_m, reach_m)), step_m_(spacing_m / radii_per_spacing),
-      radii_(static_cast<std::size_t>(std::ceil(reach_m / step_m_)) + interpolated) {}
+      radii_(table_radii(spacing_m, reach_m)) {}
 
-std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns) const {
+std::size_t table_radii(double spacing_m, double reach_m) {
+    const double step_m = spacing_m / radii_per_spacing;
+    return static_cast<std::size_t>(std::ceil(reach_m / step_m)) + interpolated;
+}
+
+std::size_t radial_blocks(double spacing_m, double reach_m) {
+    return (table_radii(spacing_m, reach_m) + radii_together - 1) / radii_together;
+}
+
+std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns,
+                                           const std::function<void()>& block_done) const {
     using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic>;
-    constexpr std::size_t together = 256; // radii, which limits the memory
     const auto nodes = static_cast<Eigen::Index>(rule_.k_rad_m.size());
     Matrix weighted(nodes, static_cast<Eigen::Index>(columns));
     for (Eigen::Index c = 0; c < weighted.cols(); ++c)
@@ -111,8 +132,8 @@ std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size
                              rule_.weight[static_cast<std::size_t>(i)];
     std::vector<Complex> tables(columns * radii_);
     Matrix bessel;
-    for (std::size_t first = 0; first < radii_; first += together) {
-        const std::size_t count = std::min(together, radii_ - first);
+    for (std::size_t first = 0; first < radii_; first += radii_together) {
+        const std::size_t count = std::min(radii_together, radii_ - first);
         bessel.resize(static_cast<Eigen::Index>(count), nodes);
         for (Eigen::Index i = 0; i < nodes; ++i)
             for (Eigen::Index r = 0; r < bessel.rows(); ++r)
@@ -124,6 +145,7 @@ std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size
             for (std::size_t r = 0; r < count; ++r)
                 tables[c * radii_ + first + r] =
                     part(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+        if (block_done) block_done();
     }
     return tables;
 }

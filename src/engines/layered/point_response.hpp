@@ -4,6 +4,7 @@
 #include "engines/layered/stack_response.hpp"
 
 #include <complex>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -39,6 +40,11 @@ PointRule point_rule(double spacing_m, double reach_m);
 /// Number of radii per grid spacing of a table of g, and of values used for interpolation.
 inline constexpr double radii_per_spacing = 4.0;
 inline constexpr int interpolated = 12;
+/// Number of radii that are computed together, which limits the memory.
+inline constexpr std::size_t radii_together = 256;
+/// Number of radii of a table up to this reach, and of the blocks in which they are computed.
+std::size_t table_radii(double spacing_m, double reach_m);
+std::size_t radial_blocks(double spacing_m, double reach_m);
 
 /// Tables of g at radii 0, spacing/4, ... up to a reach, with the values that interpolation needs
 /// beyond it. Not collective.
@@ -49,9 +55,11 @@ public:
     const std::vector<std::complex<double>>& nodes_rad_m() const { return rule_.k_rad_m; }
 
     /// For each of `columns` functions whose values at the nodes are columns of `h`
-    /// ([column][node]), g at all radii: [column][radius].
+    /// ([column][node]), g at all radii: [column][radius]. Calls `block_done` after each of
+    /// radial_blocks().
     std::vector<std::complex<double>> tables(std::span<const std::complex<double>> h,
-                                             std::size_t columns) const;
+                                             std::size_t columns,
+                                             const std::function<void()>& block_done = {}) const;
 
 private:
     PointRule rule_;

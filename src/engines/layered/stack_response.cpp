@@ -5,6 +5,7 @@
 #include "engines/layered/gauss_rule.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -121,17 +122,42 @@ struct InLayer {
     bool radiates = false; // a half-space, without `up`
 };
 
+/// The larger of the magnitudes of both parts: a norm without a root.
+double magnitude(Complex z) {
+    return std::max(std::abs(z.real()), std::abs(z.imag()));
+}
+
+/// Solves for both right sides by elimination with column scaling and partial pivoting. Eigen's LU
+/// decomposition calls routines for matrices of any size, and takes three times as long for 4 x 4.
 Continuation solve_bottom(const Pair& up_at_bottom, const Pair& down_at_bottom, const Pair& below) {
-    Eigen::Matrix<Complex, 4, 4> a;
-    a << up_at_bottom, -below;
-    Eigen::Array<double, 4, 1> norms;
+    Eigen::Matrix<Complex, 4, 6> a;
+    a << up_at_bottom, -below, -down_at_bottom;
+    std::array<double, 4> scales;
     for (int column = 0; column < 4; ++column) {
-        norms[column] = a.col(column).cwiseAbs().maxCoeff();
-        a.col(column) /= norms[column];
+        double largest = 0.0;
+        for (int row = 0; row < 4; ++row)
+            largest = std::max(largest, magnitude(a(row, column)));
+        scales[static_cast<std::size_t>(column)] = 1.0 / largest;
+        a.col(column) *= 1.0 / largest;
     }
-    Eigen::Matrix<Complex, 4, 2> x = a.partialPivLu().solve(-down_at_bottom);
+    for (int step = 0; step < 4; ++step) {
+        int pivot = step;
+        for (int row = step + 1; row < 4; ++row)
+            if (magnitude(a(row, step)) > magnitude(a(pivot, step))) pivot = row;
+        if (pivot != step) a.row(pivot).swap(a.row(step));
+        const Complex inverse = std::conj(a(step, step)) / std::norm(a(step, step));
+        for (int column = step + 1; column < 6; ++column)
+            a(step, column) *= inverse;
+        for (int row = 0; row < 4; ++row) {
+            if (row == step) continue;
+            const Complex factor = a(row, step);
+            for (int column = step + 1; column < 6; ++column)
+                a(row, column) -= factor * a(step, column);
+        }
+    }
+    Eigen::Matrix<Complex, 4, 2> x = a.rightCols<2>();
     for (int row = 0; row < 4; ++row)
-        x.row(row) /= norms[row];
+        x.row(row) *= scales[static_cast<std::size_t>(row)];
     return {x.topRows<2>(), x.bottomRows<2>()};
 }
 

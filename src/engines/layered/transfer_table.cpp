@@ -15,6 +15,7 @@
 namespace shearwake::layered {
 
 using namespace kinds;
+using Stage = CaseProgress::Stage;
 using Complex = std::complex<double>;
 
 Complex TimeTransform::omega(std::ptrdiff_t m) const {
@@ -26,8 +27,7 @@ double TransferTable::from_rad_m() const {
     return key_.edges == DomainEdges::open ? remainder_from_rad_m(key_.spacing_m) : 0.0;
 }
 
-TransferTable::Panels TransferTable::fit(const Comm& team,
-                                         engines::Checkpoints* checkpoints) const {
+TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progress) const {
     const double k_max = std::numbers::pi / key_.spacing_m * std::numbers::sqrt2 * (1.0 + 1e-9);
     const double from = from_rad_m();
     const engines::Timed timed(of_response);
@@ -37,7 +37,7 @@ TransferTable::Panels TransferTable::fit(const Comm& team,
     // same.
     fail_together(team, [&] {
         for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
-            stops = checkpoints && checkpoints->stop_asked();
+            stops = progress && progress->stop_asked();
             const std::ptrdiff_t m = first + team.rank();
             if (stops || m >= frequencies()) continue;
             const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m,
@@ -48,6 +48,7 @@ TransferTable::Panels TransferTable::fit(const Comm& team,
             const auto packed = fitted.packed();
             mine.sizes.push_back(static_cast<double>(packed.size()));
             mine.values.insert(mine.values.end(), packed.begin(), packed.end());
+            if (progress) progress->did(Stage::response);
         }
     });
     if (stops) throw engines::StopRequested{};
@@ -55,18 +56,17 @@ TransferTable::Panels TransferTable::fit(const Comm& team,
 }
 
 TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
-                             std::ptrdiff_t ky_count, const Comm& team,
-                             engines::Checkpoints* checkpoints)
+                             std::ptrdiff_t ky_count, const Comm& team, CaseProgress* progress)
     : key_(key), ky_start_(ky_start), ky_count_(ky_count) {
     const std::size_t depths = key.depths_m.size();
-    const Panels mine = fit(team, checkpoints);
+    const Panels mine = fit(team, progress);
     std::optional<PointResponse> point;
     std::vector<Complex> tables;
     if (key.edges == DomainEdges::open) {
         together(team, [&] {
             point.emplace(key.spacing_m, key.spacing_m * std::hypot(key.nx / 2, key.ny / 2));
         });
-        tables = team.all_gather(point_tables(*point, team, checkpoints));
+        tables = team.all_gather(point_tables(*point, team, progress));
     }
     const engines::Timed timed(of_response);
     const std::vector<double> all_sizes = team.all_gather(mine.sizes);
@@ -89,36 +89,42 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
                                  : row_size);
         if (!expanded_ || point) return;
         for (std::size_t depth = 0; depth < depths; ++depth)
-            for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
+            for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky) {
                 expand(ky, depth,
                        values_.data() + (depth * static_cast<std::size_t>(ky_count_) +
                                          static_cast<std::size_t>(ky)) *
                                             row_size);
+                if (progress) progress->did(Stage::expansion);
+            }
     });
-    if (point) expand_open(*point, tables, team);
+    if (point) expand_open(*point, tables, team, progress);
 }
 
 std::vector<Complex> TransferTable::point_tables(const PointResponse& point, const Comm& team,
-                                                 engines::Checkpoints* checkpoints) const {
+                                                 CaseProgress* progress) const {
     const engines::Timed timed(of_response);
     const std::size_t depths = key_.depths_m.size(), nodes = point.nodes_rad_m().size();
     std::vector<Complex> tables;
     bool stops = false;
+    const auto block_done = [&] {
+        if (progress) progress->did(Stage::radial);
+    };
     fail_together(team, [&] {
         if (key_.quantity == StackQuantity::loss) {
             std::vector<RadialInterpolant> losses;
             for (std::ptrdiff_t first = 0; first < frequencies() && !stops; first += team.size()) {
-                stops = checkpoints && checkpoints->stop_asked();
+                stops = progress && progress->stop_asked();
                 const std::ptrdiff_t m = first + team.rank();
                 if (stops || m >= frequencies()) continue;
                 const StackResponse response(key_.medium, key_.time.omega(m), key_.depths_m);
                 losses.push_back(fit_loss(response, key_.spacing_m, key_.tolerance));
+                if (progress) progress->did(Stage::response);
             }
             const engines::Timed radial(of_radial);
             if (!stops)
                 tables = loss_tables(losses, key_.spacing_m,
                                      key_.spacing_m * std::hypot(key_.nx / 2, key_.ny / 2),
-                                     point.radii());
+                                     point.radii(), block_done);
             return;
         }
         std::vector<Complex> h, of_node(depths);
@@ -132,17 +138,18 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
                 for (std::size_t d = 0; d < depths; ++d)
                     h[first + d * nodes + i] = of_node[d];
             }
+            if (progress) progress->did(Stage::response);
         }
-        stops = checkpoints && checkpoints->stop_asked();
+        stops = progress && progress->stop_asked();
         const engines::Timed radial(of_radial);
-        if (!stops) tables = point.tables(h, h.size() / nodes);
+        if (!stops) tables = point.tables(h, h.size() / nodes, block_done);
     });
     if (stops) throw engines::StopRequested{};
     return tables;
 }
 
 void TransferTable::expand_open(const PointResponse& point, std::span<const Complex> tables,
-                                const Comm& team) {
+                                const Comm& team, CaseProgress* progress) {
     const engines::Timed timed(of_expansion);
     const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
     const std::size_t depths = key_.depths_m.size();
@@ -173,6 +180,7 @@ void TransferTable::expand_open(const PointResponse& point, std::span<const Comp
                         *out = value;
                         out += frequencies();
                     }
+                    if (progress) progress->did(Stage::expansion);
                 }
         for (std::size_t depth = 0; depth < depths; ++depth)
             for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)

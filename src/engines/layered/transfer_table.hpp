@@ -2,7 +2,7 @@
 #pragma once
 
 #include "case/case.hpp"
-#include "engines/checkpoint.hpp"
+#include "engines/layered/case_progress.hpp"
 #include "engines/layered/point_response.hpp"
 #include "engines/layered/radial_interpolant.hpp"
 #include "engines/layered/stack_response.hpp"
@@ -60,7 +60,7 @@ public:
     /// ky_start to ky_start + ky_count - 1 of the spectrum. Throws CaseFailure on all ranks if H
     /// cannot be resolved, and StopRequested if a stop was requested. Collective.
     TransferTable(const TransferKey& key, std::ptrdiff_t ky_start, std::ptrdiff_t ky_count,
-                  const Comm& team, engines::Checkpoints* checkpoints = nullptr);
+                  const Comm& team, CaseProgress* progress = nullptr);
 
     const TransferKey& key() const { return key_; }
     std::ptrdiff_t frequencies() const { return key_.time.samples / 2 + 1; }
@@ -82,12 +82,12 @@ private:
         std::vector<std::complex<double>> values;
         std::vector<double> sizes;
     };
-    Panels fit(const Comm& team, engines::Checkpoints* checkpoints) const;
+    Panels fit(const Comm& team, CaseProgress* progress) const;
     /// The tables of the response to a point load of the frequencies of this rank.
     std::vector<std::complex<double>> point_tables(const PointResponse& point, const Comm& team,
-                                                   engines::Checkpoints* checkpoints) const;
+                                                   CaseProgress* progress) const;
     void expand_open(const PointResponse& point, std::span<const std::complex<double>> tables,
-                     const Comm& team);
+                     const Comm& team, CaseProgress* progress);
     void add_remainder(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* row) const;
     std::vector<double> wavenumbers_rad_m(std::ptrdiff_t ky) const;
     /// The panels begin at this wavenumber.

@@ -68,14 +68,14 @@ void check_pins(const PinStimulus& s, const Polygon& skin_mm, Remarks& remarks) 
         s.at_mm.begin(), s.at_mm.end(), [&](Vec2 at_mm) { return !contains(skin_mm, at_mm); }));
     if (off == s.at_mm.size())
         remarks.error("pins",
-                      "all {} pins are outside of the skin of the hand, so that no receptor "
-                      "would respond; move the patch",
-                      off);
+                      "{} outside of the skin of the hand, so that no receptor would respond; "
+                      "move the patch",
+                      off == 1 ? "the only pin is" : fmt::format("all {} pins are", off));
     else if (off > 0)
         remarks.warning("pins",
-                        "{} of {} pins are outside of the skin of the hand and do not emit "
+                        "{} of {} pins {} outside of the skin of the hand and {} not emit "
                         "waves; move the patch if this is not intended",
-                        off, s.at_mm.size());
+                        off, s.at_mm.size(), off == 1 ? "is" : "are", off == 1 ? "does" : "do");
 }
 
 /// Checks the sampling rate and the total size of the traces.

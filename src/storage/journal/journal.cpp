@@ -212,6 +212,7 @@ JournalContents read_journals(const std::filesystem::path& folder) {
             all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;
             all.teams = one.teams;
+            all.part = part_of(path.filename().string());
         }
         if (one.running) all.teams_of_parts[part_of(path.filename().string())] = one.teams;
     }

@@ -81,6 +81,7 @@ struct JournalContents {
     std::string resumed_by;                    // RunStart::resumed_by of the last run
     double unix_time_s = 0.0;                  // when the last run started
     int teams = 1;                             // of the last run
+    std::string part;                          // of the last run; empty: the complete sweep
     std::map<std::string, int> teams_of_parts; // teams of the runs without an end, by part
     long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
 };

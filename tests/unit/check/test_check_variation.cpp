@@ -115,6 +115,10 @@ TEST_CASE("a body that crosses the edge of the domain is reported", "[check_vari
         CHECK(has(
             only_remark(c).message,
             "it reaches 49 mm along x, but the domain ends at 48 mm: its last 1 mm are cut off"));
+        c.scene().medium.bodies[0].name = "bone";
+        CHECK(has(only_remark(c).message, "\"bone\" reaches 49 mm along x"));
+        c.scene().medium.bodies[0].name = "body 1"; // the default
+        CHECK(has(only_remark(c).message, "it reaches 49 mm along x"));
     }
     SECTION("a rigid body continues at the opposite edge") {
         c.scene().medium.bodies[0] = {.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0},

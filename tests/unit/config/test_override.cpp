@@ -43,9 +43,43 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
 TEST_CASE("an override of a swept key has no effect and is reported", "[config][override]") {
     const std::string sweep = GENERATE("load.peak_Pa = [1, 2]", "\"load.peak_Pa\" = [1, 2]",
                                        "zip = [ { load.peak_Pa = [1, 2] } ]");
-    CHECK(diagnostics_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "7"}}) ==
-          Texts{"-S load.peak_Pa: warning: load.peak_Pa is swept, so this override has no effect; "
-                "to change the sweep, use -S sweep.\"load.peak_Pa\"=[...]"});
+    const std::string advice = sweep.starts_with("zip")
+                                   ? "change its values in sweep.zip of the job file"
+                                   : "to compute only this value, use -S "
+                                     "'sweep.\"load.peak_Pa\"=[7]'";
+    CHECK(
+        diagnostics_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "7"}}) ==
+        Texts{"-S load.peak_Pa: warning: load.peak_Pa is swept, so this override has no effect; " +
+              advice});
+    CHECK(diagnostics_of(plain_and("[sweep]\n" + sweep), {{"load.peak_Pa", "loud"}}) ==
+          Texts{"-S load.peak_Pa: error: load.peak_Pa must be a number, like the values of its "
+                "sweep, but is \"loud\""});
+}
+
+TEST_CASE("keys of other kinds are ignored if an override replaces the sweep of the kind",
+          "[config][override]") {
+    const std::string sweep = "[sweep]\n\"load.modulation.kind\" = [\"STM\", \"AM-STM\"]\n";
+    const std::vector<config::Override> one = {{"sweep", "{}"},
+                                               {"load.modulation.kind", "STM"},
+                                               {"load.modulation.am_frequency_Hz", "200"}};
+    CHECK_FALSE(any_contains(diagnostics_of(plain_and(sweep), one), "error"));
+    CHECK(any_contains(diagnostics_of(plain_and(""), one),
+                       "load.modulation.am_frequency_Hz does not apply to kind STM"));
+}
+
+TEST_CASE("lists without brackets in an override are explained", "[config][override]") {
+    CHECK(diagnostics_of(plain_and(""), {{"domain.extent_mm", "60,60"}}) ==
+          Texts{"-S domain.extent_mm: error: write lists in brackets: [60,60] instead of 60,60"});
+    CHECK(diagnostics_of(plain_and(""), {{"measure.depths_mm", "0,1,2"}}) ==
+          Texts{"-S measure.depths_mm: error: write lists in brackets: [0,1,2] instead of 0,1,2"});
+    CHECK(diagnostics_of(plain_and(""), {{"measure.depths_mm", "0,1"}}) ==
+          Texts{"-S measure.depths_mm: error: write decimal numbers with a point: 0.1 instead of "
+                "0,1; lists are written in brackets"});
+}
+
+TEST_CASE("tables under other names are suggested", "[config][override]") {
+    CHECK(diagnostics_of(plain_and(""), {{"receptors.where", "hand"}}) ==
+          Texts{"-S receptors.where: error: receptors is unknown; did you mean [afferents]?"});
 }
 
 TEST_CASE("an error in an override quotes the override", "[config][override]") {

@@ -136,7 +136,10 @@ TEST_CASE("hostile distributions are rejected with a clear message", "[config][u
 TEST_CASE("observed samples are read from a CSV file", "[config][uncertain]") {
     CHECK(with_csv("p,other\n100,1\n110,2\n130,3\n").empty());
     CHECK(any_contains(with_csv("p\n100\nnan\n"), "line 3"));
-    CHECK(any_contains(with_csv("p\n100\n"), "at least two different values"));
+    CHECK(any_contains(with_csv("p\n100\n100\n"), "at least two different values"));
+    CHECK(
+        any_contains(with_csv("p\n100\n"), "p.csv has fewer than two values in the column \"p\""));
+    CHECK(any_contains(with_csv(""), "p.csv is empty"));
     CHECK(any_contains(with_csv("q\n100\n200\n"), "has no column \"p\""));
 }
 

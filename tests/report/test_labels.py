@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Numbers in heat maps, legends, lines of references, and the scale of a uniform medium.
+
+Run: python3 tests/report/test_labels.py    (unittest, numpy, matplotlib; seconds)
+"""
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from synthetic import AM, FWHM, Folder, case_id, sweep
+
+import fig_frequency
+import fig_heat
+import fig_measures
+import fig_medium
+import fig_surface
+import layout
+import load
+import style
+import texts
+from style import plt
+
+
+class LabelsTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.root = Path(temporary.name)
+
+    def drawn(self, folder, module):
+        """The figures of matplotlib by the name of their file."""
+        kept, save = {}, style.save
+
+        def keep(figure, path):
+            with mock.patch.object(plt, "close"):
+                save(figure, path)
+            figure.set_layout_engine("none")
+            kept[path.stem] = figure
+
+        (self.root / "report").mkdir()
+        with mock.patch.object(style, "save", keep):
+            module.figures(load.load(folder.save()), self.root / "report")
+        self.addCleanup(plt.close, "all")
+        return kept
+
+    def grid(self, frequencies, widths):
+        folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
+        for n in range(frequencies):
+            for k in range(widths):
+                folder.add({AM: 50.0 * (n + 1), FWHM: 2.0 + k}, scalars={"eta_period_1": 0.1231 + 0.01 * n + 0.1 * k},
+                           snapshot=False)
+        return folder
+
+    def numbers(self, frequencies, widths):
+        """The texts in the cells of a heat map, which do not overlap."""
+        figure = self.drawn(self.grid(frequencies, widths), fig_heat)["heat_eta_period_1"]
+        self.assertEqual(texts.problems(figure), [])
+        return figure.axes[0].texts
+
+    def test_numbers_in_wide_cells_are_horizontal(self):
+        found = self.numbers(4, 3)
+        self.assertEqual((len(found), {text.get_rotation() for text in found}), (12, {0.0}))
+
+    def test_numbers_in_narrow_cells_are_turned(self):
+        found = self.numbers(17, 3)
+        self.assertEqual((len(found), {text.get_rotation() for text in found}), (51, {90.0}))
+
+    def test_numbers_that_do_not_fit_are_omitted(self):
+        self.assertIsNone(fig_heat.rotation(["0.123"], (30, 30)))
+
+    def test_the_motion_that_is_felt_has_the_line_of_its_reference(self):
+        figure = self.drawn(sweep(self.root), fig_frequency)["frequency"]
+        motion = next(axes for axes in figure.axes if "40 to 400" in axes.get_title(loc="left"))
+        self.assertEqual([text.get_text() for text in motion.texts], ["plain STM\n0.3"])
+        self.assertLess(0.3, motion.get_ylim()[1], "the line is visible")
+
+    def test_entries_of_legends_state_the_key_once(self):
+        folder = Folder(self.root, series=[FWHM], swept=[AM, FWHM])
+        for n, width in enumerate((2.0, 3.0)):
+            folder.add({AM: 100.0, FWHM: width}, case_id(n + 5))
+            folder.add({AM: 200.0, FWHM: width}, case_id(n + 5))
+        legend, = self.drawn(folder, fig_measures)["eta"].legends
+        self.assertEqual([text.get_text() for text in legend.get_texts()], ["focus FWHM 2\u00a0mm", "focus FWHM 3\u00a0mm"])
+        self.assertEqual(legend.get_title().get_text(), "")
+
+    def test_titles_are_not_wrapped_at_an_equals_sign(self):
+        wrapped = layout.wrapped("depth of body 1 = 5\u00a0mm, shear-wave speed of body 1 = 1600\u00a0m/s", 2.0)
+        self.assertIn("\n", wrapped)
+        for line in wrapped.replace("\u00a0", " ").splitlines():
+            self.assertFalse(line.endswith(("=", "body")) or line.startswith(("=", "1")), wrapped)
+
+    def test_ticks_of_a_scale_that_follows_the_root_do_not_touch(self):
+        for end in (1e-3, 0.97, 3.3, 7.0, 45.0):
+            with mock.patch.object(fig_surface, "scale", max):  # the largest value of a snapshot
+                _, norm = fig_surface.colour_scale([[end], [0.1 * end]])
+            places = [float(norm(value)) for value in fig_surface.root_ticks(end, norm)]
+            self.assertGreaterEqual(len(places), 3)
+            # The bar is 4.3 in long; six characters of 9 pt are 0.38 in wide.
+            self.assertGreater(min(b - a for a, b in zip(places, places[1:])), 0.38 / 4.3)
+
+    def test_a_uniform_medium_has_a_text_instead_of_a_scale(self):
+        figure, (bar, plane) = plt.subplots(2)
+        image = plane.imshow([[5.0, 5.0]])
+        fig_medium.draw_scale(figure, image, bar, [5.0])
+        self.assertEqual([text.get_text() for text in bar.texts], ["The shear-wave speed is 5 m/s everywhere."])
+        plt.close(figure)
+
+
+if __name__ == "__main__":
+    unittest.main()
