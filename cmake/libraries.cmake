@@ -7,6 +7,8 @@ find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(Eigen3 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(PNG REQUIRED)
+find_package(Ceres REQUIRED)
 find_package(Boost 1.74 REQUIRED) # headers only: Boost.Math and Boost.Random
 pkg_check_modules(FFTW_DOUBLE REQUIRED IMPORTED_TARGET fftw3)
 pkg_check_modules(FFTW_SINGLE REQUIRED IMPORTED_TARGET fftw3f)

@@ -32,7 +32,9 @@ LIBRARIES = {
     "xxhash::xxhash": (r"xxhash\.h", r"XXH\w+"),
     "Eigen3::Eigen": (r"Eigen/\w+", r"Eigen::\w+"),
     "Boost::headers": (r"boost/(random|math)/.*\.hpp", r"boost::\w+"),
+    "Ceres::ceres": (r"ceres/\w+\.h", r"ceres::\w+"),
     "CLI11::CLI11": (r"CLI/CLI\.hpp", r"CLI::\w+"),
+    "PNG::PNG": (r"png\.h", r"png_\w+"),
     "NLopt::NLopt": (r"nlopt\.h", r"nlopt_\w+"),
     "nlohmann_json::nlohmann_json": (r"nlohmann/json(?:_fwd)?\.hpp", r"nlohmann::\w+"),
 }

@@ -38,9 +38,35 @@ struct ShowModulationArguments : schedule::JobArguments {
     std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
 };
 
+struct LensArguments : schedule::JobArguments {
+    std::filesystem::path out; // empty: out/<job name>.lens
+};
+
 struct ShowArguments {
     std::filesystem::path case_file;
     bool json = false;
+};
+
+struct ExportArguments {
+    std::filesystem::path case_file, out; // out empty: <stem of the case>.<format>
+    std::string format = "uff";           // uff, csv, mat
+    bool binary = false;                  // of UFF
+};
+
+/// `job` is the file of --options.
+struct MeasureArguments : schedule::JobArguments {
+    std::filesystem::path data, out; // out empty: out/<job name>.measure
+    std::filesystem::path fit;       // fit.json, whose estimates override the job; empty: none
+    double high_pass_Hz = 0.0;       // 0: none
+    double least_quality = 0.0;
+    std::string gaps = "interpolate"; // interpolate, mask
+    std::size_t repetitions = 8;      // for the uncertainty
+    bool draws = true;                // the report
+};
+
+struct FitArguments : schedule::JobArguments {
+    std::filesystem::path data, out; // out empty: out/<job name>.fit
+    double least_quality = 0.0;
 };
 
 struct DiffArguments {
@@ -129,6 +155,14 @@ ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
+/// Writes the thickness and the field of the lens of the job's first case.
+ExitCode lens_command(const LensArguments& arguments, const Comm& world);
+/// Writes the scan of the vibrometer of a case by a script of analysis/report.
+ExitCode export_command(const ExportArguments& arguments, const Comm& world);
+/// Computes the measures of a measured scan.
+ExitCode measure_command(const MeasureArguments& arguments, const Comm& world);
+/// Estimates the keys of [uncertain] from a measured scan.
+ExitCode fit_command(const FitArguments& arguments, const Comm& world);
 /// Opens a page on which settings are changed and their surfaces are computed at once.
 ExitCode explore_command(const ExploreArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);

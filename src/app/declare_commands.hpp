@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace shearwake::app {
 
@@ -22,13 +24,18 @@ void add_ranks_per_case(CLI::App* command, int& ranks);
 /// Adds the option --json to a command that prints a document instead of text.
 void add_json(CLI::App* command, bool& json);
 
-/// Declare the subcommands that read a job: check, keys, schema, plan, run. `app` and `action` must
+/// Accepts these words only, and suggests the nearest one otherwise. The manual page and the
+/// completion read them from the description.
+CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// Declare the subcommands that read a job: check, keys, schema, plan, run,
+/// evaluate, lens. `app` and `action` must
 /// outlive the parsing. Not collective.
 void add_job_commands(CLI::App& app, Action& action);
 
 /// Declare the subcommands that read results or measure the machine: status, verify, reduce,
-/// report, movie, diff, compare, converge, show, respond, bench. `app` and `action` must outlive
-/// the parsing. Not collective.
+/// report, movie, diff, compare, converge, show, respond, bench. `app` and `action` must
+/// outlive the parsing. Not collective.
 void add_result_commands(CLI::App& app, Action& action);
 
 } // namespace shearwake::app

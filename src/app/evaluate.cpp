@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
+#include "app/one_case.hpp"
 
 #include "base/json_document.hpp"
-#include "config/document/tree.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/job_source.hpp"
 #include "schedule/output_folder.hpp"
 #include "schedule/run.hpp"
-#include "storage/files.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -15,16 +14,6 @@
 
 namespace shearwake::app {
 namespace {
-
-/// The reference of the job as the table [table] of a job without axes.
-std::string table_without_axes(const std::filesystem::path& job) {
-    config::DiagnosticList ignored; // load_job() reports errors
-    const config::NodePtr tree = config::parse_toml(
-        storage::read_file(job, storage::largest_user_text_B), job.string(), ignored);
-    const config::NodePtr reference =
-        tree ? config::find(tree, {{"table"}, {"reference"}}) : nullptr;
-    return reference ? fmt::format("{{ reference = {} }}", config::render(*reference)) : "{}";
-}
 
 /// The values of a row of the table; text cells are id, reference, valid, status and note.
 nlohmann::ordered_json values_of(const reduce::Table& table, std::size_t row) {
@@ -69,13 +58,9 @@ void print_result(const EvaluateArguments& arguments, const schedule::OutputFold
 } // namespace
 
 ExitCode evaluate_command(const EvaluateArguments& arguments, const Comm& world) {
-    std::string table;
-    on_root(world, [&] { table = table_without_axes(arguments.job); });
     schedule::RunArguments run;
     run.job = arguments.job;
-    run.overrides = {"sweep={}", "uncertain={}", "table=" + world.broadcast(std::move(table))};
-    run.overrides.insert(run.overrides.end(), arguments.overrides.begin(),
-                         arguments.overrides.end());
+    run.overrides = one_case_overrides(arguments, world);
     run.quiet = true;
     run.retry_failed = true;
     run.ranks_per_case = world.size();

@@ -112,6 +112,17 @@ void add_evaluate(CLI::App& app, Action& action) {
     });
 }
 
+void add_lens(CLI::App& app, Action& action) {
+    auto arguments = std::make_shared<LensArguments>();
+    CLI::App* command = app.add_subcommand(
+        "lens", "write the thickness (STL, PNG) and the field of the acoustic lens of a job");
+    add_job(command, *arguments);
+    command->add_option("--out", arguments->out, "output folder (default: out/<job name>.lens)");
+    command->callback([=, &action] {
+        action = [=](const Comm& world) { return lens_command(*arguments, world); };
+    });
+}
+
 void add_keys(CLI::App& app, Action& action) {
     CLI::App* command =
         app.add_subcommand("keys", "print the reference of all keys of a job as Markdown");
@@ -162,6 +173,7 @@ void add_job_commands(CLI::App& app, Action& action) {
     add_plan(app, action);
     add_run(app, action);
     add_evaluate(app, action);
+    add_lens(app, action);
 }
 
 } // namespace shearwake::app

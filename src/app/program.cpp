@@ -3,6 +3,7 @@
 #include "app/commands.hpp"
 #include "app/declare_commands.hpp"
 #include "app/interactive_commands.hpp"
+#include "app/laboratory_commands.hpp"
 
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
@@ -162,6 +163,7 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     app.set_version_flag("--version", pipeline::version_text());
     add_job_commands(app, action);
     add_result_commands(app, action);
+    add_laboratory_commands(app, action);
     add_interactive_commands(app, action);
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",

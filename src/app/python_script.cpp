@@ -113,6 +113,10 @@ const PythonPackages explorer_packages = {
     {"aiohttp", "numpy", "h5py", "xarray", "pandas", "tomli_w", "xxhash"},
     "python3-aiohttp python3-h5py python3-xarray "
     "python3-pandas python3-tomli-w python3-xxhash"};
+const PythonPackages scan_packages = {"scans need",
+                                      {"numpy", "h5py", "scipy", "matplotlib", "xxhash"},
+                                      "python3-h5py python3-matplotlib python3-scipy "
+                                      "python3-xxhash"};
 
 int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
                       const PythonPackages& packages, Captured* captured) {

@@ -12,7 +12,7 @@ struct PythonPackages {
     std::vector<std::string> modules;
     std::string debian; // the packages that contain them
 };
-extern const PythonPackages figure_packages, explorer_packages;
+extern const PythonPackages figure_packages, explorer_packages, scan_packages;
 
 /// What is read from a script instead of being printed.
 enum class Stream { output, errors };

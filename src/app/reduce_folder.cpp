@@ -34,7 +34,9 @@ reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder,
     return reduce::reduce({.folder = folder.root,
                            .plan = plan_of(folder),
                            .tables = folder.tables(),
-                           .errors = folder.errors(),
+                           .errors = std::filesystem::exists(folder.uncertainty())
+                                         ? folder.uncertainty()
+                                         : folder.errors(),
                            .error_columns = errors});
 }
 

@@ -15,20 +15,6 @@
 namespace shearwake::app {
 namespace {
 
-/// Accepts these words only, and suggests the nearest one otherwise. The manual page and the
-/// completion read them from the description.
-CLI::Validator one_of(const std::vector<std::string>& words) {
-    return CLI::Validator(
-        [words](std::string& word) {
-            if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
-            const auto meant = nearest(word, words);
-            return fmt::format("unknown value \"{}\"; {}", printable(word),
-                               meant ? fmt::format("did you mean {}?", *meant)
-                                     : "possible are " + quoted_list(words, "and"));
-        },
-        fmt::format("{{{}}}", fmt::join(words, ",")));
-}
-
 void add_report(CLI::App& app, Action& action, const std::string& folder) {
     auto arguments = std::make_shared<ReportArguments>();
     CLI::App* command = app.add_subcommand("report", "draw figures and write one HTML page");
@@ -209,6 +195,18 @@ void add_respond(CLI::App& app, Action& action) {
 }
 
 } // namespace
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+    return CLI::Validator(
+        [words](std::string& word) {
+            if (std::find(words.begin(), words.end(), word) != words.end()) return std::string();
+            const auto meant = nearest(word, words);
+            return fmt::format("unknown value \"{}\"; {}", printable(word),
+                               meant ? fmt::format("did you mean {}?", *meant)
+                                     : "possible are " + quoted_list(words, "and"));
+        },
+        fmt::format("{{{}}}", fmt::join(words, ",")));
+}
 
 void add_result_commands(CLI::App& app, Action& action) {
     const std::string folder = "output folder of a run";

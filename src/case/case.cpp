@@ -5,6 +5,10 @@
 #include "case/text_walk.hpp"
 
 namespace shearwake {
+bool wants_tangential(const Case& c) {
+    return c.vibrometer && c.vibrometer->is_tilted();
+}
+
 std::vector<double> stress_depths_m(const Case& c) {
     std::vector<double> depths_m;
     if (c.afferents && std::holds_alternative<StressInput>(c.afferents->input))

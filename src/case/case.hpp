@@ -4,6 +4,7 @@
 #include "case/afferents.hpp"
 #include "case/problem.hpp"
 #include "case/solver_options.hpp"
+#include "case/vibrometer.hpp"
 #include "case/volume.hpp"
 
 #include <array>
@@ -261,6 +262,7 @@ struct Case {
     RecordOptions record;
     SolverOptions solver;
     std::optional<AfferentOptions> afferents; // none: no afferents are simulated
+    std::optional<VibrometerOptions> vibrometer = std::nullopt;
     bool operator==(const Case&) const = default;
 
     /// The medium and the load. In a grid study, the measures alone refer to them.
@@ -298,11 +300,15 @@ void walk_fields(Walk& walk, C& c) {
                 after_name(study->data, {.text = "study"});
         });
     walk.maybe("afferents", c.afferents);
+    walk.maybe("vibrometer", c.vibrometer);
 }
 
 /// The depths of the receptors at which a case requests the stress, ascending; empty if it does
 /// not.
 std::vector<double> stress_depths_m(const Case& c);
+
+/// Whether a case requests the tangential displacement of the surface.
+bool wants_tangential(const Case& c);
 
 /// The engine's name in job files and tables.
 std::string engine_name(const SolverOptions& solver);

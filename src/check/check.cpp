@@ -132,14 +132,14 @@ void check_focus_in_domain(const Case& c, Notes& notes) {
             "at {:.4g} ms the focus is at [{:.4g}, {:.4g}] mm, {:.4g} mm from the edge, which is "
             "less than the sponge plus two focus widths, {:.4g} mm: the wake is truncated",
             milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
-    const auto* array = std::get_if<ArrayFootprint>(&c.scene().load.footprint);
-    if (array && c.domain.edges == DomainEdges::periodic && room_m >= margin_m &&
-        room_m < array->reach_m)
-        notes.add(Severity::warning, "load.footprint",
-                  "the focus comes within {:.4g} mm of the edge, but side lobes of the array are "
-                  "computed up to {:.4g} mm from the focus: they also act on the opposite side of "
-                  "the domain; use a larger domain or reach_mm = {:.0f}",
-                  milli(room_m), milli(array->reach_m), std::floor(milli(room_m)));
+    const auto reach = reach_m(c.scene().load.footprint);
+    if (reach && c.domain.edges == DomainEdges::periodic && room_m >= margin_m && room_m < *reach)
+        notes.add(
+            Severity::warning, "load.footprint",
+            "the focus comes within {:.4g} mm of the edge, but side lobes of the footprint are "
+            "computed up to {:.4g} mm from the focus: they also act on the opposite side of "
+            "the domain; use a larger domain or reach_mm = {:.0f}",
+            milli(room_m), milli(*reach), std::floor(milli(room_m)));
 }
 
 /// Shear waves cross the domain about as fast as in the fastest layer that is not a thin film.
@@ -254,6 +254,15 @@ void check_pins(const Case& c, Notes& notes) {
                   milli(nearest_m), milli(width_m));
 }
 
+void check_line_of_sight(const Case& c, Notes& notes) {
+    if (wants_tangential(c) && (!std::holds_alternative<LayeredOptions>(c.solver) ||
+                                c.domain.edges != DomainEdges::periodic))
+        notes.add(Severity::error, "vibrometer.tilt_deg",
+                  "a tilted line of sight needs the tangential displacement, which only the engine "
+                  "\"layered\" with domain.edges = \"periodic\" computes; use them, or tilt_deg = "
+                  "0");
+}
+
 } // namespace
 
 std::vector<Remark> check(const Case& c) {
@@ -262,6 +271,7 @@ std::vector<Remark> check(const Case& c) {
     const auto add = [&](const std::vector<Remark>& remarks) {
         notes.remarks.insert(notes.remarks.end(), remarks.begin(), remarks.end());
     };
+    check_line_of_sight(c, notes);
     if (c.study()) {
         add(engine->limits(c));
         check_focal_disc(c, notes);

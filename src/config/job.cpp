@@ -155,8 +155,10 @@ Job read_job(std::string_view text, const std::string& file_name,
     Job job{.text = std::string(text), .plan = {}, .diagnostics = {}};
     const ParsedJob parsed = parse(text, file_name, overrides, diagnostics);
     if (parsed.tree)
-        job.plan = read_plan(parsed, overrides, {load_map, load_text, load_study}, points,
-                             job.optimise, diagnostics);
+        job.plan =
+            read_plan(parsed, overrides,
+                      {.load_map = load_map, .load_text = load_text, .load_study = load_study},
+                      points, job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;

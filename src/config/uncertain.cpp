@@ -160,6 +160,19 @@ NodePtr flattened_uncertain(const NodePtr& uncertain) {
     });
 }
 
+std::vector<UncertainKey> uncertain_keys(const NodePtr& job, const FileLoaders& files,
+                                         DiagnosticList& diagnostics) {
+    const NodePtr given = find(job, {{"uncertain"}});
+    if (!given || !std::holds_alternative<TableNode>(given->value)) return {};
+    const NodePtr table = flattened_uncertain(given);
+    const UncertainKeys found =
+        read_keys(std::get<TableNode>(table->value), Sweep{}, files, diagnostics);
+    std::vector<UncertainKey> keys;
+    for (std::size_t i = 0; i < found.axis.keys.size(); ++i)
+        keys.push_back({found.axis.keys[i].key, found.distributions[i]});
+    return keys;
+}
+
 std::optional<UncertainPlan> read_uncertain(const NodePtr& uncertain, Sweep& sweep,
                                             const FileLoaders& files, DiagnosticList& diagnostics) {
     const std::size_t before = diagnostics.errors();

@@ -4,8 +4,11 @@
 #include "case/plan.hpp"
 #include "config/files/text_loader.hpp"
 #include "config/sweep_axes.hpp"
+#include "sampling/distribution.hpp"
 
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace shearwake::config {
 
@@ -16,5 +19,15 @@ NodePtr flattened_uncertain(const NodePtr& uncertain);
 /// an error.
 std::optional<UncertainPlan> read_uncertain(const NodePtr& uncertain, Sweep& sweep,
                                             const FileLoaders& files, DiagnosticList& diagnostics);
+
+/// A key of [uncertain] with its distribution, in the unit of the key.
+struct UncertainKey {
+    std::string key;
+    sampling::Distribution distribution;
+};
+
+/// The keys of [uncertain] of a job, without its sample; empty without this table.
+std::vector<UncertainKey> uncertain_keys(const NodePtr& job, const FileLoaders& files,
+                                         DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

@@ -35,6 +35,14 @@ struct StressFrame {
     View2<const double> compression_Pa; // -sigma_zz, x_count rows of ny values
 };
 
+/// One tangential component of the displacement of the surface at one output time, for cases that
+/// request it.
+struct TangentialFrame {
+    std::ptrdiff_t number = 0; // number of the corresponding Frame
+    std::size_t component = 0; // 0: along x, 1: along y
+    View2<const double> u_m;   // x_count rows of ny values
+};
+
 /// One depth level of one component of a volume snapshot.
 struct VolumePlane {
     std::size_t snapshot = 0;   // index into RecordOptions::volumes_s
@@ -87,6 +95,8 @@ public:
     /// The stress at the depths of receptors, after the frame of the same time. Only for cases that
     /// request it.
     virtual void stress(const StressFrame& /*frame*/) {}
+    /// The tangential displacement, after all frames. Only for cases that request it.
+    virtual void tangential(const TangentialFrame& /*frame*/) {}
     /// The depths of the levels of volumes. Called once, after `begin` and before `restore`, for
     /// cases that record volumes. Collective.
     virtual void volume_levels(const std::vector<double>& /*z_m*/) {}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "load/acoustics/patch.hpp"
 #include "load/footprint.hpp"
 
 #include <complex>
@@ -8,21 +9,6 @@
 #include <vector>
 
 namespace shearwake {
-
-/// Samples on a square lattice: value (i, j) at origin + (i, j) spacing, y fastest.
-struct Patch {
-    Vec2 origin_m;
-    double spacing_m = 0.0;
-    std::ptrdiff_t side = 0; // samples along each axis
-    std::vector<double> values;
-};
-
-/// For each column i of the patch, the sum over j of values e^{-i ky (j spacing)}.
-void transform_columns(const Patch& patch, double ky_rad_m, std::span<std::complex<double>> out);
-/// spacing^2 times the sum over those columns with e^{-i kx (i spacing)}: the Fourier transform of
-/// the patch relative to its origin [m^2].
-std::complex<double> transform_row(const Patch& patch, double kx_rad_m,
-                                   std::span<const std::complex<double>> columns);
 
 /// Sound pressure of one piston at unit strength, D(theta) e^{i k r} / r with the directivity D = 2
 /// J1(k a sin theta) / (k a sin theta), at the distance `offset_m` along the skin from the point
@@ -33,8 +19,8 @@ std::complex<double> piston_pressure(const ArrayFootprint& array, double offset_
 ///
 /// All pistons and samples are on one lattice, whose spacing divides the pitch, so that a single
 /// table of offsets contains the pressure of every piston at every sample. A pattern then requires
-/// pistons times samples multiplications, about 2 ms. Each pattern is multiplied by erfc((r -
-/// reach) / (reach / 8)) / 2 at the distance r from its centre, since the side lobes of the array
+/// pistons times samples multiplications, about 2 ms. Each pattern is multiplied by fading() at the
+/// distance r from its centre, since the side lobes of the array
 /// are unbounded but a patch is not.
 class ArrayField {
 public:
@@ -45,8 +31,6 @@ public:
     ArrayField(const ArrayFootprint& array, double furthest_m, Sampling sampling = Sampling::fine);
 
     double spacing_m() const { return spacing_m_; }
-    /// The largest |k| that the samples represent along each axis.
-    double band_rad_m() const;
     /// The pattern, faded out around `middle_m`, of an array that focuses on all `foci_m`
     /// simultaneously with the power of one focus.
     Patch pattern(Vec2 middle_m, std::span<const Vec2> foci_m) const;
@@ -70,8 +54,5 @@ double pressure_below(const ArrayFootprint& array, double x_m, double y_m);
 /// Peak radiation pressure, p^2 / (rho c^2), directly below the centre, for pistons with p =
 /// strength / r [Pa].
 double peak_Pa(const ArrayFootprint& array, double strength_Pa_m, double air_density_kg_m3);
-
-/// The factor of the fade-out at the distance r from the centre.
-double fading(const ArrayFootprint& array, double r_m);
 
 } // namespace shearwake

@@ -2,6 +2,7 @@
 #include "load/footprint.hpp"
 
 #include "base/overloaded.hpp"
+#include "load/acoustics/lens_design.hpp"
 #include "load/array_field.hpp"
 
 #include <cmath>
@@ -22,14 +23,6 @@ Patch central_pattern(const ArrayFootprint& array) {
     return ArrayField(array, 0.0).pattern(focus, {&focus, 1});
 }
 
-Complex transform(const Patch& patch, double kx_rad_m, double ky_rad_m) {
-    const double band = std::numbers::pi / patch.spacing_m;
-    if (std::abs(kx_rad_m) > band || std::abs(ky_rad_m) > band) return 0.0;
-    std::vector<Complex> columns(static_cast<std::size_t>(patch.side));
-    transform_columns(patch, ky_rad_m, columns);
-    return transform_row(patch, kx_rad_m, columns);
-}
-
 /// Where |p|^2 falls to a half, along a direction from the focus.
 double half_width_m(const ArrayFootprint& array, Vec2 along) {
     const auto at = [&](double r) { return pressure_below(array, r * along.x, r * along.y); };
@@ -45,10 +38,9 @@ double half_width_m(const ArrayFootprint& array, Vec2 along) {
     return low;
 }
 
-double array_bandwidth_rad_m(const ArrayFootprint& array, double fraction) {
+double bandwidth_of(const Patch& patch, double fraction) {
     constexpr int steps = 400;
-    const Patch patch = central_pattern(array);
-    const double band = std::numbers::pi / patch.spacing_m;
+    const double band = patch.band_rad_m();
     const double least = fraction * std::abs(transform(patch, 0.0, 0.0));
     for (int i = steps; i > 0; --i) {
         const double k = band * i / steps, slanted = k * std::sqrt(0.5);
@@ -68,25 +60,31 @@ double pressure(const Footprint& footprint, double x_m, double y_m) {
                           },
                           [&](const ArrayFootprint& array) {
                               return pressure_below(array, x_m, y_m) *
-                                     fading(array, std::hypot(x_m, y_m));
+                                     fading(array.reach_m, std::hypot(x_m, y_m));
+                          },
+                          [&](const LensFootprint& lens) {
+                              return value_at(design_of(lens)->pattern, {x_m, y_m});
                           },
                       },
                       footprint);
 }
 
 double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
-    return std::visit(overloaded{
-                          [&](const GaussianFootprint& g) {
-                              const double s2 = sigma_m(g) * sigma_m(g);
-                              const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
-                              return 2.0 * std::numbers::pi * s2 * std::exp(-0.5 * k2 * s2);
-                          },
-                          [&](const ArrayFootprint& array) {
-                              return std::abs(
-                                  transform(central_pattern(array), kx_rad_m, ky_rad_m));
-                          },
-                      },
-                      footprint);
+    return std::visit(
+        overloaded{
+            [&](const GaussianFootprint& g) {
+                const double s2 = sigma_m(g) * sigma_m(g);
+                const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
+                return 2.0 * std::numbers::pi * s2 * std::exp(-0.5 * k2 * s2);
+            },
+            [&](const ArrayFootprint& array) {
+                return std::abs(transform(central_pattern(array), kx_rad_m, ky_rad_m));
+            },
+            [&](const LensFootprint& lens) {
+                return std::abs(transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
+            },
+        },
+        footprint);
 }
 
 double fwhm_m(const Footprint& footprint) {
@@ -96,19 +94,33 @@ double fwhm_m(const Footprint& footprint) {
                               return 2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) *
                                                      half_width_m(array, {0.0, 1.0}));
                           },
+                          [](const LensFootprint& lens) { return design_of(lens)->width_m; },
                       },
                       footprint);
 }
 
-double bandwidth_rad_m(const Footprint& footprint, double fraction) {
+std::optional<double> reach_m(const Footprint& footprint) {
     return std::visit(
         overloaded{
-            [&](const GaussianFootprint& g) {
-                return std::sqrt(-2.0 * std::log(fraction)) / sigma_m(g);
-            },
-            [&](const ArrayFootprint& array) { return array_bandwidth_rad_m(array, fraction); },
+            [](const GaussianFootprint&) -> std::optional<double> { return std::nullopt; },
+            [](const auto& faded) -> std::optional<double> { return faded.reach_m; },
         },
         footprint);
+}
+
+double bandwidth_rad_m(const Footprint& footprint, double fraction) {
+    return std::visit(overloaded{
+                          [&](const GaussianFootprint& g) {
+                              return std::sqrt(-2.0 * std::log(fraction)) / sigma_m(g);
+                          },
+                          [&](const ArrayFootprint& array) {
+                              return bandwidth_of(central_pattern(array), fraction);
+                          },
+                          [&](const LensFootprint& lens) {
+                              return bandwidth_of(design_of(lens)->pattern, fraction);
+                          },
+                      },
+                      footprint);
 }
 
 } // namespace shearwake

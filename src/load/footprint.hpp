@@ -3,8 +3,11 @@
 
 #include "base/field.hpp"
 #include "base/vec2.hpp"
+#include "load/acoustics/hologram.hpp"
+#include "load/acoustics/lens.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -41,6 +44,7 @@ struct ArrayFootprint {
     int phase_levels = 0;                // phase levels of each piston; 0: not rounded
     double update_rate_Hz = 0.0;         // update rate of the focus; 0: continuous
     double reach_m = 0.0;                // distance from the focus of the fade-out, see ArrayField
+    Hologram hologram = Hologram::superposition;
     bool operator==(const ArrayFootprint&) const = default;
 };
 
@@ -112,6 +116,14 @@ void walk_fields(Walk& walk, Footprint& array) {
           .fallback = "continuous",
           .meaning =
               "rate at which the position of the focus is updated; it rests between updates"});
+    walk(array.hologram,
+         {.key = "hologram",
+          .in_text = array.hologram != Hologram::superposition,
+          .meaning =
+              "drives of the pistons for several `foci_mm`. `\"superposition\"`: the sum of "
+              "the drives for each focus; `\"gs\"`: phases by the algorithm of Gerchberg and "
+              "Saxton, all pistons at full amplitude; `\"wgs\"`: its weighted form, which "
+              "makes the foci equally strong"});
     walk(array.reach_m,
          {.key = "reach_mm",
           .range = Range::between(5.0, 500.0),
@@ -122,18 +134,23 @@ void walk_fields(Walk& walk, Footprint& array) {
     walk_pressure_keys(walk);
 }
 
-using Footprint = std::variant<GaussianFootprint, ArrayFootprint>;
+using Footprint = std::variant<GaussianFootprint, ArrayFootprint, LensFootprint>;
 
 // For an array, these four functions describe the pattern of a focus directly below its centre;
-// LoadPattern describes how it changes with the position of the focus.
+// LoadPattern describes how it changes with the position of the focus. For a lens, they describe
+// its static pattern, relative to its axis.
 
 /// Pressure at (x, y) from the focus, divided by the peak.
 double pressure(const Footprint& footprint, double x_m, double y_m);
-/// Its two-dimensional Fourier transform, integral of pressure e^{-i k.x} dx dy [m^2]; for an array
-/// its modulus.
+/// Its two-dimensional Fourier transform, integral of pressure e^{-i k.x} dx dy [m^2]; for arrays
+/// and lenses its modulus.
 double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m);
-/// Full width at half maximum [m]; for an array the geometric mean of those along x and y.
+/// Full width at half maximum [m]; for an array the geometric mean of those along x and y, for a
+/// lens that of the spot around the peak.
 double fwhm_m(const Footprint& footprint);
+/// The distance from the focus beyond which the pattern is faded out, see fading(); none for a
+/// Gaussian [m].
+std::optional<double> reach_m(const Footprint& footprint);
 /// The |k| beyond which the spectrum stays below `fraction` of its largest value [rad/m].
 double bandwidth_rad_m(const Footprint& footprint, double fraction);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/load_pattern.hpp"
 
+#include "load/acoustics/lens_design.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -44,6 +46,8 @@ LoadPattern::LoadPattern(const Load& load, double until_s, ArrayField::Sampling 
             spread_m = std::max(spread_m, norm(offset));
         reaching.reach_m += spread_m;
         field_.emplace(reaching, furthest_m(trajectory, array->center_m, until_s), sampling);
+    } else if (const auto* lens = std::get_if<LensFootprint>(&load.footprint)) {
+        patch_ = design_of(*lens)->pattern;
     }
     set(0.0);
 }
@@ -59,18 +63,21 @@ double LoadPattern::held_s(double t_s) const {
 void LoadPattern::set(double held_s) {
     if (field_ && !changes_ && patch_.side > 0) return;
     origin_m_ = position(load_.modulation.trajectory, held_s);
-    if (!field_) return;
+    if (!field_) {
+        origin_m_ = origin_m_ + patch_.origin_m;
+        return;
+    }
     patch_ = field_->pattern(origin_m_, foci(load_.modulation, held_s));
     origin_m_ = patch_.origin_m;
 }
 
 double LoadPattern::band_rad_m() const {
-    return field_ ? field_->band_rad_m() : std::numeric_limits<double>::infinity();
+    return patch_.side > 0 ? patch_.band_rad_m() : std::numeric_limits<double>::infinity();
 }
 
 void LoadPattern::spectra(double ky_rad_m, std::span<const double> kx_rad_m,
                           std::span<Complex> out) const {
-    if (field_) {
+    if (patch_.side > 0) {
         const bool is_there = std::abs(ky_rad_m) <= band_rad_m();
         std::vector<Complex> columns(static_cast<std::size_t>(patch_.side));
         if (is_there) transform_columns(patch_, ky_rad_m, columns);

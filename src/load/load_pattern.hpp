@@ -13,7 +13,8 @@ namespace shearwake {
 
 /// The pattern of the load on the skin as the focus moves, divided by peak_Pa, and its spectrum.
 /// The pattern of Gaussian foci only moves. That of an array is recomputed for each position of the
-/// focus, since steering changes it. It is exact at all requested times, without interpolation.
+/// focus, since steering changes it. That of a lens is static. All are exact at all requested
+/// times, without interpolation.
 class LoadPattern {
 public:
     /// Supports times up to `until_s`; for an array, later times are replaced by it.
@@ -39,7 +40,7 @@ private:
     double until_s_;
     bool changes_ = false;
     std::optional<ArrayField> field_;
-    Patch patch_;
+    Patch patch_; // empty for Gaussian foci; of a lens: relative to its axis
     Vec2 origin_m_;
 };
 

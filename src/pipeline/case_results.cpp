@@ -4,6 +4,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
+#include "pipeline/vibrometer.hpp"
 
 namespace shearwake::pipeline {
 
@@ -20,6 +21,7 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
         add_columns(afferents.columns, results.groups.front());
         for (VariableGroup& group : afferents.groups)
             results.groups.push_back(std::move(group));
+        if (c.vibrometer) results.groups.push_back(vibrometer_group(c, recorder.scan_m()));
         if (!recorder.solver().sensors.empty())
             results.groups.push_back(sensor_group(*c.study(), recorder.solver().sensors));
     });

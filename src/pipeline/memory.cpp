@@ -97,7 +97,14 @@ double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine) 
     // and another plane for the sharpness.
     double recorder = 2.0 * plane / ranks + 3.0 * plane;
     if (!c.record.volumes_s.empty()) recorder += plane / ranks; // transposed for the file
-    return engine.estimate(c, ranks).memory_per_rank_B + recorder + afferents_memory_B(c, ranks);
+    double scan = 0.0; // displacements on each rank, velocities on rank 0
+    if (c.vibrometer) {
+        const double rate_Hz = std::max(c.vibrometer->rate_Hz, 1.0 / c.time.interval_s);
+        scan = static_cast<double>(c.vibrometer->points_m.size()) * sizeof(double) *
+               (static_cast<double>(c.time.frames) + 2.0 * rate_Hz * c.time.duration_s());
+    }
+    return engine.estimate(c, ranks).memory_per_rank_B + recorder + scan +
+           afferents_memory_B(c, ranks);
 }
 
 } // namespace shearwake::pipeline

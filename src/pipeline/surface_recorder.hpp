@@ -6,6 +6,7 @@
 #include "pipeline/observers/kept_fields.hpp"
 #include "pipeline/observers/mean_energy.hpp"
 #include "pipeline/observers/point_series.hpp"
+#include "pipeline/observers/scan_series.hpp"
 
 #include <functional>
 #include <optional>
@@ -26,6 +27,7 @@ public:
     void begin(const engines::Slab& slab) override;
     void frame(const engines::Frame& frame) override;
     void stress(const engines::StressFrame& frame) override;
+    void tangential(const engines::TangentialFrame& frame) override;
     void volume_levels(const std::vector<double>& z_m) override;
     void volume(const engines::VolumePlane& plane) override;
     void solved(const engines::SolverReport& report) override { solver_ = report; }
@@ -48,6 +50,8 @@ public:
     const std::vector<measures::TraceSeries>& pins() const { return pins_.series(); }
     /// The stress at the receptors [Pa], compression positive, at every frame; 0 off the domain.
     const std::vector<measures::TraceSeries>& stresses_Pa() const { return stresses_.series(); }
+    /// The displacement along the line of sight of the vibrometer, see ScanSeries.
+    const std::vector<double>& scan_m() const { return scan_.displacements_m(); }
     /// On rank 0 only; empty elsewhere.
     const std::optional<measures::MachFit>& mach() const { return instant_.mach(); }
     /// Time mean of u_z^2 over the period window, of the first depth [m^2], (x, y) row-major. On
@@ -62,6 +66,7 @@ private:
     FrameSums sums_;
     PointSeries traces_, pins_;
     ReceptorSeries stresses_;
+    ScanSeries scan_;
     MeanEnergy mean_;
     InstantSurface instant_;
     std::optional<KeptFields> kept_;

@@ -22,10 +22,11 @@ namespace {
 
 /// Whether a run creates files or folders of this name.
 bool is_ours(const std::string& name) {
-    constexpr std::array names = {"cases",  "job.toml", "plan.json",     "STOP",
-                                  "slurm",  "failed",   "checkpoints",   "locks",
-                                  "tables", "converge", "converge.json", "converge.md",
-                                  "basis",  "optimise", "robustness"};
+    constexpr std::array names = {"cases",     "job.toml", "plan.json",        "STOP",
+                                  "slurm",     "failed",   "checkpoints",      "locks",
+                                  "tables",    "converge", "converge.json",    "converge.md",
+                                  "basis",     "optimise", "robustness",       "uncertainty.json",
+                                  "scan.json", "scan.f64", "scan-request.json"};
     if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
     if (name.starts_with("progress.") && name.ends_with(".json")) return true;
     return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");

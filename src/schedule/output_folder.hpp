@@ -48,6 +48,8 @@ struct OutputFolder {
     std::filesystem::path converge() const { return root / "converge"; }
     /// The result of `shearwake converge`.
     std::filesystem::path errors() const { return converge() / "converge.json"; }
+    /// The uncertainty of the columns of a measurement, in the format of errors().
+    std::filesystem::path uncertainty() const { return root / "uncertainty.json"; }
     /// The folder of the cases of the knots of `shearwake optimise`, which is an output folder
     /// itself, and the folder of its forms, optima and tables.
     std::filesystem::path basis() const { return root / "basis"; }

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Fuzzes the readers of jobs, case files, maps, motions and studies with libFuzzer and the sanitizers of clang, for ten
+# Fuzzes the readers of jobs, case files, maps, motions and studies with libFuzzer and the sanitizers of clang, and that of
+# scans with changed files, for ten
 # minutes each or the given number of seconds. An input may take 2 s of processor time and 500 MB, including the
 # sanitizers, and may block for 20 s at most. New inputs are added to the corpus folder in build-fuzz/. An input that
 # breaks a reader is stored in a file, and the script ends with an exit code.
@@ -21,4 +22,6 @@ for reader in job case map motion study; do
         { tail -n 40 "$reader.log"; exit 1; }
     grep -E "stat::number_of_executed_units|stat::new_units_added" "$reader.log"
 done
+cd ..
+/usr/bin/python3 tests/fuzz/fuzz_scan.py "$seconds"
 echo "no crash in $seconds s each"

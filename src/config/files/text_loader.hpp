@@ -3,6 +3,7 @@
 
 #include "config/files/map_loader.hpp"
 #include "config/files/study_loader.hpp"
+#include "load/acoustics/lens_design.hpp"
 
 #include <functional>
 #include <string>
@@ -12,11 +13,13 @@ namespace shearwake::config {
 /// Returns the text of a file that a path names; throws UsageError on all ranks.
 using TextLoader = std::function<std::string(const std::string& file)>;
 
-/// Loaders of the files that a job names. Without a loader, such files are rejected.
+/// Loaders of the files that a job names, and the lenses that it has designed. Without a loader,
+/// such files are rejected.
 struct FileLoaders {
     MapLoader load_map;
     TextLoader load_text;
     StudyLoader load_study;
+    std::shared_ptr<LensDesigns> lenses = std::make_shared<LensDesigns>();
 };
 
 } // namespace shearwake::config

@@ -5,6 +5,7 @@
 #include "config/document/presets.hpp"
 #include "config/sections/read_afferents.hpp"
 #include "config/sections/read_fields.hpp"
+#include "config/sections/read_vibrometer.hpp"
 #include "load/period.hpp"
 
 #include <algorithm>
@@ -282,8 +283,9 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
 }
 
 std::span<const std::string_view> case_tables() {
-    static constexpr std::array<std::string_view, 8> tables = {
-        "medium", "load", "domain", "time", "solver", "measure", "record", "afferents"};
+    static constexpr std::array<std::string_view, 9> tables = {"medium", "load",      "domain",
+                                                               "time",   "solver",    "measure",
+                                                               "record", "afferents", "vibrometer"};
     return tables;
 }
 
@@ -297,10 +299,11 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
     Reader medium = root.optional_table("medium"), load = root.optional_table("load"),
            domain = root.optional_table("domain"), time = root.optional_table("time"),
            solver = root.optional_table("solver"), measure = root.optional_table("measure"),
-           record = root.optional_table("record"), afferents = root.optional_table("afferents");
+           record = root.optional_table("record"), afferents = root.optional_table("afferents"),
+           vibrometer = root.optional_table("vibrometer");
     Scene scene;
     scene.medium = read_medium(medium, files.load_map);
-    scene.load = read_load(load, scene.medium, other_kinds, files.load_text);
+    scene.load = read_load(load, scene.medium, other_kinds, files);
     c.domain = read_domain(domain);
     c.time = read_time(time, sound ? &scene.load : nullptr);
     Solver computed = read_solver(solver, c.time, files.load_study);
@@ -313,6 +316,7 @@ std::optional<Case> read_case(const NodePtr& job, OtherKinds other_kinds, const 
         c.problem = std::move(scene);
     c.record = read_record(record, c.domain, c.time, c.measure);
     check_receptor_depths(afferents, c);
+    c.vibrometer = read_vibrometer(vibrometer, c, files.load_text);
     return sound ? std::optional(std::move(c)) : std::nullopt;
 }
 

@@ -17,7 +17,7 @@ Medium read_medium(Reader& reader, const MapLoader& load_map);
 /// Reads body `number` (counted from 1) of a medium whose layers and map have been read.
 Body read_body(Reader reader, std::size_t number, const Medium& medium);
 Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
-               const TextLoader& load_text);
+               const FileLoaders& files);
 Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                            const TextLoader& load_text);
 Domain read_domain(Reader& reader);

@@ -2,6 +2,7 @@
 #include "config/sections/read_footprint.hpp"
 
 #include "config/sections/read_fields.hpp"
+#include "config/sections/read_lens.hpp"
 #include "load/array_field.hpp"
 
 #include <algorithm>
@@ -30,8 +31,6 @@ const std::array<ArrayPreset, 2>& presets() {
     return all;
 }
 
-/// Air at 25 degrees Celsius, where the speed of sound is 346.1 m/s.
-constexpr double air_density_kg_m3 = 1.184;
 /// Default reach of the pattern, in multiples of its width.
 constexpr double reach_in_widths = 4.0;
 
@@ -110,12 +109,13 @@ FootprintAndPeak read_array(Reader& reader) {
 
 } // namespace
 
-FootprintAndPeak read_footprint(Reader reader) {
+FootprintAndPeak read_footprint(Reader reader, const FileLoaders& files) {
     if (reader.empty()) return {.footprint = GaussianFootprint{}};
     if (!reader.has("shape")) reader.missing("shape");
     const auto shape = reader.find_choice("shape", alternative_names<Footprint>());
     if (!shape && reader.has("shape")) return {.footprint = GaussianFootprint{}};
-    if (shape == "array") return read_array(reader);
+    if (shape == ArrayFootprint::name) return read_array(reader);
+    if (shape == LensFootprint::name) return read_lens(reader, files);
     GaussianFootprint footprint;
     read_fields(reader, footprint);
     reader.finish();

@@ -3,6 +3,8 @@
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_footprint.hpp"
 
+#include <fmt/format.h>
+
 namespace shearwake::config {
 namespace {
 
@@ -16,21 +18,36 @@ Carrier read_carrier(Reader& reader) {
     return AveragedCarrier{};
 }
 
+/// The pattern of a lens can neither move nor be multiplied.
+void check_static(Reader& reader, const Modulation& modulation) {
+    if (greatest_speed_m_s(modulation.trajectory) > 0.0)
+        reader.error("kind", "moves the focus, but the pattern of a lens is static: use kind = "
+                             "\"AM\", or footprint.shape = \"array\"");
+    if (!modulation.foci_m.empty())
+        reader.error("foci_mm", "does not apply to a lens, whose foci are those of "
+                                "load.footprint.target_foci_mm");
+}
+
 } // namespace
 
 Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
-               const TextLoader& load_text) {
+               const FileLoaders& files) {
     if (reader.empty()) return {};
     Load load;
     const auto peak_Pa = reader.find_number("peak_Pa", Range::above(0.0));
-    const FootprintAndPeak read = read_footprint(reader.table("footprint"));
+    const FootprintAndPeak read = read_footprint(reader.table("footprint"), files);
     load.footprint = read.footprint;
     load.peak_Pa = peak_Pa.value_or(read.peak_Pa.value_or(1.0));
+    const bool is_lens = std::holds_alternative<LensFootprint>(load.footprint);
     if (read.gives_peak && reader.has("peak_Pa"))
         reader.error("peak_Pa",
-                     "and load.footprint.pressure_Pa_m are both given; specify only one of them");
+                     fmt::format("and load.footprint.{} are both given; specify only one of them",
+                                 is_lens ? "pressure_Pa" : "pressure_Pa_m"));
     if (!read.gives_peak && !reader.has("peak_Pa")) {
-        if (std::holds_alternative<ArrayFootprint>(load.footprint))
+        if (is_lens)
+            reader.error("peak_Pa", "is missing (or load.footprint.pressure_Pa, the amplitude of "
+                                    "the sound behind the lens)");
+        else if (std::holds_alternative<ArrayFootprint>(load.footprint))
             reader.error("peak_Pa", "is missing (or load.footprint.pressure_Pa_m, the strength of "
                                     "the array's pistons)");
         else
@@ -38,7 +55,8 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
     }
     load.carrier = read_carrier(reader);
     Reader modulation = reader.table("modulation");
-    load.modulation = read_modulation(modulation, medium, other_kinds, load_text);
+    load.modulation = read_modulation(modulation, medium, other_kinds, files.load_text);
+    if (is_lens) check_static(modulation, load.modulation);
     reader.finish();
     return load;
 }

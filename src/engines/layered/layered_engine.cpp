@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 namespace shearwake::layered {
@@ -20,6 +21,7 @@ namespace {
 
 using namespace kinds;
 using Complex = std::complex<double>;
+constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Number of lines (kx) that are transposed together from time order to frame order: four cache
 /// lines per frame.
@@ -94,6 +96,23 @@ public:
               fft::reals(factors_.data() + ky * case_.domain.nx),
               growth_[static_cast<std::size_t>(first + in_batch)], case_.domain.nx,
               fft::reals(row));
+    }
+
+    /// From now on, rows are those of the derivative along x (0) or y (1) of the inverse transform:
+    /// the tangential displacement that belongs to its potential U / k.
+    void differentiate(std::size_t component) {
+        const std::ptrdiff_t nx = case_.domain.nx;
+        const double dkx = two_pi / case_.domain.extent_x_m(),
+                     dky = two_pi / case_.domain.extent_y_m();
+        for (std::ptrdiff_t row = 0; row < share_.ky_count; ++row) {
+            find_factors(row);
+            for (std::ptrdiff_t kx = 0; kx < nx; ++kx) {
+                const double k = component == 0
+                                     ? dkx * static_cast<double>(2 * kx < nx ? kx : kx - nx)
+                                     : dky * static_cast<double>(share_.ky_start + row);
+                factors_[static_cast<std::size_t>(row * nx + kx)] *= Complex(0.0, k);
+            }
+        }
     }
 
 private:
@@ -187,6 +206,7 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progr
         slabs_ny_ = c.domain.ny;
         table_.reset();
         stress_table_.reset();
+        tangential_table_.reset();
         loss_table_.reset();
     }
     const auto& options = std::get<LayeredOptions>(c.solver);
@@ -197,6 +217,7 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progr
     };
     const Kept tables[] = {{table_, key_of(c, options)},
                            {stress_table_, stress_key_of(c, options)},
+                           {tangential_table_, tangential_key_of(c, options)},
                            {loss_table_, loss_key_of(c, options)}};
     expect_frames(progress, c, tables[0].key, ky_count, team.size());
     for (const Kept& kept : tables)
@@ -282,11 +303,19 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
         observer.solved(report_of(
             energy->sums.total(period_s * c.domain.extent_x_m() * c.domain.extent_y_m(), team)));
     }
-    if (!stress_table_) return;
-    each_frame(*stress_table_, stress_depths_m(c).size(),
-               [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
-                   observer.stress({.number = n, .depth = depth, .compression_Pa = values});
-               });
+    if (stress_table_)
+        each_frame(*stress_table_, stress_depths_m(c).size(),
+                   [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
+                       observer.stress({.number = n, .depth = depth, .compression_Pa = values});
+                   });
+    if (!tangential_table_) return;
+    for (const std::size_t component : {0u, 1u}) {
+        spectra->differentiate(component);
+        each_frame(*tangential_table_, 1,
+                   [&](std::ptrdiff_t n, std::size_t, View2<const double> values) {
+                       observer.tangential({.number = n, .component = component, .u_m = values});
+                   });
+    }
 }
 
 } // namespace shearwake::layered

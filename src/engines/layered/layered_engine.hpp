@@ -54,8 +54,9 @@ private:
     /// Looks up or estimates it. Not collective.
     double evaluations_per_frequency(const TransferKey& key, const TransferKey& stress,
                                      const TransferKey& loss) const;
-    /// The second only for cases that request the stress, the third only in the periodic regime.
-    std::unique_ptr<TransferTable> table_, stress_table_, loss_table_;
+    /// The second only for cases that request the stress, the third only for those that request the
+    /// tangential displacement, the fourth only in the periodic regime.
+    std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_, loss_table_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
     // The largest batch so far. Allocating it for each case would cost as much as its transforms.

@@ -14,6 +14,12 @@ namespace shearwake::layered {
 namespace {
 
 using namespace kinds;
+
+/// Number of depths of the stress and of components of the tangential displacement.
+double other_fields(const Case& c) {
+    return static_cast<double>(stress_depths_m(c).size()) + (wants_tangential(c) ? 2.0 : 0.0);
+}
+
 using Complex = std::complex<double>;
 
 /// Limit for the spectra of all frames of a rank. Above it, the time transforms are repeated for
@@ -116,6 +122,13 @@ TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
     return key;
 }
 
+TransferKey tangential_key_of(const Case& c, const LayeredOptions& options) {
+    TransferKey key = key_of(c, options);
+    key.depths_m = wants_tangential(c) ? std::vector{0.0} : std::vector<double>{};
+    key.quantity = StackQuantity::tangential;
+    return key;
+}
+
 TransferKey loss_key_of(const Case& c, const LayeredOptions& options) {
     TransferKey key = key_of(c, options);
     key.depths_m.clear();
@@ -160,7 +173,7 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
 void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
                    std::ptrdiff_t ky_count, int ranks) {
     using Stage = CaseProgress::Stage;
-    const auto depths = static_cast<double>(c.measure.depths_m.size() + stress_depths_m(c).size());
+    const double depths = static_cast<double>(c.measure.depths_m.size()) + other_fields(c);
     const auto frames = static_cast<double>(c.time.frames);
     const double batches = std::ceil(frames / static_cast<double>(frames_per_batch(c, ky_count)));
     const bool along_x = LoadSpectrum::keeps_y(c, key.time);
@@ -191,7 +204,7 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const auto& options = std::get<LayeredOptions>(c.solver);
     const TransferKey key = key_of(c, options);
     const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
-    const double stresses = static_cast<double>(stress_depths_m(c).size());
+    const double stresses = other_fields(c);
     const double depths = static_cast<double>(c.measure.depths_m.size()) + stresses;
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
@@ -204,7 +217,8 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
     const TransferKey stress = stress_key_of(c, options), loss = loss_key_of(c, options);
     const double own_B = TransferTable::expanded_bytes(key, ky_count);
-    const double stress_B = TransferTable::expanded_bytes(stress, ky_count);
+    const double stress_B = TransferTable::expanded_bytes(stress, ky_count) +
+                            TransferTable::expanded_bytes(tangential_key_of(c, options), ky_count);
     const double loss_B = TransferTable::expanded_bytes(loss, ky_count);
     const bool is_open = c.domain.edges == DomainEdges::open;
     const auto is_kept = [&](double table_B) {

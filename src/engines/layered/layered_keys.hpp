@@ -11,6 +11,8 @@ namespace shearwake::layered {
 /// needed. Not collective.
 TransferKey key_of(const Case& c, const LayeredOptions& options);
 TransferKey stress_key_of(const Case& c, const LayeredOptions& options);
+/// Without depths if the case does not request the tangential displacement.
+TransferKey tangential_key_of(const Case& c, const LayeredOptions& options);
 TransferKey loss_key_of(const Case& c, const LayeredOptions& options);
 
 /// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not

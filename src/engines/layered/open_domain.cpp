@@ -11,11 +11,6 @@ namespace {
 constexpr double gaussian_reach_fwhm = 2.5;
 constexpr double fewest_samples = 4000.0; // of the path
 
-double reach_m(const Footprint& footprint) {
-    const auto* array = std::get_if<ArrayFootprint>(&footprint);
-    return array ? array->reach_m : gaussian_reach_fwhm * fwhm_m(footprint);
-}
-
 /// The largest |x| and |y| of the load within the run.
 Vec2 extent_of_load_m(const Case& c) {
     const Load& load = c.scene().load;
@@ -25,7 +20,8 @@ Vec2 extent_of_load_m(const Case& c) {
     for (double n = 0.0; n <= steps; ++n)
         for (const Vec2 focus : foci(load.modulation, end_s * n / steps))
             most = {std::max(most.x, std::abs(focus.x)), std::max(most.y, std::abs(focus.y))};
-    const double around = reach_m(load.footprint);
+    const double around =
+        reach_m(load.footprint).value_or(gaussian_reach_fwhm * fwhm_m(load.footprint));
     return most + Vec2{around, around};
 }
 

@@ -19,6 +19,9 @@ using State = Eigen::Matrix<Complex, 4, 1>; // U, W, sigma_zz / S, (sigma_rz / i
 using Pair = Eigen::Matrix<Complex, 4, 2>;
 using Square2 = Eigen::Matrix<Complex, 2, 2>;
 
+/// Stands for k = 0, where a wavelength is 6000 km.
+constexpr double least_k_rad_m = 1e-6;
+
 /// e^z - 1 without cancellation for small z.
 Complex exp_minus_one(Complex z) {
     const double half_sine = std::sin(0.5 * z.imag());
@@ -341,12 +344,17 @@ void StackResponse::solve(Wavenumber k, const Visit& visit) const {
 }
 
 template <class Wavenumber>
-void StackResponse::evaluate_at(Wavenumber k, std::span<Complex> out) const {
-    const bool is_stress = quantity_ == StackQuantity::compression;
-    const int row = is_stress ? 2 : 1;
+void StackResponse::evaluate_at(Wavenumber given, std::span<Complex> out) const {
+    const bool is_stress = quantity_ == StackQuantity::compression,
+               is_tangential = quantity_ == StackQuantity::tangential;
+    // U / k is regular at k = 0, but its quotient is not.
+    const Wavenumber k = is_tangential && given == 0.0 ? Wavenumber(least_k_rad_m) : given;
+    const int row = is_stress ? 2 : is_tangential ? 0 : 1;
     solve(k, [&](const InLayer& at) {
         const LayerAtOmega& layer = layers_[at.layer];
-        const double unit = is_stress ? -at.scale : 1.0;
+        const Wavenumber unit = is_stress       ? Wavenumber(-at.scale)
+                                : is_tangential ? 1.0 / k
+                                                : Wavenumber(1.0);
         for (std::size_t d = 0; d < layer.depths_m.size(); ++d) {
             const double z = layer.depths_m[d];
             Complex w = at.surface[row];

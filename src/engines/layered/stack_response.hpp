@@ -9,9 +9,9 @@
 
 namespace shearwake::layered {
 
-/// Computed quantity: W / p [m/Pa]; -sigma_zz / p [1], positive in compression; or the loss (see
-/// StackResponse::loss).
-enum class StackQuantity { displacement, compression, loss };
+/// Computed quantity: W / p [m/Pa]; -sigma_zz / p [1], positive in compression; U / (k p) [m^2/Pa],
+/// the potential of the tangential displacement; or the loss (see StackResponse::loss).
+enum class StackQuantity { displacement, compression, tangential, loss };
 
 /// Exact response of a stack of layers to a normal surface load at one complex frequency, H(k,
 /// omega; z) = W(z) / p, see docs/developer/physics.md: u_r = i U(z), u_z = W(z), with the traction
@@ -27,7 +27,7 @@ public:
                   std::span<const double> depths_m,
                   StackQuantity quantity = StackQuantity::displacement);
 
-    /// Stores H [m/Pa], or the compression [1], at each depth in `out`. k >= 0 [rad/m]; k and omega
+    /// Stores the quantity at each depth in `out`. k >= 0 [rad/m]; k and omega
     /// must not both be 0. The loss does not depend on the depths.
     void evaluate(double k_rad_m, std::span<std::complex<double>> out) const;
     /// The analytic continuation to the first quadrant of k, where H has no poles.

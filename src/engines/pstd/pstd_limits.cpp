@@ -62,9 +62,10 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
              "requests more than the displacement \"u\", which is all that the engine \"pstd\" "
              "stores; solver.engine = \"spectral\" also stores strain and stress"});
     if (!std::holds_alternative<GaussianFootprint>(c.scene().load.footprint))
-        refused.push_back({Severity::error, "load.footprint",
-                           "the engine \"pstd\" supports only Gaussian foci, but this is an array; "
-                           "\"layered\" and \"spectral\" support both"});
+        refused.push_back(
+            {Severity::error, "load.footprint",
+             "the engine \"pstd\" supports only Gaussian foci, not arrays and lenses; "
+             "\"layered\" and \"spectral\" support all footprints"});
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
         if (c.scene().medium.bodies[i].rigid)
             refused.push_back({Severity::error, fmt::format("medium.body[{}].rigid", i + 1),

@@ -37,6 +37,9 @@ auto members(auto& s) {
     } else if constexpr (N == 7) {
         auto& [a, b, c, d, e, f, g] = s;
         return std::tie(a, b, c, d, e, f, g);
+    } else if constexpr (N == 8) {
+        auto& [a, b, c, d, e, f, g, h] = s;
+        return std::tie(a, b, c, d, e, f, g, h);
     } else if constexpr (N == 9) {
         auto& [a, b, c, d, e, f, g, h, i] = s;
         return std::tie(a, b, c, d, e, f, g, h, i);
@@ -110,7 +113,8 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<3, TimeAxis>();
     check_members<7, MeasureOptions>();
     check_members<5, RecordOptions>();
-    check_members<7, Case>();
+    check_members<8, Case>();
+    check_members<14, VibrometerOptions>();
     check_members<4, Medium>();
     check_members<6, Layer>();
     check_members<1, KelvinVoigt>();
@@ -123,7 +127,7 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<4, Load>();
     check_members<1, ResolvedCarrier>();
     check_members<1, GaussianFootprint>();
-    check_members<12, ArrayFootprint>();
+    check_members<13, ArrayFootprint>();
     check_members<4, Modulation>();
     check_members<1, Hold>();
     check_members<4, Swing>();

@@ -218,6 +218,7 @@ std::vector<Case> samples() {
     first.solver = PstdOptions{.top = PstdTop::fluid, .load = PstdLoad::displacement};
     first.afferents = AfferentOptions{.places = AfferentList{{{{1e-3, 0.0}, AfferentClass::RA, 3}}},
                                       .input = CarrierInput{}};
+    first.vibrometer = VibrometerOptions{.points_m = {{1e-3, 0.0}}};
     Case second = first;
     second.scene().load.footprint = GaussianFootprint{0.003};
     second.scene().load.carrier = AveragedCarrier{};
@@ -236,6 +237,11 @@ std::vector<Case> samples() {
     Case fourth = third;
     fourth.solver = PstdOptions{.load = PstdLoad::velocity};
     fourth.afferents.reset();
+    LensFootprint lens;
+    lens.foci_m = {{1e-3, 0.0}};
+    lens.polygon_m = {{0.0, 0.0}, {1e-3, 0.0}, {0.0, 1e-3}};
+    lens.image = std::make_shared<const TargetImage>();
+    fourth.scene().load.footprint = lens;
     Case study = fourth;
     study.problem = GridStudy{std::make_shared<const StudyData>(), fourth.scene()};
     return {first, second, third, fourth, study};

@@ -83,7 +83,8 @@ TEST_CASE("a steered pattern is the sum of all pistons", "[array]") {
     for (const auto& [i, j] : {std::pair{46, 46}, std::pair{40, 50}, std::pair{60, 20}}) {
         const Vec2 there =
             patch.origin_m + patch.spacing_m * Vec2{static_cast<double>(i), static_cast<double>(j)};
-        const double expected = slow_twin(array, focus, there) * fading(array, norm(there - focus));
+        const double expected =
+            slow_twin(array, focus, there) * fading(array.reach_m, norm(there - focus));
         // Roundings of phases of 150 rad, some 1e-13.
         CHECK(patch.values[static_cast<std::size_t>(i * patch.side + j)] ==
               Approx(expected).epsilon(0).margin(1e-12));
@@ -123,7 +124,7 @@ TEST_CASE("an array's samples and spectrum are a Fourier pair", "[array]") {
     }
     for (std::size_t p = 0; p < places.size(); ++p) {
         const double expected =
-            slow_twin(array, focus, places[p]) * fading(array, norm(places[p] - focus));
+            slow_twin(array, focus, places[p]) * fading(array.reach_m, norm(places[p] - focus));
         CHECK(std::abs(back[p] / (box_m * box_m) - expected) < 1e-10); // of the peak, 1
     }
 }

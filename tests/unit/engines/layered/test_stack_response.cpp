@@ -255,6 +255,31 @@ TEST_CASE("compression equals the load at the surface and is continuous at inter
     CHECK(std::abs(compression[1] - compression[2]) < 1e-8); // the slope over 2e-12 m, rounding
 }
 
+TEST_CASE("the tangential displacement keeps the surface free of shear stress", "[layered]") {
+    // The displacement along x is d(U / k)/dx. With sigma_xz = 0 at z = 0, U / k has the slope -W.
+    const double f_Hz = GENERATE(10.0, 300.0, 2000.0);
+    const Complex omega(2.0 * pi * f_Hz, -500.0);
+    const Medium medium = three_layer_skin();
+    constexpr double h_m = 2e-7;
+    const std::vector<double> depths = {0.0, h_m, 2.0 * h_m};
+    const layered::StackResponse tangential(medium, omega, depths,
+                                            layered::StackQuantity::tangential);
+    const layered::StackResponse normal(medium, omega, depths);
+    for (const double k : wavenumbers()) {
+        std::vector<Complex> u(3), w(3);
+        tangential.evaluate(k, u);
+        normal.evaluate(k, w);
+        const Complex slope = (-3.0 * u[0] + 4.0 * u[1] - u[2]) / (2.0 * h_m);
+        // The quotient has an error of (k h)^2 and of 1e-16 u / (h w).
+        const double bound = 1e-3 * std::abs(w[0]) + 1e-9 * std::abs(u[0]) / h_m;
+        CHECK(std::abs(slope + w[0]) < bound);
+    }
+    std::vector<Complex> at_zero(3), near_zero(3);
+    tangential.evaluate(0.0, at_zero);
+    tangential.evaluate(1e-3, near_zero);
+    CHECK(std::abs(at_zero[0] - near_zero[0]) < 1e-6 * std::abs(near_zero[0]));
+}
+
 TEST_CASE("the loss over depth equals the power of the load", "[layered]") {
     // The loss is an integral over the strains of all depths, the power follows from H at the
     // surface alone. Both are equal by Poynting's theorem.

@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The tables of docs/explanation/scans.md: how measures degrade with the scan, and how often intervals contain the truth.
+
+Usage: scan_studies.py degradation | coverage [FIRST LAST] | dispersion PICTURE
+Prints a Markdown table, or draws the measured dispersion and the secular equation. Needs the program in build/.
+"""
+import json
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = ROOT / "build" / "shearwake"
+sys.path.insert(0, str(ROOT / "analysis" / "report"))
+from dispersion import curves, line_coordinates  # noqa: E402
+from scan import Scan, read_scan, write_scan  # noqa: E402
+from secular import secular_speeds  # noqa: E402
+
+COLUMNS = ("eta_period_1", "focal_rms_um", "peak_um", "rms_40_400_um")
+FULL = "grid_mm = [190.0, 190.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
+LAYER_KEYS = (("thickness_mm", 1e-3), ("density_kg_m3", 1.0), ("c_p_m_s", 1.0), ("c_s_m_s", 1.0))
+LINE = "line_mm = [[-59.0, 0.0], [59.0, 0.0]]\nspacing_mm = 2.0\n"
+
+
+def job_text(name, scan):
+    """A job of the repository with another scan, without noise and gaps."""
+    lines = (ROOT / "jobs" / f"{name}.toml").read_text(encoding="utf-8").splitlines()
+    dropped = ("grid_mm", "noise_um", "averages", "missing", "spacing_mm = 4.0", "# Polytec", "# retro")
+    text = "\n".join(line for line in lines if not line.startswith(dropped)) + "\n"
+    return text.replace("[vibrometer]\n", "[vibrometer]\n" + scan)
+
+
+def shearwake(*arguments, ranks=1):
+    launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    done = subprocess.run([*launch, str(PROGRAM), *map(str, arguments)], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"shearwake {arguments}: {done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def simulated(folder, text):
+    job = folder / "job.toml"
+    job.write_text(text, encoding="utf-8")
+    shearwake("run", job, "--out", folder / "run", "-S", "uncertain={}", ranks=2)
+    return job, next((folder / "run" / "cases").glob("*.h5"))
+
+
+def degraded(scan, spacing_mm, noise_dB, missing, rng):
+    """The points of a coarser lattice, with noise relative to the rms velocity and a share of points without signal."""
+    step = spacing_mm * 1e-3
+    on = np.ones(len(scan.x_m), dtype=bool)
+    for values in (scan.x_m, scan.y_m):
+        on &= np.abs(values / step - np.round(values / step)) < 1e-6
+    velocity = scan.velocity_m_s[on].copy()
+    if noise_dB is not None:
+        near = np.hypot(scan.x_m[on], scan.y_m[on]) < 0.032
+        velocity += 10.0 ** (-noise_dB / 20.0) * np.sqrt(np.mean(velocity[near] ** 2)) * rng.normal(size=velocity.shape)
+    if missing:
+        velocity[rng.permutation(len(velocity))[:round(missing * len(velocity))]] = np.nan
+    return Scan(scan.time_s, scan.x_m[on], scan.y_m[on], velocity)
+
+
+def values_in(text):
+    return dict(line.split(" = ") for line in text.splitlines() if " = " in line)
+
+
+def degradation():
+    rng = np.random.default_rng(1)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        job, case = simulated(folder, job_text("virtual-experiment", FULL))
+        scan = read_scan(case)
+        expected = values_in(shearwake("evaluate", job, "--out", folder / "again", "-S", "vibrometer={}"))
+        rows = [(2, None, 0.0), (4, None, 0.0), (6, None, 0.0), (8, None, 0.0), (2, 20, 0.0), (4, 20, 0.0), (8, 20, 0.0),
+                (2, None, 0.1), (4, None, 0.1), (8, None, 0.1), (4, 20, 0.1)]
+        print("| spacing (mm) | noise (dB) | missing | " + " | ".join(f"`{c}`" for c in COLUMNS) + " |")
+        print("|---" * (3 + len(COLUMNS)) + "|")
+        for spacing, noise, missing in rows:
+            write_scan(folder / "data.mat", degraded(scan, spacing, noise, missing, rng), "mat")
+            out = folder / "measured"
+            text = shearwake("measure", folder / "data.mat", "--options", job, "--out", out, "--no-report", "--repetitions", "0",
+                             "--high-pass-Hz", "20" if noise else "0")
+            found = values_in(text)
+            changes = [float(found[c].split()[0]) / float(expected[c].split()[0]) - 1.0 for c in COLUMNS]
+            print(f"| {spacing} | {noise or '-'} | {100 * missing:.0f} % | "
+                  + " | ".join(f"{100 * change:+.1f} %" for change in changes) + " |", flush=True)
+
+
+def coverage(first=0, last=100):
+    inside, errors = {}, {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _, case = simulated(folder, job_text("virtual-experiment", LINE))
+        job = folder / "fit.toml"
+        job.write_text(job_text("read-back", LINE), encoding="utf-8")
+        truth = {"medium.layer[1].c_s_m_s": 3.0, "medium.layer[1].viscosity_Pa_s": 0.5, "load.footprint.pressure_Pa_m": 3.4,
+                 "vibrometer.trigger_delay_ms": 0.0, "vibrometer.offset_x_mm": 0.0}
+        scan = read_scan(case)
+        rms = np.sqrt(np.mean(scan.velocity_m_s ** 2))
+        for seed in range(first, last):
+            rng = np.random.default_rng(seed)
+            noisy = scan.velocity_m_s + 0.1 * rms * rng.normal(size=scan.velocity_m_s.shape)
+            write_scan(folder / "data.mat", Scan(scan.time_s, scan.x_m, scan.y_m, noisy), "mat")
+            shearwake("fit", job, "--data", folder / "data.mat", "--out", folder / "fit", ranks=2)
+            found = json.loads((folder / "fit" / "fit.json").read_text())["estimates"]
+            for key, value in truth.items():
+                low, high = found[key]["interval_95"]
+                inside.setdefault(key, []).append(low <= value <= high)
+                errors.setdefault(key, []).append(found[key]["value"] - value)
+    print("| key | inside the interval | largest error |\n|---|---|---|")
+    for key, value in truth.items():
+        print(f"| `{key}` | {sum(inside[key])} of {len(inside[key])} | {np.max(np.abs(errors[key])):.3g} |")
+
+
+def dispersion(picture):
+    """Draws the dispersion of the line of jobs/gel-dispersion.toml on the roots of the secular equation."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    with tempfile.TemporaryDirectory() as name:
+        text = (ROOT / "jobs" / "gel-dispersion.toml").read_text(encoding="utf-8")
+        _, case = simulated(Path(name), text)
+        scan = read_scan(case)
+    layers = [tuple(layer[key] * unit for key, unit in LAYER_KEYS) for layer in tomllib.loads(text)["medium"]["layer"]]
+    frequencies, speeds, _ = curves(line_coordinates(scan.x_m, scan.y_m), scan.velocity_m_s, scan.rate_Hz)
+    figure, axes = plt.subplots(figsize=(7.0, 4.2), constrained_layout=True)
+    trial = np.geomspace(1.0, 12.0, 400)
+    roots = [(f, c) for f in range(60, 701, 2) for c in secular_speeds(2.0 * np.pi * f, layers, trial)]
+    axes.plot(*zip(*roots), ".", ms=1.5, color="0.55", label="roots of the secular equation (no viscosity)")
+    axes.plot(frequencies, speeds, "o", ms=4, color="C3", label="line scan")
+    axes.set(xlabel="frequency (Hz)", ylabel="phase speed (m/s)", xlim=(60, 700), ylim=(1, 10))
+    axes.legend(markerscale=2)
+    figure.savefig(picture, dpi=140)
+    inside = (frequencies >= 100.0) & (frequencies <= 600.0) & np.isfinite(speeds)
+    errors = [min(abs(c / root - 1.0) for root in secular_speeds(2.0 * np.pi * f, layers, trial))
+              for f, c in zip(frequencies[inside], speeds[inside])]
+    print(f"{len(errors)} frequencies from 100 to 600 Hz; largest difference {100.0 * max(errors):.2f} %, "
+          f"median {100.0 * np.median(errors):.2f} %")
+
+
+if __name__ == "__main__":
+    what, *arguments = sys.argv[1:]
+    if what == "dispersion":
+        dispersion(*arguments)
+    else:
+        {"degradation": degradation, "coverage": coverage}[what](*map(int, arguments))

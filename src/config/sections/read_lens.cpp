@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sections/read_lens.hpp"
+
+#include "base/error.hpp"
+#include "base/hash.hpp"
+#include "config/sections/read_fields.hpp"
+#include "image/png.hpp"
+#include "load/acoustics/air.hpp"
+#include "load/acoustics/lens_design.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+namespace {
+
+/// The air of the default absorption.
+constexpr double temperature_K = 298.15, humidity = 0.5;
+/// Default reach of the pattern beyond the target, in widths of a focus.
+constexpr double widths_around = 4.0;
+/// Largest lattice: 256 MB per field, about a second per iteration.
+constexpr std::ptrdiff_t largest_side = 4096;
+constexpr std::size_t most_corners = 10000;
+
+std::vector<Vec2> read_points_of(Reader& reader, const char* key, std::size_t least) {
+    const std::vector<Vec2> points = reader.find_points(key).value_or(std::vector<Vec2>());
+    if (reader.has(key) && (points.size() < least || points.size() > most_corners))
+        reader.error(key, fmt::format("must contain {} to {} points", least, most_corners));
+    return points;
+}
+
+std::shared_ptr<const TargetImage> read_image(Reader& reader, const TextLoader& load_text) {
+    const auto name = reader.find_word("target_png");
+    if (!name) return nullptr;
+    if (!load_text) {
+        reader.error("target_png", "names a file, but this job is read without access to files");
+        return nullptr;
+    }
+    try {
+        const std::string bytes = load_text(*name);
+        image::DecodedImage decoded = image::decode_png(bytes);
+        const auto& greys = decoded.image.greys;
+        if (decoded.problem.empty() &&
+            std::none_of(greys.begin(), greys.end(), [](double grey) { return grey > 0.0; }))
+            decoded.problem = "it is black, so it requests no radiation pressure";
+        if (decoded.problem.empty())
+            return std::make_shared<const TargetImage>(
+                TargetImage{decoded.image.columns, decoded.image.rows, greys,
+                            hex(stable_hash(std::string_view(bytes)))});
+        reader.error("target_png", fmt::format("cannot be used: {}: {}", *name, decoded.problem));
+    } catch (const UsageError& problem) {
+        reader.error("target_png", fmt::format("cannot be used: {}", problem.what()));
+    }
+    return nullptr;
+}
+
+void read_target(Reader& reader, const TextLoader& load_text, LensFootprint& lens) {
+    lens.foci_m = read_points_of(reader, "target_foci_mm", 1);
+    lens.polygon_m = read_points_of(reader, "target_polygon_mm", 3);
+    lens.image = read_image(reader, load_text);
+    const auto width_m = reader.find_number("target_width_mm", Range::between(1.0, 1000.0));
+    int targets = 0;
+    for (const char* key : {"target_foci_mm", "target_polygon_mm", "target_png"})
+        targets += reader.has(key);
+    if (targets != 1)
+        reader.error("shape", "= \"lens\" requires exactly one of target_foci_mm, "
+                              "target_polygon_mm and target_png");
+    if (reader.has("target_png") && !width_m) reader.missing("target_width_mm");
+    if (width_m && !reader.has("target_png"))
+        reader.error("target_width_mm", "applies only with target_png");
+    lens.image_width_m = width_m.value_or(0.0);
+}
+
+/// The lattice of a lens whose keys are valid, and its target must fit in front of each other.
+void check_lens(Reader& reader, const LensFootprint& lens) {
+    if (lens.pixel_m > 0.25 * lens.aperture_m)
+        reader.error("pixel_mm", "must be at most a quarter of aperture_mm");
+    if (lens.material_c_m_s == lens.sound_speed_m_s)
+        reader.error("material_c_m_s", "is equal to that of air, so the thickness of the lens has "
+                                       "no effect on the phase");
+    if (target_extent_m(lens) > lens.reach_m)
+        reader.error("reach_mm",
+                     fmt::format("must be at least {:.4g}, so that it contains the target",
+                                 1e3 * target_extent_m(lens)));
+    const std::ptrdiff_t side = lattice(lens).side;
+    if (side > largest_side)
+        reader.error("aperture_mm",
+                     fmt::format("and reach_mm require a lattice of {} x {} points, but at most {} "
+                                 "x {} are supported; reduce them or the frequency",
+                                 side, side, largest_side, largest_side));
+}
+
+} // namespace
+
+FootprintAndPeak read_lens(Reader& reader, const FileLoaders& files) {
+    const std::size_t before = reader.diagnostics().errors();
+    LensFootprint lens;
+    read_fields(reader, lens);
+    read_target(reader, files.load_text, lens);
+    lens.absorption_dB_m = reader.number_or(
+        "absorption_dB_m", air_absorption_dB_m(lens.frequency_Hz, temperature_K, humidity),
+        Range::between(0.0, 1000.0));
+    lens.pixel_m =
+        reader.number_or("pixel_mm", 0.25 * wavelength_m(lens), Range::between(0.1, 50.0));
+    const auto reach_m = reader.find_number("reach_mm", Range::between(5.0, 500.0));
+    const auto pressure_Pa = reader.find_number("pressure_Pa", Range::above(0.0));
+    const double density_kg_m3 =
+        reader.number_or("air_density_kg_m3", air_density_kg_m3, Range::above(0.0));
+    FootprintAndPeak read{.gives_peak = reader.has("pressure_Pa")};
+    reader.finish();
+    if (reader.diagnostics().errors() != before) return read;
+    lens.reach_m = reach_m.value_or(target_extent_m(lens) + widths_around * focal_width_m(lens));
+    check_lens(reader, lens);
+    if (reader.diagnostics().errors() != before) return read;
+    lens.design = files.lenses->of(lens);
+    const double amplitude_Pa = pressure_Pa.value_or(0.0) * lens.design->gain;
+    if (pressure_Pa)
+        read.peak_Pa = amplitude_Pa * amplitude_Pa /
+                       (density_kg_m3 * lens.sound_speed_m_s * lens.sound_speed_m_s);
+    read.footprint = std::move(lens);
+    return read;
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "case/case.hpp"
+#include "config/document/reader.hpp"
+#include "config/files/text_loader.hpp"
+
+#include <optional>
+
+namespace shearwake::config {
+
+/// Reads [vibrometer]; nothing if the table is absent. The points must lie inside the domain of the
+/// case, if that has an extent, and the surface must be among its depths.
+std::optional<VibrometerOptions> read_vibrometer(Reader& reader, const Case& c,
+                                                 const TextLoader& load_text);
+
+} // namespace shearwake::config

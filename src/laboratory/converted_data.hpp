@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/vec2.hpp"
+#include "base/vec3.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace shearwake::laboratory {
+
+/// The files that analysis/report/measure_scan.py writes: <prefix>.json and <prefix>.f64. None of
+/// these functions is collective. All throw UsageError (environment) if a file does not have the
+/// expected content.
+struct ConvertedData {
+    std::string data, sha256; // the file of the user
+    std::vector<std::string> notes;
+    double rate_Hz = 0.0, noise_m_s = 0.0;
+    // Of the surface:
+    std::size_t repetitions = 0;
+    Vec2 covered_from_m, covered_to_m; // bounding box of the nodes with data
+    // Of the velocities:
+    std::vector<Vec2> points_m;
+    std::size_t samples = 0;
+    double start_s = 0.0; // of the first sample after the trigger
+    double delay_s = 0.0; // of the trigger after the start of the load
+    Vec3 direction;
+    bool is_line = false;
+};
+
+std::filesystem::path description_file(const std::filesystem::path& prefix);
+std::filesystem::path numbers_file(const std::filesystem::path& prefix);
+
+ConvertedData read_surface(const std::filesystem::path& prefix);
+ConvertedData read_velocities(const std::filesystem::path& prefix);
+
+/// Reads `values.size()` numbers from position `first` on.
+void read_numbers(const std::filesystem::path& prefix, std::size_t first, std::span<double> values);
+
+} // namespace shearwake::laboratory

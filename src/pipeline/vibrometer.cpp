@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/vibrometer.hpp"
+
+#include "sampling/random.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+
+namespace shearwake::pipeline {
+namespace {
+
+/// Streams of random numbers, apart from those of other users of a seed.
+constexpr std::uint32_t noise_stream = 0x7669, missing_stream = 0x6d69;
+constexpr std::ptrdiff_t stencil = 6;
+/// A filter in the periodic regime has settled after this number of its time constants.
+constexpr double settling = 12.0;
+
+/// One biquad of a Butterworth filter of second order, by the bilinear transform with the exact
+/// cutoff.
+class Butterworth {
+public:
+    enum class Kind { low_pass, high_pass };
+    Butterworth(Kind kind, double cutoff_Hz, double rate_Hz) {
+        const double w = std::tan(std::numbers::pi * cutoff_Hz / rate_Hz);
+        const double norm = 1.0 / (1.0 + std::numbers::sqrt2 * w + w * w);
+        const double gain = (kind == Kind::low_pass ? w * w : 1.0) * norm;
+        b_ = {gain, kind == Kind::low_pass ? 2.0 * gain : -2.0 * gain, gain};
+        a_ = {2.0 * (w * w - 1.0) * norm, (1.0 - std::numbers::sqrt2 * w + w * w) * norm};
+    }
+    void apply(std::span<double> values) const {
+        double s1 = 0.0, s2 = 0.0; // transposed direct form II
+        for (double& value : values) {
+            const double out = b_[0] * value + s1;
+            s1 = b_[1] * value - a_[0] * out + s2;
+            s2 = b_[2] * value - a_[1] * out;
+            value = out;
+        }
+    }
+
+private:
+    std::array<double, 3> b_;
+    std::array<double, 2> a_;
+};
+
+/// The derivative at `x` of the polynomial through the values at 0, 1, ..., 5.
+double slope(const std::array<double, stencil>& values, double x) {
+    double sum = 0.0;
+    for (int i = 0; i < stencil; ++i) {
+        double basis = 0.0;
+        for (int left_out = 0; left_out < stencil; ++left_out) {
+            if (left_out == i) continue;
+            double product = 1.0 / (i - left_out);
+            for (int j = 0; j < stencil; ++j)
+                if (j != i && j != left_out) product *= (x - j) / (i - j);
+            basis += product;
+        }
+        sum += values[static_cast<std::size_t>(i)] * basis;
+    }
+    return sum;
+}
+
+double velocity_m_s(const Case& c, std::span<const double> u_m, double t_s) {
+    const bool repeats = c.time.regime == Regime::periodic;
+    const std::ptrdiff_t frames = c.time.frames;
+    if (!repeats && t_s < 0.0) return 0.0;
+    const double at = t_s / c.time.interval_s; // frame n is at n + 1
+    auto first = static_cast<std::ptrdiff_t>(std::floor(at)) - 2;
+    // Before the load begins the skin is at rest; after the last frame the polynomial is one-sided.
+    if (!repeats)
+        first = std::clamp<std::ptrdiff_t>(first, 0, std::max<std::ptrdiff_t>(0, frames - 5));
+    std::array<double, stencil> values = {};
+    for (std::ptrdiff_t i = 0; i < stencil; ++i) {
+        std::ptrdiff_t frame = first + i - 1; // -1: t = 0
+        if (repeats) frame = ((frame % frames) + frames) % frames;
+        if (frame >= 0 && frame < frames)
+            values[static_cast<std::size_t>(i)] = u_m[static_cast<std::size_t>(frame)];
+    }
+    return slope(values, at - static_cast<double>(first)) / c.time.interval_s;
+}
+
+double normal(std::uint64_t seed, std::uint32_t stream, std::uint64_t counter) {
+    const double u = sampling::random_uniform(seed, stream, 2 * counter),
+                 v = sampling::random_uniform(seed, stream, 2 * counter + 1);
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+}
+
+double power(std::span<const double> values) {
+    double sum = 0.0;
+    for (const double value : values)
+        sum += value * value;
+    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+void filter(const Case& c, double rate_Hz, std::vector<double>& values) {
+    const VibrometerOptions& o = *c.vibrometer;
+    std::vector<Butterworth> filters;
+    if (o.high_pass_Hz > 0.0)
+        filters.emplace_back(Butterworth::Kind::high_pass, o.high_pass_Hz, rate_Hz);
+    if (o.low_pass_Hz > 0.0)
+        filters.emplace_back(Butterworth::Kind::low_pass, o.low_pass_Hz, rate_Hz);
+    if (filters.empty()) return;
+    const std::size_t length = values.size();
+    if (c.time.regime == Regime::periodic) { // repeat the period until the filters have settled
+        const double slowest_Hz = o.high_pass_Hz > 0.0 ? o.high_pass_Hz : o.low_pass_Hz;
+        const double periods =
+            std::ceil(settling * rate_Hz /
+                      (2.0 * std::numbers::pi * slowest_Hz * static_cast<double>(length)));
+        const auto copies = static_cast<std::size_t>(std::clamp(periods, 1.0, 10000.0));
+        for (std::size_t n = 0; n < copies * length; ++n)
+            values.push_back(values[n]);
+    }
+    for (const Butterworth& one : filters)
+        one.apply(values);
+    values.erase(values.begin(), values.end() - static_cast<std::ptrdiff_t>(length));
+}
+
+/// The points that return no signal.
+std::vector<char> missing_points(const VibrometerOptions& o) {
+    std::vector<char> is_missing(o.points_m.size(), 0);
+    const auto count = static_cast<std::size_t>(
+        std::lround(o.missing_share * static_cast<double>(o.points_m.size())));
+    const auto order = sampling::random_permutation(
+        o.points_m.size(), static_cast<std::uint64_t>(o.seed), missing_stream);
+    for (std::size_t n = 0; n < count; ++n)
+        is_missing[order[n]] = 1;
+    return is_missing;
+}
+
+} // namespace
+
+Scan scan(const Case& c, const std::vector<double>& displacements_m) {
+    const VibrometerOptions& o = *c.vibrometer;
+    const double rate_Hz = o.rate_Hz > 0.0 ? o.rate_Hz : 1.0 / c.time.interval_s;
+    const bool repeats = c.time.regime == Regime::periodic;
+    const double end_s = repeats ? c.time.duration_s() + o.trigger_delay_s : c.time.duration_s();
+    // In the periodic regime, one period without its last time, which is the first one again.
+    const double samples = std::floor((end_s - o.trigger_delay_s) * rate_Hz + 1e-9);
+    Scan scan;
+    for (double n = 0.0; n < samples + (repeats ? 0.0 : 1.0); ++n)
+        scan.time_s.push_back(n / rate_Hz);
+    const double noise_m_s =
+        o.noise_m_s_rtHz * std::sqrt(0.5 * rate_Hz / static_cast<double>(o.averages));
+    const std::vector<char> is_missing = missing_points(o);
+    const auto frames = static_cast<std::size_t>(c.time.frames);
+    for (std::size_t point = 0; point < o.points_m.size(); ++point) {
+        const auto u_m = std::span(displacements_m).subspan(point * frames, frames);
+        std::vector<double> v(scan.time_s.size());
+        for (std::size_t n = 0; n < v.size(); ++n)
+            v[n] = velocity_m_s(c, u_m, scan.time_s[n] + o.trigger_delay_s);
+        const double signal = power(v);
+        for (std::size_t n = 0; n < v.size() && noise_m_s > 0.0; ++n)
+            v[n] += noise_m_s * normal(static_cast<std::uint64_t>(o.seed), noise_stream,
+                                       point * (std::uint64_t{1} << 32) + n);
+        filter(c, rate_Hz, v);
+        if (is_missing[point] != 0)
+            std::fill(v.begin(), v.end(), std::numeric_limits<double>::quiet_NaN());
+        const double all = signal + noise_m_s * noise_m_s;
+        scan.quality.push_back(is_missing[point] != 0 || all == 0.0 ? 0.0 : signal / all);
+        scan.velocity_m_s.insert(scan.velocity_m_s.end(), v.begin(), v.end());
+    }
+    return scan;
+}
+
+VariableGroup vibrometer_group(const Case& c, const std::vector<double>& displacements_m) {
+    Scan recorded = scan(c, displacements_m);
+    const VibrometerOptions& o = *c.vibrometer;
+    std::vector<double> numbers(o.points_m.size()), x, y;
+    std::iota(numbers.begin(), numbers.end(), 0.0);
+    for (const Vec2 point : o.points_m) {
+        x.push_back(point.x);
+        y.push_back(point.y);
+    }
+    const Vec3 along = o.line_of_sight();
+    return {"vibrometer",
+            {{"point", {"point"}, numbers, "1", "number of the point of the scan", ""},
+             {"time", {"time"}, std::move(recorded.time_s), "s", "time since the trigger", ""},
+             {"x", {"point"}, x, "m", "position of the point along x", ""},
+             {"y", {"point"}, y, "m", "position of the point along y", ""},
+             {"velocity",
+              {"point", "time"},
+              std::move(recorded.velocity_m_s),
+              "m/s",
+              "velocity along the line of sight, positive away from the vibrometer",
+              "NaN: no signal"},
+             {"quality",
+              {"point"},
+              std::move(recorded.quality),
+              "1",
+              "power of the signal divided by that of signal and noise; 0: no signal",
+              ""},
+             {"trigger_delay",
+              {},
+              {o.trigger_delay_s},
+              "s",
+              "time from the start of the load to the trigger",
+              ""},
+             {"direction_x", {}, {along.x}, "1", "line of sight, x component", ""},
+             {"direction_y", {}, {along.y}, "1", "line of sight, y component", ""},
+             {"direction_z", {}, {along.z}, "1", "line of sight, component into the skin", ""}}};
+}
+
+} // namespace shearwake::pipeline

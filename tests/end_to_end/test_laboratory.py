@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A virtual experiment is exported, measured, fitted and compared; hostile data are refused with a reason."""
+import csv
+import json
+import re
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ROOT, ProgramTest
+
+sys.path[:0] = [str(ROOT / "analysis" / "report"), str(ROOT / "analysis" / "gallery")]
+from dispersion import curves, line_coordinates  # noqa: E402
+from scan import Scan, read_scan, write_scan  # noqa: E402
+from secular import secular_speeds  # noqa: E402
+
+C_S, VISCOSITY = 2.5, 0.3
+
+JOB = f"""\
+schema = 1
+[job]
+name = "gel"
+title = "a gel in a laboratory"
+[medium]
+base = "rigid"
+[[medium.layer]]
+thickness_mm = 12.0
+density_kg_m3 = 1000.0
+c_p_m_s = 1500.0
+c_s_m_s = {C_S}
+viscosity_Pa_s = {VISCOSITY}
+[load]
+peak_Pa = 100.0
+footprint = {{ shape = "gaussian", fwhm_mm = 9.0 }}
+[load.modulation]
+kind = "AM"
+am_frequency_Hz = 120.0
+[domain]
+extent_mm = [80.0, 80.0]
+spacing_mm = 2.0
+[time]
+duration_ms = 20.0
+output_interval_us = 250.0
+[solver]
+engine = "layered"
+[measure]
+settled_after_ms = 5.0
+[vibrometer]
+"""
+FULL = JOB + "grid_mm = [78.0, 78.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"
+LINE = JOB + """line_mm = [[-29.5, 0.0], [29.5, 0.0]]
+spacing_mm = 1.0
+sampling_rate_kHz = 8.0
+"""
+UNCERTAIN = """
+[uncertain]
+samples = 2
+"medium.layer[1].c_s_m_s" = { distribution = "uniform", min = 1.5, max = 4.0 }
+"medium.layer[1].viscosity_Pa_s" = { distribution = "lognormal", median = 0.5, geometric_sd = 3.0 }
+"load.peak_Pa" = { distribution = "uniform", min = 20.0, max = 400.0 }
+"vibrometer.trigger_delay_ms" = { distribution = "normal", mean = 0.0, sd = 1.0 }
+"""
+
+LAYERS = ((8e-3, 1000.0, 1500.0, 2.2), (10e-3, 1000.0, 1500.0, 4.4))  # of jobs/gel-dispersion.toml
+
+
+class LaboratoryTest(ProgramTest):
+    def scanned(self, job, *more):
+        """The case file of a job with a vibrometer."""
+        path = self.write_job(job)
+        out = self.folder / "out"
+        self.shearwake("run", path, "--out", out, *more)
+        return path, next((out / "cases").glob("*.h5"))
+
+    def fails(self, *arguments):
+        """A command that ends with the exit code of a usage error or of a bad job."""
+        done = self.shearwake(*arguments, expect=None)
+        self.assertIn(done.returncode, (2, 3), done.said)
+        return done
+
+    def with_noise(self, case, dB, missing=0.0, seed=1, name="noisy.mat"):
+        scan = read_scan(case)
+        rng = np.random.default_rng(seed)
+        rms = np.sqrt(np.mean(scan.velocity_m_s ** 2))
+        noisy = scan.velocity_m_s + 10.0 ** (-dB / 20.0) * rms * rng.normal(size=scan.velocity_m_s.shape)
+        noisy[rng.random(len(noisy)) < missing] = np.nan
+        path = self.folder / name
+        write_scan(path, Scan(scan.time_s, scan.x_m, scan.y_m, noisy, None, scan.trigger_delay_s, scan.direction), "mat")
+        return path
+
+
+class Measure(LaboratoryTest):
+    def test_data_at_full_density_have_the_measures_of_the_simulation(self):
+        job, case = self.scanned(FULL)
+        exported = self.folder / "scan.uff"
+        self.shearwake("export", case, "--out", exported)
+        text = self.shearwake("measure", exported, "--options", job, "--out", self.folder / "measured", "--no-report",
+                              "--repetitions", "3").stdout
+        self.assertIn("1600 of 1600 points", text)
+        document = json.loads(self.shearwake("compare", self.folder / "measured", self.folder / "out", "--json",
+                                             "--all").stdout)
+        rows = document["pairs"][0]["columns"]
+        self.assertGreater(len(rows), 20)
+        for row in rows:
+            if row["column"].startswith(("wall_s", "mach")):
+                continue
+            with self.subTest(column=row["column"]):
+                scale = max(abs(row["second"]), 1e-12)
+                self.assertLess(abs(row["first"] - row["second"]) / scale, 1e-3)
+        with open(self.folder / "measured" / "tables" / "gel.csv", encoding="utf-8") as file:
+            names = next(csv.reader(file))
+        self.assertTrue(any(name.endswith("_error") for name in names), names)
+
+    def test_a_line_and_depths_are_refused(self):
+        job, case = self.scanned(LINE)
+        failed = self.fails("measure", case, "--options", job, "--no-report")
+        self.assertIn("lie on one line", failed.stderr)
+        failed = self.fails("measure", case, "--options", job, "-S", "measure.depths_mm=[0, 1]", "--no-report")
+        self.assertIn("a scan contains the surface only", failed.stderr)
+
+    def test_hostile_files_are_refused_with_a_reason(self):
+        job, case = self.scanned(LINE)
+        exported = self.folder / "scan.uff"
+        self.shearwake("export", case, "--out", exported)
+        good = exported.read_text()
+        velocity = re.search(r"^ {11}0\.0+E\+00| [- ]\d\.\d{12}E[+-]\d\d", good, re.M)[0]
+        count = f"{161:10d}"
+        self.assertIn(count, good)
+        for text, words in ((good[:len(good) // 2], "truncated"),
+                            (good.replace(count, f"{170:10d}", 1), "claims 170 values"),
+                            (good.replace(count, f"{1250000000:10d}", 1), "claims 1250000000 values"),
+                            (good.replace(velocity, "NaN".rjust(len(velocity)), 1), "not a finite number"),
+                            (good.replace("m/s ", "ft/s", 1), "the unit of the velocity is"),
+                            ("", "it is not a scan")):
+            bad = self.folder / ("bad.uff" if text else "bad.csv")
+            bad.write_text(text)
+            for arguments in (("measure", bad, "--options", job, "--no-report"), ("fit", job, "--data", bad)):
+                with self.subTest(words=words, command=arguments[0]):
+                    if arguments[0] == "fit":
+                        job.write_text(LINE + UNCERTAIN)
+                    failed = self.fails(*arguments)
+                    self.assertIn(words, failed.stderr)
+                    self.assertNotIn("Traceback", failed.stderr)
+
+
+class Scans(LaboratoryTest):
+    def test_the_scan_does_not_depend_on_the_number_of_ranks(self):
+        job = self.write_job(LINE + "tilt_deg = 30\nazimuth_deg = 20\nspot_um = 500\n")
+        found = []
+        for ranks in (1, 3):
+            out = self.folder / f"out{ranks}"
+            self.shearwake("run", job, "--out", out, ranks=ranks)
+            found.append(read_scan(next((out / "cases").glob("*.h5"))))
+        one, three = (scan.velocity_m_s for scan in found)
+        self.assertEqual(one.shape, (60, 161))
+        # Sums over other parts of the plane differ by rounding.
+        self.assertLess(np.max(np.abs(one - three)), 1e-10 * np.max(np.abs(one)))
+        # At 30 degrees, what differs between both sides of the focus is twice the tangential motion.
+        self.assertGreater(np.max(np.abs(one - one[::-1])), 0.05 * np.max(np.abs(one)))
+
+
+class Fit(LaboratoryTest):
+    def test_a_noisy_line_gives_the_material_back(self):
+        job, case = self.scanned(LINE)
+        data = self.with_noise(case, 20.0)
+        job.write_text(LINE + UNCERTAIN)
+        out = self.folder / "fit"
+        text = self.shearwake("fit", job, "--data", data, "--out", out, ranks=2).stdout
+        found = json.loads((out / "fit.json").read_text())
+        estimates = found["estimates"]
+        c_s, viscosity = (estimates[f"medium.layer[1].{key}"] for key in ("c_s_m_s", "viscosity_Pa_s"))
+        self.assertTrue(found["converged"], text)
+        self.assertLess(abs(c_s["value"] - C_S), 0.02 * C_S)
+        self.assertLess(abs(viscosity["value"] - VISCOSITY), 0.1 * VISCOSITY)
+        for estimate, truth in ((c_s, C_S), (viscosity, VISCOSITY), (estimates["load.peak_Pa"], 100.0),
+                                (estimates["vibrometer.trigger_delay_ms"], 0.0)):
+            # Five standard errors: this seed is one of many.
+            self.assertLess(abs(estimate["value"] - truth), 5.0 * estimate["standard_error"])
+        self.assertFalse(found["simpler_laws"][0]["suffices"], "the layer is lossy")
+        for name in ("residuals.png", "correlations.png", "dispersion.png", "dispersion.csv", "residuals.csv"):
+            self.assertTrue((out / name).is_file(), name)
+        self.assertIn("does not suffice", text)
+        with h5py.File(out / "fit.h5", "r") as file:
+            self.assertEqual(file["measured"].shape, file["predicted"].shape)
+
+    def test_a_fit_needs_keys_and_the_engine_layered(self):
+        job, case = self.scanned(LINE)
+        self.assertIn("[uncertain] names no key", self.fails("fit", job, "--data", case).stderr)
+        job.write_text(LINE.replace('"layered"', '"spectral"') + UNCERTAIN)
+        self.assertIn("fit computes with engine", self.fails("fit", job, "--data", case).stderr)
+
+
+class Dispersion(LaboratoryTest):
+    def test_guided_waves_of_two_layers_follow_the_secular_equation(self):
+        _, case = self.scanned((ROOT / "jobs" / "gel-dispersion.toml").read_text(encoding="utf-8"))
+        scan = read_scan(case)
+        frequencies, speeds, _ = curves(line_coordinates(scan.x_m, scan.y_m), scan.velocity_m_s, scan.rate_Hz)
+        compared = 0
+        for f, c in zip(frequencies, speeds):
+            if not 100.0 <= f <= 600.0 or np.isnan(c):
+                continue
+            roots = secular_speeds(2.0 * np.pi * f, LAYERS, np.geomspace(1.0, 30.0, 400))
+            with self.subTest(frequency_Hz=f, roots=roots, measured=c):
+                self.assertLess(min(abs(c - root) / root for root in roots), 0.02)
+            compared += 1
+        self.assertGreater(compared, 70)
+
+
+if __name__ == "__main__":
+    unittest.main()
