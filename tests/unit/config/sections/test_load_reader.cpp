@@ -81,8 +81,8 @@ TEST_CASE("an error in the load is reported with its location", "[config][load]"
         {"peak_Pa = 100.0", "peak_kPa = 0.1",
          "job.toml:14:1: error: load.peak_kPa is unknown; the unit of peak is Pa: use peak_Pa"},
         {"shape = \"gaussian\", fwhm_mm = 3.0", "shape = \"disc\", radius_mm = 10",
-         "job.toml:15:23: error: load.footprint.shape must be one of \"gaussian\" or \"array\", "
-         "but is \"disc\""},
+         "job.toml:15:23: error: load.footprint.shape must be one of \"gaussian\", \"array\" or "
+         "\"lens\", but is \"disc\""},
         {"peak_Pa = 100.0\n", "", "job.toml:13:1: error: load.peak_Pa is missing"},
         {", fwhm_mm = 3.0", "", "job.toml:15:13: error: load.footprint.fwhm_mm is missing"},
         {"footprint = {", "carrier = \"resolvd\"\nfootprint = {",
