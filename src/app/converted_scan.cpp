@@ -25,8 +25,9 @@ void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_jso
                   const std::filesystem::path& prefix) {
     const std::filesystem::path file = prefix.string() + "-request.json";
     storage::write_file(file, request.dump());
-    const int status = run_python_script(
-        "report/measure_scan.py", {data.string(), file.string(), prefix.string()}, scan_packages);
+    const int status =
+        run_python_script("laboratory/measure_scan.py",
+                          {data.string(), file.string(), prefix.string()}, scan_packages);
     std::error_code none;
     std::filesystem::remove(file, none);
     if (status == static_cast<int>(ExitCode::usage)) throw UsageError("the scan cannot be used");

@@ -9,8 +9,8 @@
 
 namespace shearwake::app {
 
-/// The members of a request of analysis/report/measure_scan.py that follow from the vibrometer of
-/// a case; empty without one.
+/// The members of a request of analysis/laboratory/measure_scan.py that follow from the vibrometer
+/// of a case; empty without one.
 nlohmann::ordered_json scan_request(const Case& c);
 
 /// Converts a file of a user by that script into <prefix>.json and <prefix>.f64. Throws UsageError

@@ -15,8 +15,8 @@ ExitCode export_command(const ExportArguments& arguments, const Comm& world) {
             throw UsageError("--binary applies only with --format uff");
         if (arguments.binary) kind = "uffb";
         if (file.empty()) file = arguments.case_file.stem().string() + "." + arguments.format;
-        const int status =
-            run_python_script("report/export_scan.py", {arguments.case_file.string(), kind, file});
+        const int status = run_python_script("laboratory/export_scan.py",
+                                             {arguments.case_file.string(), kind, file});
         if (status == static_cast<int>(ExitCode::usage))
             throw UsageError("the scan cannot be exported");
         if (status != 0)

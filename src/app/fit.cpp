@@ -243,7 +243,7 @@ ExitCode fit_command(const FitArguments& arguments, const Comm& world) {
         std::filesystem::remove(laboratory::numbers_file(prefix), none);
     });
     on_root(world, [&] {
-        if (run_python_script("report/fit_figures.py", {folder.string()}, scan_packages) != 0)
+        if (run_python_script("laboratory/fit_figures.py", {folder.string()}, scan_packages) != 0)
             throw UsageError("the figures of the fit cannot be drawn", ExitCode::environment);
         fmt::print("files: {}\n", folder.string());
     });

@@ -12,8 +12,8 @@
 
 namespace shearwake::laboratory {
 
-/// The files that analysis/report/measure_scan.py writes: <prefix>.json and <prefix>.f64. None of
-/// these functions is collective. All throw UsageError (environment) if a file does not have the
+/// The files that analysis/laboratory/measure_scan.py writes: <prefix>.json and <prefix>.f64. None
+/// of these functions is collective. All throw UsageError (environment) if a file does not have the
 /// expected content.
 struct ConvertedData {
     std::string data, sha256; // the file of the user

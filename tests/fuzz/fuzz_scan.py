@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "analysis" / "report"))
+sys.path.insert(0, str(ROOT / "analysis" / "laboratory"))
 from scan import BadScan, Scan, read_scan, write_scan  # noqa: E402
 
 MOST_B = 3 << 30

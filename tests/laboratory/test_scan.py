@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "report"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "laboratory"))
 from scan import BadScan, Scan, read_scan, write_scan  # noqa: E402
 
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat"}

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "report"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "laboratory"))
 import dispersion  # noqa: E402
 import measure_scan  # noqa: E402
 import scan_motion  # noqa: E402
