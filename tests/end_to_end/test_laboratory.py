@@ -11,7 +11,7 @@ import numpy as np
 
 from program import ROOT, ProgramTest
 
-sys.path[:0] = [str(ROOT / "analysis" / "report"), str(ROOT / "analysis" / "gallery")]
+sys.path[:0] = [str(ROOT / "analysis" / "laboratory"), str(ROOT / "analysis" / "gallery")]
 from dispersion import curves, line_coordinates  # noqa: E402
 from scan import Scan, read_scan, write_scan  # noqa: E402
 from secular import secular_speeds  # noqa: E402
