@@ -17,7 +17,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build" / "shearwake"
-sys.path.insert(0, str(ROOT / "analysis" / "report"))
+sys.path.insert(0, str(ROOT / "analysis" / "laboratory"))
 from dispersion import curves, line_coordinates  # noqa: E402
 from scan import Scan, read_scan, write_scan  # noqa: E402
 from secular import secular_speeds  # noqa: E402

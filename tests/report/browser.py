@@ -11,6 +11,7 @@ import os
 import select
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 
@@ -20,6 +21,15 @@ TIMEOUT_s = 480.0  # of one response; a busy machine may take minutes to start a
 def find():
     return shutil.which("chromium") or shutil.which("chromium-browser")
 
+
+# Where --remote-debugging-pipe reads and writes.
+AS_3_AND_4 = """import os, sys
+reading, writing = (os.dup(int(number)) for number in sys.argv[1:3])
+os.dup2(reading, 3)
+os.dup2(writing, 4)
+os.set_inheritable(3, True)  # dup2 does nothing if it has this number already
+os.set_inheritable(4, True)
+os.execv(sys.argv[3], sys.argv[3:])"""
 
 # WebGL without a graphics card.
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
@@ -34,16 +44,14 @@ class Browser:
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
 
-        def as_3_and_4():  # where --remote-debugging-pipe reads and writes
-            reading, writing = os.dup(to_browser), os.dup(from_browser)
-            os.dup2(reading, 3)
-            os.dup2(writing, 4)
-
+        # A program of its own makes them 3 and 4: in a child of this interpreter, the collector may close files that have
+        # these numbers here.
         self.process = subprocess.Popen(
-            [find(), "--headless", "--no-sandbox", *self.options, "--disable-dev-shm-usage",
+            [sys.executable, "-c", AS_3_AND_4, str(to_browser), str(from_browser),
+             find(), "--headless", "--no-sandbox", *self.options, "--disable-dev-shm-usage",
              "--remote-debugging-pipe", f"--user-data-dir={self.profile.name}", "about:blank"],
-            preexec_fn=as_3_and_4, close_fds=False, stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            pass_fds=(to_browser, from_browser), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL)
         os.close(to_browser)
         os.close(from_browser)
         self.number, self.buffer, self.events = 0, b"", []
