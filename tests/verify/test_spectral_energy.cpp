@@ -166,6 +166,7 @@ TEST_CASE("a body of any compressibility is stable at any step", "[verify]") {
     const auto m = GENERATE(Compressible{20.0, 5.0, 12.0, 10.0}, // four times stiffer
                             Compressible{20.0, 5.0, 24.0, 20.0}, // 16 times stiffer
                             Compressible{6.0, 5.0, 58.5, 50.0},  // 100 times stiffer
+                            Compressible{60.0, 5.0, 23.5, 20.0}, // lambda of the layer 142 mu
                             Compressible{12.0, 10.0, 20.0, 5.0}, // softer
                             Compressible{12.0, 10.0, 4.9, 4.0}); // also with negative lambda
     const double step_s = GENERATE(12.5e-6, 20e-6, 25e-6, 40e-6, 50e-6, 100e-6);
