@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The tables of docs/explanation/scans.md: how measures degrade with the scan, and how often intervals contain the truth.
+"""The results of docs/explanation/scans.md: how measures degrade with the scan, how often the intervals of a fit contain the truth,
+and the dispersion of a line scan.
 
 Usage: scan_studies.py degradation | coverage [FIRST LAST] | dispersion PICTURE
 Prints a Markdown table, or draws the measured dispersion and the secular equation. Needs the program in build/.
@@ -83,8 +84,7 @@ def degradation():
         for spacing, noise, missing in rows:
             write_scan(folder / "data.mat", degraded(scan, spacing, noise, missing, rng), "mat")
             out = folder / "measured"
-            text = shearwake("measure", folder / "data.mat", "--options", job, "--out", out, "--no-report", "--repetitions", "0",
-                             "--high-pass-Hz", "20" if noise else "0")
+            text = shearwake("measure", folder / "data.mat", "--options", job, "--out", out, "--no-report", "--repetitions", "0")
             found = values_in(text)
             changes = [float(found[c].split()[0]) / float(expected[c].split()[0]) - 1.0 for c in COLUMNS]
             print(f"| {spacing} | {noise or '-'} | {100 * missing:.0f} % | "

@@ -9,6 +9,7 @@ import numpy as np
 from scan import BadScan
 
 NEAR = 1e-6  # a point closer to a node of the grid than this fraction of the spacing is at the node
+LEAST_PERIODS = 3  # of the high-pass in a recording
 MASK_RADII = 1.5  # in distances between neighbouring points
 NODES_AT_ONCE = 2_000_000  # values of an interpolation in memory
 
@@ -35,6 +36,10 @@ def filtered(velocity, rate_Hz, high_pass_Hz, repeats):
         frequencies = np.fft.rfftfreq(velocity.shape[1], 1.0 / rate_Hz)
         gain = np.abs(signal.sosfreqz(sections, frequencies, fs=rate_Hz)[1]) ** 2
         return np.fft.irfft(np.fft.rfft(velocity, axis=1) * gain, velocity.shape[1], axis=1)
+    duration_s = velocity.shape[1] / rate_Hz
+    if duration_s < LEAST_PERIODS / high_pass_Hz:
+        raise BadScan(f"it lasts {1e3 * duration_s:.6g} ms, less than {LEAST_PERIODS} periods of the high-pass at "
+                      f"{high_pass_Hz:g} Hz, which would distort it: use a higher cutoff, or none")
     return signal.sosfiltfilt(sections, velocity, axis=1, padlen=min(velocity.shape[1] - 1, int(3 * rate_Hz / high_pass_Hz)))
 
 
