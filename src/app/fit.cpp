@@ -193,7 +193,9 @@ std::vector<SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
             if (others.empty())
                 predicted = reduced({});
             else
-                predicted = laboratory::fit(others, rows, rows.size() / samples, reduced).predicted;
+                predicted =
+                    laboratory::fit(others, rows, rows.size() / samples, reduced, full.noise)
+                        .predicted;
             if (!predicted) continue;
             const double change = chi_squared(*predicted, rows, samples, full.noise) -
                                   full.chi_squared - std::log(static_cast<double>(rows.size()));

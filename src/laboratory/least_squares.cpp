@@ -167,15 +167,16 @@ public:
           samples_(observed.size() / points), evaluations_(parameters, model),
           priors_(parameters, evaluations_) {}
 
-    FitResult run() {
+    FitResult run(std::optional<double> known_noise) {
         evaluations_.PrepareForEvaluation(true, true);
         if (!evaluations_.values() || !evaluations_.has_derivatives())
             throw UsageError("the case cannot be computed with the start values of the fit");
         must_depend();
         FitResult result;
-        noise_ = typical_residual();
+        noise_ = known_noise.value_or(typical_residual());
         for (int round = 0; round < most_rounds; ++round) {
             solve(result);
+            if (known_noise) break;
             const double before = noise_;
             noise_ = typical_residual();
             if (std::abs(noise_ - before) < 0.01 * before) break;
@@ -245,7 +246,7 @@ private:
         ceres::Solver::Options options;
         options.linear_solver_type = ceres::DENSE_QR;
         options.max_num_iterations = most_iterations;
-        options.function_tolerance = 1e-7;
+        options.function_tolerance = 1e-6; // far less than one unit of chi squared
         options.parameter_tolerance = 1e-6;
         options.logging_type = ceres::SILENT;
         options.num_threads = 1;
@@ -355,8 +356,8 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
 }
 
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,
-              std::size_t points, const Model& model) {
-    return Fit(parameters, observed, points, model).run();
+              std::size_t points, const Model& model, std::optional<double> noise) {
+    return Fit(parameters, observed, points, model).run(noise);
 }
 
 } // namespace shearwake::laboratory

@@ -54,8 +54,9 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
 /// heteroscedastic model in which points are independent of each other and samples of a point are
 /// not ("cluster-robust"), so that coloured noise and filters do not make them too small. With at
 /// most one more point than parameters they follow from the noise alone. Throws UsageError if the
-/// model cannot be computed at the start or depends on no parameter. Not collective.
+/// model cannot be computed at the start or depends on no parameter. `noise`: that of a sample, if
+/// it is known, as in the comparison of two models. Not collective.
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,
-              std::size_t points, const Model& model);
+              std::size_t points, const Model& model, std::optional<double> noise = std::nullopt);
 
 } // namespace shearwake::laboratory
