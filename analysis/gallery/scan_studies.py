@@ -88,7 +88,7 @@ def degradation():
             found = values_in(text)
             changes = [float(found[c].split()[0]) / float(expected[c].split()[0]) - 1.0 for c in COLUMNS]
             print(f"| {spacing} | {noise or '-'} | {100 * missing:.0f} % | "
-                  + " | ".join(f"{100 * change:+.1f} %" for change in changes) + " |", flush=True)
+                  + " | ".join(f"{round(100 * change, 1) + 0.0:+.1f} %".replace("+0.0", "0.0") for change in changes) + " |", flush=True)
 
 
 def coverage(first=0, last=100):
