@@ -68,32 +68,9 @@ void walk_scan_keys(Walk& walk) {
               .meaning = "with `grid_mm`: its centre"});
 }
 
+/// From the motion along the line of sight to the recorded samples.
 template <class Walk, Is<VibrometerOptions> Options>
-void walk_fields(Walk& walk, Options& o) {
-    walk_scan_keys(walk);
-    walk(o.points_m, {.key = "points_mm",
-                      .text = "points_{}_m",
-                      .given = Given::by_hand,
-                      .most_in_text = 100,
-                      .fallback = "one of the scans is required",
-                      .meaning = "scan: list of points `[[x, y], ...]`"});
-    walk(o.tilt_rad, {.key = "tilt_deg",
-                      .range = Range::between(0.0, 80.0),
-                      .meaning = "angle between the line of sight and the normal of the skin; not "
-                                 "0: engine `\"layered\"` with periodic edges"});
-    walk(o.azimuth_rad, {.key = "azimuth_deg",
-                         .meaning = "direction along the skin in which a tilted line of sight "
-                                    "points, from x towards y"});
-    walk(o.offset_x_m, {.key = "offset_x_mm",
-                        .range = Range::between(-1000.0, 1000.0),
-                        .meaning = "misalignment along x: true minus stated positions of the "
-                                   "points"});
-    walk(o.offset_y_m, {.key = "offset_y_mm",
-                        .range = Range::between(-1000.0, 1000.0),
-                        .meaning = "misalignment along y"});
-    walk(o.spot_m, {.key = "spot_um",
-                    .range = Range::between(0.0, 20000.0),
-                    .meaning = "diameter of the laser spot, over which the motion is averaged"});
+void walk_signal_fields(Walk& walk, Options& o) {
     walk(o.rate_Hz, {.key = "sampling_rate_kHz",
                      .range = Range::between(0.01, 10000.0),
                      .fallback = "one sample per frame",
@@ -130,6 +107,35 @@ void walk_fields(Walk& walk, Options& o) {
     walk(o.seed, {.key = "seed",
                   .range = Range::between(0, 1000000000),
                   .meaning = "seed of the noise and of the missing points"});
+}
+
+template <class Walk, Is<VibrometerOptions> Options>
+void walk_fields(Walk& walk, Options& o) {
+    walk_scan_keys(walk);
+    walk(o.points_m, {.key = "points_mm",
+                      .text = "points_{}_m",
+                      .given = Given::by_hand,
+                      .most_in_text = 100,
+                      .fallback = "one of the scans is required",
+                      .meaning = "scan: list of points `[[x, y], ...]`"});
+    walk(o.tilt_rad, {.key = "tilt_deg",
+                      .range = Range::between(0.0, 80.0),
+                      .meaning = "angle between the line of sight and the normal of the skin; not "
+                                 "0: engine `\"layered\"` with periodic edges"});
+    walk(o.azimuth_rad, {.key = "azimuth_deg",
+                         .meaning = "direction along the skin in which a tilted line of sight "
+                                    "points, from x towards y"});
+    walk(o.offset_x_m, {.key = "offset_x_mm",
+                        .range = Range::between(-1000.0, 1000.0),
+                        .meaning = "misalignment along x: true minus stated positions of the "
+                                   "points"});
+    walk(o.offset_y_m, {.key = "offset_y_mm",
+                        .range = Range::between(-1000.0, 1000.0),
+                        .meaning = "misalignment along y"});
+    walk(o.spot_m, {.key = "spot_um",
+                    .range = Range::between(0.0, 20000.0),
+                    .meaning = "diameter of the laser spot, over which the motion is averaged"});
+    walk_signal_fields(walk, o);
 }
 
 } // namespace shearwake

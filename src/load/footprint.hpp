@@ -65,7 +65,7 @@ void walk_pressure_keys(Walk& walk) {
 }
 
 template <class Walk, Is<ArrayFootprint> Footprint>
-void walk_fields(Walk& walk, Footprint& array) {
+void walk_piston_fields(Walk& walk, Footprint& array) {
     walk.key({.key = "preset",
               .type = "word",
               .fallback = "none",
@@ -86,6 +86,11 @@ void walk_fields(Walk& walk, Footprint& array) {
                           .range = Range::between(0.1, 50.0),
                           .given = Given::preset,
                           .meaning = "radius of a piston"});
+}
+
+template <class Walk, Is<ArrayFootprint> Footprint>
+void walk_fields(Walk& walk, Footprint& array) {
+    walk_piston_fields(walk, array);
     walk(array.distance_m, {.key = "distance_mm",
                             .range = Range::between(20.0, 2000.0),
                             .given = Given::required,

@@ -24,7 +24,7 @@ constexpr std::ptrdiff_t largest_side = 4096;
 constexpr std::size_t most_corners = 10000;
 
 std::vector<Vec2> read_points_of(Reader& reader, const char* key, std::size_t least) {
-    const std::vector<Vec2> points = reader.find_points(key).value_or(std::vector<Vec2>());
+    std::vector<Vec2> points = reader.find_points(key).value_or(std::vector<Vec2>());
     if (reader.has(key) && (points.size() < least || points.size() > most_corners))
         reader.error(key, fmt::format("must contain {} to {} points", least, most_corners));
     return points;

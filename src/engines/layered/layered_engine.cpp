@@ -190,6 +190,10 @@ private:
     fft::AlignedVector<Complex>& spectra_;
 };
 
+double period_times_area_s_m2(const Case& c) {
+    return c.time.duration_s() * c.domain.extent_x_m() * c.domain.extent_y_m();
+}
+
 } // namespace
 
 TimeLines time_lines(const Case& given, const fft::SlabShare& share) {
@@ -298,11 +302,7 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
                });
-    if (energy) {
-        const double period_s = c.time.duration_s();
-        observer.solved(report_of(
-            energy->sums.total(period_s * c.domain.extent_x_m() * c.domain.extent_y_m(), team)));
-    }
+    if (energy) observer.solved(report_of(energy->sums.total(period_times_area_s_m2(c), team)));
     if (stress_table_)
         each_frame(*stress_table_, stress_depths_m(c).size(),
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
