@@ -79,7 +79,7 @@ class Sweeps:
             report(await asyncio.to_thread(self.run, job, key, values, progress))
         except StopAsked:
             report({"state": "stopped"})
-        except Exception as error:  # whatever the job contains, the page is told that the sweep has ended
+        except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
             report({"state": "failed", "message": str(error) or type(error).__name__})
 
     def run(self, job, key, values, progress):

@@ -64,7 +64,7 @@ def attenuation_1_m(distance, row):
 
 
 def curves(s, velocity, rate_Hz, source=0.0):
-    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no such wave."""
+    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no wave of this frequency."""
     distance, rows = side(s, velocity, source)
     if len(distance) < LEAST_POINTS:
         raise ValueError(f"a dispersion curve requires at least {LEAST_POINTS} points on one side of the source, "

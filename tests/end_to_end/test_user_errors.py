@@ -68,7 +68,7 @@ class JobMistakes(ProgramTest):
         text = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [0, 400]'))
         self.assert_rejected(text, "but is 0", "am_depth = 0", 'kind = "STM"', 'reference = { kind = "STM" }')
 
-        for kind in ("AM", "DTP"):  # STM is no replacement for them
+        for kind in ("AM", "DTP"):  # STM cannot replace them
             said = self.assert_rejected(changed(('kind = "AM-STM"', f'kind = "{kind}"'), (SWEEP, '"load.peak_Pa" = [1, 2]'),
                                                 ('x = "load.modulation.am_frequency_Hz"\n', ""),
                                                 ("am_frequency_Hz = 500.0", "am_frequency_Hz = 0")),

@@ -127,38 +127,33 @@ double magnitude(Complex z) {
     return std::max(std::abs(z.real()), std::abs(z.imag()));
 }
 
-/// Solves for both right sides by elimination with column scaling and partial pivoting. Eigen's LU
-/// decomposition calls routines for matrices of any size, and takes three times as long for 4 x 4.
+/// Solves for both right sides by elimination with column scaling and partial pivoting, without
+/// Eigen's LU decomposition, which calls routines for matrices of any size.
 Continuation solve_bottom(const Pair& up_at_bottom, const Pair& down_at_bottom, const Pair& below) {
     Eigen::Matrix<Complex, 4, 6> a;
     a << up_at_bottom, -below, -down_at_bottom;
-    std::array<double, 4> scales;
+    Eigen::Array4d scales;
     for (int column = 0; column < 4; ++column) {
         double largest = 0.0;
         for (int row = 0; row < 4; ++row)
             largest = std::max(largest, magnitude(a(row, column)));
-        scales[static_cast<std::size_t>(column)] = 1.0 / largest;
-        a.col(column) *= 1.0 / largest;
+        scales[column] = 1.0 / largest;
+        a.col(column) *= scales[column];
     }
     for (int step = 0; step < 4; ++step) {
         int pivot = step;
         for (int row = step + 1; row < 4; ++row)
             if (magnitude(a(row, step)) > magnitude(a(pivot, step))) pivot = row;
         if (pivot != step) a.row(pivot).swap(a.row(step));
-        const Complex inverse = std::conj(a(step, step)) / std::norm(a(step, step));
-        for (int column = step + 1; column < 6; ++column)
-            a(step, column) *= inverse;
+        a.row(step).tail(5 - step) *= std::conj(a(step, step)) / std::norm(a(step, step));
         for (int row = 0; row < 4; ++row) {
-            if (row == step) continue;
-            const Complex factor = a(row, step);
+            const Complex factor = row == step ? Complex() : a(row, step);
             for (int column = step + 1; column < 6; ++column)
                 a(row, column) -= factor * a(step, column);
         }
     }
-    Eigen::Matrix<Complex, 4, 2> x = a.rightCols<2>();
-    for (int row = 0; row < 4; ++row)
-        x.row(row) *= scales[static_cast<std::size_t>(row)];
-    return {x.topRows<2>(), x.bottomRows<2>()};
+    a.array().colwise() *= scales.cast<Complex>();
+    return {a.topRightCorner<2, 2>(), a.bottomRightCorner<2, 2>()};
 }
 
 using Strains = Eigen::Matrix<Complex, 3, 1>;
