@@ -15,3 +15,9 @@ function(shorten_build runner)
     target_precompile_headers(${runner} REUSE_FROM precompiled_catch)
     set_target_properties(${runner} PROPERTIES UNITY_BUILD ${SHEARWAKE_UNITY} UNITY_BUILD_MODE GROUP)
 endfunction()
+
+# A file whose templates the engines share. The precompiled header is not optimised and cannot be used.
+function(optimise_test file)
+    set_source_files_properties(${file} PROPERTIES SKIP_PRECOMPILE_HEADERS ON SKIP_UNITY_BUILD_INCLUSION ON
+        COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
+endfunction()

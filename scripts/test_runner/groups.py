@@ -13,6 +13,7 @@ STEM has the files
 import json
 import os
 import re
+import resource
 import time
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -58,6 +59,12 @@ def verdict(group, outcome, report, progress, log):
     return passed, failed, texts
 
 
+def processor_time():
+    """The processor time of all ended children, s."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def write_whole(path, value):
     """Writes the file atomically: readers see the complete content or no file."""
     new = path.with_suffix(path.suffix + ".new")
@@ -74,7 +81,7 @@ def run_group(group, results, stopping, patience=Patience()):
     progress = Progress(stem.with_name(stem.name + ".progress"))
     progress.clear()
     write_whole(files["running"], {"name": group.name, "pid": os.getpid()})
-    began = time.monotonic()
+    began, used = time.monotonic(), processor_time()
     try:
         environment = {**os.environ, "SHEARWAKE_TEST_PROGRESS": str(progress.stem)}
         command = [word.replace("REPORT", str(files["report"])) for word in group.command]
@@ -82,7 +89,8 @@ def run_group(group, results, stopping, patience=Patience()):
         passed, failed, texts = verdict(group, outcome, files["report"], progress, files["log"])
     except Exception as error:  # a group without a result would count as passed
         passed, failed, texts = 0, 1, [f"FAILED  the runner itself: {error!r}"]
-    heading = f"== {group.name}: {passed} passed, {failed} failed, {time.monotonic() - began:.0f} s"
+    times = f"{time.monotonic() - began:.0f} s, {processor_time() - used:.0f} s of processor time"
+    heading = f"== {group.name}: {passed} passed, {failed} failed, {times}"
     result = Result(group.name, passed, failed, "\n".join([heading, *texts]))
     write_whole(files["result"], asdict(result))
     files["running"].unlink()

