@@ -56,4 +56,6 @@ def make_reader_folder(folder):
     (folder / "build" / "shearwake").symlink_to(PROGRAM)
     return {**environment(), "PATH": f"{folder / 'build'}{os.pathsep}{os.environ['PATH']}",
             "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg",
-            "OMPI_MCA_rmaps_base_oversubscribe": "1"}
+            # Other groups of tests use the same cores.
+            "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+            "OMPI_MCA_hwloc_base_binding_policy": "none"}

@@ -108,7 +108,7 @@ class LargeCase(FaultTest):
         self.assert_nothing_left(self.out)
 
     def test_a_stop_request_is_honoured_in_each_phase(self):
-        for ranks, after_s in ((1, 0.0), (1, 4.0), (2, 4.0)):
+        for ranks, after_s in ((1, 0.0), (1, 2.0), (2, 2.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
                 self.assert_stops(ranks, after_s)
 
