@@ -10,6 +10,7 @@ from scan import BadScan
 
 NEAR = 1e-6  # a point closer to a node of the grid than this fraction of the spacing is at the node
 LEAST_PERIODS = 3  # of the high-pass in a recording
+EDGE = 0.05  # in distances between neighbouring points: nodes this close to the scanned area are treated as on its edge
 MASK_RADII = 1.5  # in distances between neighbouring points
 NODES_AT_ONCE = 2_000_000  # values of an interpolation in memory
 
@@ -104,11 +105,24 @@ class Surface:
         self.exact = np.flatnonzero(distance < NEAR * spacing)
         self.source = nearest[self.exact]
         self.hull = Delaunay(points)
+        self.point_spacing = float(np.median(tree.query(points, k=2)[0][:, 1]))
         inside = self.hull.find_simplex(self.nodes, tol=1e-9) >= 0
         inside[self.exact] = True
+        self.places = self.nodes.copy()  # where the interpolation is evaluated
+        for n in np.flatnonzero(~inside & (distance < 2.0 * self.point_spacing)):
+            place = self.on_edge(self.nodes[n])
+            if np.hypot(*(place - self.nodes[n])) <= EDGE * self.point_spacing:
+                self.places[n], inside[n] = place, True
         self.covered = inside
         self.between = np.flatnonzero(inside & (distance >= NEAR * spacing))
-        self.point_spacing = float(np.median(tree.query(points, k=2)[0][:, 1]))
+
+    def on_edge(self, node):
+        """The place of the scanned area that is closest to a node outside of it."""
+        first, second = (self.hull.points[self.hull.convex_hull[:, end]] for end in (0, 1))
+        along = second - first
+        share = np.clip(np.sum((node - first) * along, axis=1) / np.sum(along ** 2, axis=1), 0.0, 1.0)
+        found = first + share[:, None] * along
+        return found[np.argmin(np.sum((found - node) ** 2, axis=1))]
 
     def without(self, places, radius):
         """Excludes the nodes within `radius` of these places: gaps that are masked."""
@@ -132,6 +146,6 @@ class Surface:
             values = np.zeros((len(self.nodes), part.shape[1]))
             if len(self.between):
                 cubic = CloughTocher2DInterpolator(self.hull, part)
-                values[self.between] = np.nan_to_num(cubic(self.nodes[self.between]))
+                values[self.between] = cubic(self.places[self.between])
             values[self.exact] = part[self.source]
             yield values.T.reshape(-1, *self.shape)
