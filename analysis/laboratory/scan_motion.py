@@ -59,8 +59,8 @@ def one_period(scan, period_s):
 
 
 def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
-    """Displacement at the frames, (point, frame). Transient: at rest until the first sample, the integral of a cubic
-    spline. Periodic: the Fourier series of one period without its mean, which a velocity does not contain."""
+    """Displacement at the frames, (point, frame). Transient: at rest until the first sample, the integral of a
+    spline of degree 5. Periodic: the Fourier series of one period without its mean, which a velocity does not contain."""
     if repeats:
         count = velocity.shape[1]
         spectrum = np.fft.rfft(velocity, axis=1) / count
@@ -70,13 +70,13 @@ def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
         if count % 2 == 0:
             spectrum[:, -1] = 0.0
         return np.real(spectrum @ np.exp(1j * np.outer(omega, frames_s - start_s)))
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import make_interp_spline
 
     times = start_s + np.arange(velocity.shape[1]) / rate_Hz
     if frames_s[-1] > times[-1] + 0.5 / rate_Hz:
         raise BadScan(f"it ends {1e3 * times[-1]:.6g} ms after the start of the load, before the last frame of the job at "
                       f"{1e3 * frames_s[-1]:.6g} ms: reduce time.duration_ms or record longer")
-    integral = CubicSpline(times, velocity, axis=1).antiderivative()
+    integral = make_interp_spline(times, velocity, k=min(5, len(times) - 1), axis=1).antiderivative()
     moving = integral(np.clip(frames_s, times[0], None))
     return moving - integral(np.array([max(times[0], min(0.0, times[-1]))]))
 

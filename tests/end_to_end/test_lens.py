@@ -29,6 +29,7 @@ peak_Pa = 50.0
 shape = "lens"
 aperture_mm = 60.0
 distance_mm = 60.0
+reach_mm = 40.0
 pixel_mm = 2.0
 iterations = 20
 material_c_m_s = 1500.0
@@ -123,7 +124,8 @@ class Files(LensTest):
     def test_the_field_has_its_foci_and_the_stated_quality(self):
         text, out = self.lens(FOCI)
         x, y, pressure = self.field(out).T
-        self.assertAlmostEqual(np.max(pressure), 1.0, delta=1e-6)
+        self.assertLess(np.max(pressure), 1.0 + 1e-6)
+        self.assertGreater(np.max(pressure), 0.95)  # the peak itself lies between the points, four per wavelength
         for focus in FOCI_mm:
             near = np.hypot(x - focus[0], y - focus[1]) < 2.0
             self.assertGreater(np.max(pressure[near]), 0.9)
@@ -132,7 +134,7 @@ class Files(LensTest):
         header, rows = columns(out / "errors.csv")
         self.assertEqual(header, ["iteration", "error"])
         errors = rows[:, 1].astype(float)
-        self.assertEqual(len(errors), 22)  # the start, 20 iterations and the rounded phases
+        self.assertEqual(len(errors), 21)  # 20 iterations, and after the rounding of the phases
         self.assertTrue(np.all(np.diff(errors[:-1]) <= 1e-12))
         stated = float(re.search(r"error: ([\d.]+) of the power", text)[1])
         self.assertAlmostEqual(stated, errors[-1], delta=6e-5)

@@ -173,6 +173,16 @@ class Dispersion(unittest.TestCase):
                 self.assertAlmostEqual(a[n] / decay, 1.0, delta=0.05)
                 self.assertEqual(np.count_nonzero(np.isfinite(c)), 1)
 
+    def test_noise_and_waves_longer_than_the_line_have_no_speed(self):
+        s, times = np.arange(1, 41) * 1e-3, np.arange(600) / 20000.0
+        rng = np.random.default_rng(5)
+        for frequency, speed, found in ((200.0, 3.0, 1), (200.0, 12.0, 0)):  # wavelengths of 15 and 60 mm
+            wave = np.cos(2.0 * np.pi * frequency * (times - s[:, None] / speed)) / np.sqrt(s[:, None])
+            noisy = wave + 2.0 * rng.normal(size=wave.shape)
+            with self.subTest(speed=speed):
+                self.assertEqual(np.count_nonzero(np.isfinite(dispersion.curves(s, noisy, 20000.0, noise_m_s=2.0)[1])), found)
+                self.assertGreater(np.count_nonzero(np.isfinite(dispersion.curves(s, noisy, 20000.0)[1])), 100)
+
     def test_few_points_are_refused(self):
         with self.assertRaisesRegex(ValueError, "at least 12 points"):
             dispersion.curves(np.arange(8) * 1e-3, np.ones((8, 20)), 1000.0)
