@@ -84,6 +84,7 @@ def read_back(_, picture):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         shearwake("run", jobs / "virtual-experiment.toml", "--out", folder / "true")
+        shearwake("reduce", folder / "true")
         data = next((folder / "true" / "cases").glob("*.h5"))
         shearwake("fit", jobs / "read-back.toml", "--data", data, "--out", folder / "fit")
         shearwake("measure", data, "--options", jobs / "read-back.toml", "--fit", folder / "fit" / "fit.json", "--out",
@@ -93,7 +94,8 @@ def read_back(_, picture):
         estimates = json.loads((folder / "fit" / "fit.json").read_text())["estimates"]
         with h5py.File(folder / "fit" / "fit.h5", "r") as file:
             x, y, residual = (file[key][()] for key in ("x", "y", "residual_rms"))
-    figure, axes = plt.subplots(1, 4, figsize=(12.4, 4.2), constrained_layout=True)
+    figure, axes = plt.subplots(2, 2, figsize=(7.2, 8.2), constrained_layout=True)
+    axes = axes.ravel()
     options = {"cmap": style.DIVERGING, "vmin": -2.0, "vmax": 2.0}
     label = "$u_z$ (µm), clipped at 2 µm"
     panel(figure, axes[0], (extent, true), "simulation, 30 ms", label, **options)
@@ -107,5 +109,5 @@ def read_back(_, picture):
     for one in axes:
         one.set(xlim=(-33.0, 33.0), ylim=(-33.0, 33.0))
     figure.suptitle(", ".join(f"{label} = {estimates[key]['value']:.4f} ± {estimates[key]['standard_error']:.1g} {unit}" for key, label, unit in (
-        ("medium.layer[1].c_s_m_s", "fit: $c_s$", "m/s"), ("medium.layer[1].viscosity_Pa_s", "viscosity", "Pa s"))), fontsize=9.5)
+        ("medium.layer[1].c_s_m_s", "fit: c_s", "m/s"), ("medium.layer[1].viscosity_Pa_s", "viscosity", "Pa s"))), fontsize=9.5)
     save(figure, picture)
