@@ -9,6 +9,7 @@ import numpy as np
 LEAST_POINTS = 12
 NEAR_FIELD = 0.15  # fraction of the side next to the source that is left out
 SPEEDS_M_S = (0.3, 60.0)
+LEAST_RATIO = 3.0  # of the spectrum of a point to that of the noise
 LEAST_SHARE = 0.02  # of the strongest line of the spectrum: weaker frequencies have no result
 
 
@@ -37,11 +38,10 @@ def side(s, velocity, source):
 def peak_wavenumber(distance, row, frequency_Hz):
     """The wavenumber of the ridge of one frequency: the maximum of |sum v sqrt(s) e^{iks}|, refined by a parabola."""
     low, high = (2.0 * np.pi * frequency_Hz / c for c in reversed(SPEEDS_M_S))
-    spacing = np.median(np.diff(distance))
-    high = min(high, np.pi / spacing)
+    spacing, length = np.median(np.diff(distance)), distance[-1] - distance[0]
+    low, high = max(low, 2.0 * np.pi / length), min(high, np.pi / spacing)  # waves that the line resolves
     if high <= low:
         return np.nan
-    length = distance[-1] - distance[0]
     k = np.arange(low, high, 0.05 * 2.0 * np.pi / length)
     if len(k) < 5:
         return np.nan
@@ -63,8 +63,9 @@ def attenuation_1_m(distance, row):
     return -np.polyfit(distance[good], np.log(amplitude[good]), 1)[0]
 
 
-def curves(s, velocity, rate_Hz, source=0.0):
-    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no wave of this frequency."""
+def curves(s, velocity, rate_Hz, source=0.0, noise_m_s=0.0):
+    """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no wave of this frequency, or
+    none that exceeds white noise of this standard deviation per sample."""
     distance, rows = side(s, velocity, source)
     if len(distance) < LEAST_POINTS:
         raise ValueError(f"a dispersion curve requires at least {LEAST_POINTS} points on one side of the source, "
@@ -72,10 +73,12 @@ def curves(s, velocity, rate_Hz, source=0.0):
     spectrum = np.fft.rfft(rows, axis=1)
     frequencies = np.fft.rfftfreq(rows.shape[1], 1.0 / rate_Hz)
     power = np.sqrt(np.mean(np.abs(spectrum) ** 2, axis=0))
+    least = max(LEAST_SHARE * power.max(), LEAST_RATIO * noise_m_s * np.sqrt(rows.shape[1]))
     speeds, decays = np.full(len(frequencies), np.nan), np.full(len(frequencies), np.nan)
     for n, f in enumerate(frequencies):
-        if f <= 0.0 or power[n] < LEAST_SHARE * power.max():
+        if f <= 0.0 or power[n] < least:
             continue
         k = peak_wavenumber(distance, spectrum[:, n], f)
-        speeds[n], decays[n] = 2.0 * np.pi * f / k, attenuation_1_m(distance, spectrum[:, n])
+        if np.isfinite(k):
+            speeds[n], decays[n] = 2.0 * np.pi * f / k, attenuation_1_m(distance, spectrum[:, n])
     return frequencies, speeds, decays

@@ -61,12 +61,14 @@ def draw_correlations(folder, about):
     figure.savefig(folder / "correlations.png", dpi=140)
 
 
-def draw_dispersion(folder, fit):
+def draw_dispersion(folder, fit, noise_m_s):
     s = line_coordinates(fit["x"], fit["y"])
     rate = (len(fit["time"]) - 1) / (fit["time"][-1] - fit["time"][0])
-    frequencies, *measured = curves(s, fit["measured"], rate)
-    _, *model = curves(s, fit["predicted"], rate)
+    frequencies, *measured = curves(s, fit["measured"], rate, noise_m_s=noise_m_s)
+    _, *model = curves(s, fit["predicted"], rate, noise_m_s=noise_m_s)
     shown = np.isfinite(measured[0]) | np.isfinite(model[0])
+    if not np.any(shown):
+        raise ValueError("no wave on the line exceeds the noise and is shorter than the line")
     table(folder / "dispersion.csv", "frequency_Hz,speed_m_s,attenuation_1_m,model_speed_m_s,model_attenuation_1_m",
           (frequencies[shown], *(values[shown] for values in (*measured, *model))))
     figure, axes = plt.subplots(1, 2, figsize=(8.4, 3.8), constrained_layout=True)
@@ -90,7 +92,7 @@ def main(folder):
         draw_correlations(folder, about)
         if about["is_line"]:
             try:
-                draw_dispersion(folder, fit)
+                draw_dispersion(folder, fit, about["noise_m_s"])
             except ValueError as error:
                 print(f"no dispersion curve: {error}")
     except (OSError, KeyError, json.JSONDecodeError) as error:

@@ -8,6 +8,8 @@ Octave read. Units are SI.
 import csv
 import io
 import math
+import os
+import pickle
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -81,12 +83,40 @@ def read_scan(path):
     with path.open("rb") as file:
         start = file.read(128)
     if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
-        return checked(read_hdf5(path))
+        return checked(in_child(read_hdf5, path))
     if start.startswith(b"MATLAB 5.0"):
-        return checked(read_mat5(path))
+        return checked(in_child(read_mat5, path))
     if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
         return checked(read_uff(path.read_bytes()))
     return checked(read_csv(path.read_bytes()))
+
+
+def in_child(read, path):
+    """read(path) in a forked process: a damaged file can crash the library that reads it."""
+    source, sink = os.pipe()
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # messages of the C library about damaged memory
+            try:
+                answer = read(path)
+            except BadScan as error:
+                answer = error
+            with os.fdopen(sink, "wb") as out:
+                pickle.dump(answer, out, protocol=5)
+            code = 0
+        finally:
+            os._exit(code)
+    os.close(sink)
+    with os.fdopen(source, "rb") as answer:
+        content = answer.read()
+    if os.waitpid(child, 0)[1] != 0:
+        raise BadScan("the library that reads such files fails at it; the file is damaged, or does not fit into memory")
+    answer = pickle.loads(content)
+    if isinstance(answer, BadScan):
+        raise answer
+    return answer
 
 
 def named(get, names, what):

@@ -10,6 +10,7 @@ from scan import BadScan
 
 NEAR = 1e-6  # a point closer to a node of the grid than this fraction of the spacing is at the node
 LEAST_PERIODS = 3  # of the high-pass in a recording
+EDGE = 0.05  # in distances between neighbouring points: nodes this close to the scanned area are treated as on its edge
 MASK_RADII = 1.5  # in distances between neighbouring points
 NODES_AT_ONCE = 2_000_000  # values of an interpolation in memory
 
@@ -58,8 +59,8 @@ def one_period(scan, period_s):
 
 
 def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
-    """Displacement at the frames, (point, frame). Transient: at rest until the first sample, the integral of a cubic
-    spline. Periodic: the Fourier series of one period without its mean, which a velocity does not contain."""
+    """Displacement at the frames, (point, frame). Transient: at rest until the first sample, the integral of a
+    spline of degree 5. Periodic: the Fourier series of one period without its mean, which a velocity does not contain."""
     if repeats:
         count = velocity.shape[1]
         spectrum = np.fft.rfft(velocity, axis=1) / count
@@ -69,13 +70,13 @@ def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
         if count % 2 == 0:
             spectrum[:, -1] = 0.0
         return np.real(spectrum @ np.exp(1j * np.outer(omega, frames_s - start_s)))
-    from scipy.interpolate import CubicSpline
+    from scipy.interpolate import make_interp_spline
 
     times = start_s + np.arange(velocity.shape[1]) / rate_Hz
     if frames_s[-1] > times[-1] + 0.5 / rate_Hz:
         raise BadScan(f"it ends {1e3 * times[-1]:.6g} ms after the start of the load, before the last frame of the job at "
                       f"{1e3 * frames_s[-1]:.6g} ms: reduce time.duration_ms or record longer")
-    integral = CubicSpline(times, velocity, axis=1).antiderivative()
+    integral = make_interp_spline(times, velocity, k=min(5, len(times) - 1), axis=1).antiderivative()
     moving = integral(np.clip(frames_s, times[0], None))
     return moving - integral(np.array([max(times[0], min(0.0, times[-1]))]))
 
@@ -104,11 +105,24 @@ class Surface:
         self.exact = np.flatnonzero(distance < NEAR * spacing)
         self.source = nearest[self.exact]
         self.hull = Delaunay(points)
+        self.point_spacing = float(np.median(tree.query(points, k=2)[0][:, 1]))
         inside = self.hull.find_simplex(self.nodes, tol=1e-9) >= 0
         inside[self.exact] = True
+        self.places = self.nodes.copy()  # where the interpolation is evaluated
+        for n in np.flatnonzero(~inside & (distance < 2.0 * self.point_spacing)):
+            place = self.on_edge(self.nodes[n])
+            if np.hypot(*(place - self.nodes[n])) <= EDGE * self.point_spacing:
+                self.places[n], inside[n] = place, True
         self.covered = inside
         self.between = np.flatnonzero(inside & (distance >= NEAR * spacing))
-        self.point_spacing = float(np.median(tree.query(points, k=2)[0][:, 1]))
+
+    def on_edge(self, node):
+        """The place of the scanned area that is closest to a node outside of it."""
+        first, second = (self.hull.points[self.hull.convex_hull[:, end]] for end in (0, 1))
+        along = second - first
+        share = np.clip(np.sum((node - first) * along, axis=1) / np.sum(along ** 2, axis=1), 0.0, 1.0)
+        found = first + share[:, None] * along
+        return found[np.argmin(np.sum((found - node) ** 2, axis=1))]
 
     def without(self, places, radius):
         """Excludes the nodes within `radius` of these places: gaps that are masked."""
@@ -132,6 +146,6 @@ class Surface:
             values = np.zeros((len(self.nodes), part.shape[1]))
             if len(self.between):
                 cubic = CloughTocher2DInterpolator(self.hull, part)
-                values[self.between] = np.nan_to_num(cubic(self.nodes[self.between]))
+                values[self.between] = cubic(self.places[self.between])
             values[self.exact] = part[self.source]
             yield values.T.reshape(-1, *self.shape)

@@ -208,7 +208,8 @@ class Function:
         self.direction = tuple(own.get("direction", [0.0, 0.0, 1.0]))
         if len(self.direction) != 3:
             raise BadScan("the direction must have three components")
-        self.values = SPEEDS[unit.lower()] * values_of(self.count, data)
+        with np.errstate(invalid="ignore"):  # binary data may contain NaN: no signal
+            self.values = SPEEDS[unit.lower()] * values_of(self.count, data)
 
 
 def ascii_function(content):

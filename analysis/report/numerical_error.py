@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The numerical error of results, and the keys that affect only this error."""
+"""The numerical error of results or the uncertainty of a measurement, and the keys that affect only this error."""
 import math
 from dataclasses import replace
 
@@ -16,6 +16,11 @@ def known(sweep, column):
 def is_numerical(key):
     """Whether the key is a choice of the simulation, not of a display or of a user of one."""
     return key.startswith(("solver.", "domain.", "time.", "measure.", "record."))
+
+
+def is_measurement(sweep):
+    """Whether `shearwake measure` has written the case, so that its errors are those of a scan."""
+    return (sweep.folder / "uncertainty.json").is_file()
 
 
 def choices(sweep):

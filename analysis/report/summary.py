@@ -5,7 +5,7 @@ import math
 import layout
 import sample
 import warnings_of
-from numerical_error import (choices, estimated_at, is_numerical, known, numerical_variants, relative_error,
+from numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants, relative_error,
                              settings_that_differ, spread_of, valid, with_error)
 from warnings_of import is_valid
 from words import counted, listed, number
@@ -107,6 +107,9 @@ def only_numerical(sweep, cases):
 def estimate(sweep, case, column="eta_period_1"):
     """States the numerical error of a column and, if that of a ratio is unknown, of eta."""
     relative = relative_error(sweep, case, column)[0]
+    if is_measurement(sweep):
+        return (" The uncertainty is unknown: measure with --repetitions." if math.isnan(relative) else
+                f" Noise and gaps of the scan cause an uncertainty of {quantity(column)} of {number(100 * relative, 2)} %.")
     if not math.isnan(relative):
         return (f" The numerical error of {quantity(column)} is {number(100 * relative, 2)} %"
                 f"{estimated_at(sweep, case, column)}.")

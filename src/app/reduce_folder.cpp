@@ -31,13 +31,16 @@ std::filesystem::path plan_of(const schedule::OutputFolder& folder) {
 
 reduce::ReducedTables reduce_folder(const schedule::OutputFolder& folder,
                                     reduce::ErrorColumns errors) {
-    return reduce::reduce({.folder = folder.root,
-                           .plan = plan_of(folder),
-                           .tables = folder.tables(),
-                           .errors = std::filesystem::exists(folder.uncertainty())
-                                         ? folder.uncertainty()
-                                         : folder.errors(),
-                           .error_columns = errors});
+    reduce::ReduceInput input{.folder = folder.root,
+                              .plan = plan_of(folder),
+                              .tables = folder.tables(),
+                              .errors = folder.errors(),
+                              .error_columns = errors};
+    if (std::filesystem::exists(folder.uncertainty())) {
+        input.errors = folder.uncertainty();
+        input.meaning_of_errors = "standard deviation over repetitions with noise and gaps";
+    }
+    return reduce::reduce(input);
 }
 
 } // namespace shearwake::app

@@ -265,13 +265,17 @@ private:
         return 1.0 / (1.0 + ratio / (outlier_scale * outlier_scale));
     }
 
-    /// The information matrix and the sum of the squared scores of the points, for the scaled
+    /// The contributions of the points to the information matrix, and their scores, for the scaled
     /// parameters.
-    std::pair<Matrix, Matrix> information() const {
+    struct Information {
+        Matrix matrix;
+        Vector score;
+    };
+    std::vector<Information> information() const {
         const auto count = static_cast<Eigen::Index>(parameters_.size());
-        Matrix bread = Matrix::Zero(count, count), meat = bread;
+        const auto rows = static_cast<Eigen::Index>(samples_);
+        std::vector<Information> all;
         for (std::size_t point = 0; point < points_; ++point) {
-            const auto rows = static_cast<Eigen::Index>(samples_);
             Matrix jacobian(rows, count);
             Vector residual(rows);
             for (Eigen::Index n = 0; n < rows; ++n) {
@@ -281,11 +285,10 @@ private:
                     jacobian(n, i) =
                         evaluations_.derivative(static_cast<std::size_t>(i))[at] / noise_;
             }
-            const Vector score = weight(point) * jacobian.transpose() * residual;
-            bread += weight(point) * jacobian.transpose() * jacobian;
-            meat += score * score.transpose();
+            all.push_back({weight(point) * jacobian.transpose() * jacobian,
+                           weight(point) * jacobian.transpose() * residual});
         }
-        return {bread, meat};
+        return all;
     }
 
     Matrix prior_information() const {
@@ -302,24 +305,45 @@ private:
         return sum;
     }
 
+    /// The covariance of the scaled parameters and the degrees of freedom of each variance. The
+    /// score of a point is divided by the share that the fit has left of it, I - B A^-1 with the
+    /// information B of the point and A of all ("CR3"; R. M. Bell and D. F. McCaffrey, Survey
+    /// Methodology 28, 169, 2002). The degrees of freedom are those of Satterthwaite's
+    /// approximation: few, if few points determine a parameter.
+    std::pair<Matrix, Vector> covariance() const {
+        const auto count = static_cast<Eigen::Index>(parameters_.size());
+        const std::vector<Information> points = information();
+        const Matrix prior = prior_information();
+        Matrix all = prior;
+        for (const Information& one : points)
+            all += one.matrix;
+        const Matrix inverse = all.completeOrthogonalDecomposition().pseudoInverse();
+        if (points_ <= parameters_.size() + 1)
+            return {inverse, Vector::Constant(count, static_cast<double>(points_ * samples_) -
+                                                         static_cast<double>(count))};
+        Matrix scores = prior;
+        Vector variances = (inverse * prior * inverse).diagonal(),
+               squares = Vector::Zero(count); // of independent residuals
+        for (const Information& one : points) {
+            const Matrix left = Matrix::Identity(count, count) - one.matrix * inverse;
+            const Vector score = left.fullPivLu().solve(one.score);
+            scores += score * score.transpose();
+            const Vector variance = (inverse * one.matrix * inverse).diagonal();
+            variances += variance;
+            squares += variance.cwiseAbs2();
+        }
+        return {inverse * scores * inverse,
+                variances.cwiseAbs2().cwiseQuotient(squares.cwiseMax(1e-300))};
+    }
+
     void describe(FitResult& result) const {
         const auto count = static_cast<Eigen::Index>(parameters_.size());
-        const auto points = static_cast<double>(points_);
-        const auto [data, scores] = information();
-        const Matrix prior = prior_information();
-        const Matrix inverse = (data + prior).completeOrthogonalDecomposition().pseudoInverse();
-        const bool has_clusters = points_ > parameters_.size() + 1;
-        const double degrees =
-            has_clusters ? points - static_cast<double>(count)
-                         : points * static_cast<double>(samples_) - static_cast<double>(count);
-        const Matrix covariance =
-            has_clusters ? Matrix(inverse * (points / degrees * scores + prior) * inverse)
-                         : inverse;
-        const double half = half_width_95(std::max(degrees, 1.0));
+        const auto [covariances, degrees] = covariance();
         for (std::size_t i = 0; i < parameters_.size(); ++i) {
             const auto at = static_cast<Eigen::Index>(i);
             const double value = evaluations_.value(i),
-                         error = std::sqrt(covariance(at, at)) * evaluations_.scale(i),
+                         error = std::sqrt(covariances(at, at)) * evaluations_.scale(i),
+                         half = half_width_95(std::clamp(degrees[at], 1.0, 1e9)),
                          range = parameters_[i].high - parameters_[i].low;
             result.estimates.push_back(
                 {value, error, value - half * error, value + half * error,
@@ -328,8 +352,8 @@ private:
         result.correlations.clear();
         for (Eigen::Index i = 0; i < count; ++i)
             for (Eigen::Index j = 0; j < count; ++j)
-                result.correlations.push_back(covariance(i, j) /
-                                              std::sqrt(covariance(i, i) * covariance(j, j)));
+                result.correlations.push_back(covariances(i, j) /
+                                              std::sqrt(covariances(i, i) * covariances(j, j)));
         for (std::size_t point = 0; point < points_; ++point) {
             result.residual_rms.push_back(std::sqrt(mean_square(point)));
             result.weights.push_back(weight(point));

@@ -52,8 +52,9 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
 /// whose residuals are large as a whole is an outlier, whose weight is reduced (Cauchy's loss). The
 /// noise is the median of the residuals of the points. The standard errors are those of a
 /// heteroscedastic model in which points are independent of each other and samples of a point are
-/// not ("cluster-robust"), so that coloured noise and filters do not make them too small. With at
-/// most one more point than parameters they follow from the noise alone. Throws UsageError if the
+/// not ("cluster-robust"), so that coloured noise and filters do not make them too small; a
+/// parameter that few points determine has few degrees of freedom and a wide interval. With at most
+/// one more point than parameters they follow from the noise alone. Throws UsageError if the
 /// model cannot be computed at the start or depends on no parameter. `noise`: that of a sample, if
 /// it is known, as in the comparison of two models. Not collective.
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,

@@ -16,6 +16,9 @@ namespace {
 
 /// Memory of the motions that are kept, and their largest number: those of a derivative.
 constexpr double most_kept_B = 2.5e8, most_kept = 16.0;
+/// The case is continued by this fraction of its frames, so that a larger trigger delay does not
+/// move the last samples out of it.
+constexpr std::ptrdiff_t margin_share = 8, least_margin = 4;
 
 /// The case whose displacements are those of `c` for a load of 1 Pa.
 Case with_unit_load(Case c) {
@@ -73,7 +76,7 @@ ObservedModel::ObservedModel(const ConvertedData& data, std::size_t samples, con
 
 std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
     std::vector<double> rows;
-    const Case c = observed_case(given, data_);
+    const Case c = continued(observed_case(given, data_));
     fail_together(team_, [&] {
         if (!engine_) engine_ = engines::make_engine(c.solver);
         std::vector<double> displacements_m = motion_m(with_unit_load(c));
@@ -81,15 +84,24 @@ std::vector<double> ObservedModel::velocities_m_s(const Case& given) {
         for (double& value : displacements_m)
             value *= c.scene().load.peak_Pa;
         const pipeline::Scan scan = pipeline::scan(c, displacements_m);
-        const std::size_t count = scan.time_s.size();
+        const std::size_t count = scan.time_s.size(); // one period, or at least all samples
         for (std::size_t point = 0; point < data_.points_m.size(); ++point)
-            for (std::size_t n = 0; n < samples_; ++n) {
-                const std::size_t at =
-                    c.time.regime == Regime::periodic ? n % count : std::min(n, count - 1);
-                rows.push_back(scan.velocity_m_s[point * count + at]);
-            }
+            for (std::size_t n = 0; n < samples_; ++n)
+                rows.push_back(scan.velocity_m_s[point * count + n % count]);
     });
     return rows;
+}
+
+Case ObservedModel::continued(Case c) {
+    if (c.time.regime == Regime::periodic) return c;
+    const double end_s =
+        c.vibrometer->trigger_delay_s + static_cast<double>(samples_ - 1) / data_.rate_Hz;
+    if (end_s > static_cast<double>(frames_) * c.time.interval_s)
+        frames_ = std::max(c.time.frames,
+                           static_cast<std::ptrdiff_t>(std::ceil(end_s / c.time.interval_s)) +
+                               std::max(least_margin, c.time.frames / margin_share));
+    c.time.frames = std::max(c.time.frames, frames_);
+    return c;
 }
 
 const std::vector<double>& ObservedModel::motion_m(const Case& c) {

@@ -18,19 +18,23 @@ public:
 
     /// Velocities without noise, one row of samples per point; on the root, empty elsewhere.
     /// Filters, spot, line of sight, delay and offset are those of the vibrometer of the case or,
-    /// without one, of the file. Throws CaseFailure, or UsageError as
-    /// observed_case(), on all ranks together. Collective.
+    /// without one, of the file. The simulated time is extended as far as the delay requires.
+    /// Throws CaseFailure, or UsageError as observed_case(), on all ranks together. Collective.
     std::vector<double> velocities_m_s(const Case& c);
 
 private:
     const ConvertedData& data_;
     std::size_t samples_;
     const Comm& team_;
+    std::ptrdiff_t frames_ = 0; // of the transient cases
     /// Displacements for a load of 1 Pa, one row of frames per point.
     struct Motion {
         Case of;
         std::vector<double> displacements_m;
     };
+    /// The case until the last sample and somewhat longer. Later cases are never shorter, so that
+    /// differences of predictions contain no effect of the end.
+    Case continued(Case c);
     /// `c`: a case with a load of 1 Pa. Valid until the next call. Collective.
     const std::vector<double>& motion_m(const Case& c);
 

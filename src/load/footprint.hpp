@@ -5,6 +5,7 @@
 #include "base/vec2.hpp"
 #include "load/acoustics/hologram.hpp"
 #include "load/acoustics/lens.hpp"
+#include "load/acoustics/sound_fields.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -97,13 +98,7 @@ void walk_fields(Walk& walk, Footprint& array) {
                             .meaning = "distance of the array from the skin"});
     walk(array.center_m,
          {.key = "center_mm", .meaning = "point of the skin below the centre of the array"});
-    walk(array.frequency_Hz, {.key = "frequency_kHz",
-                              .range = Range::between(10.0, 200.0),
-                              .meaning = "frequency of the ultrasound"});
-    walk(array.sound_speed_m_s,
-         {.key = "sound_speed_m_s",
-          .range = Range::between(100.0, 2000.0),
-          .meaning = "speed of sound in air; the default is for 25 degrees Celsius"});
+    walk_sound_fields(walk, array);
     walk(array.missing,
          {.key = "missing",
           .text = "missing",

@@ -10,13 +10,14 @@
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <vector>
 
 namespace shearwake::pipeline {
 namespace {
 
 /// Streams of random numbers, apart from those of other users of a seed.
 constexpr std::uint32_t noise_stream = 0x7669, missing_stream = 0x6d69;
-constexpr std::ptrdiff_t stencil = 6;
+constexpr std::ptrdiff_t stencil = 7; // frames
 /// A filter in the periodic regime has settled after this number of its time constants.
 constexpr double settling = 12.0;
 
@@ -47,41 +48,105 @@ private:
     std::array<double, 2> a_;
 };
 
-/// The derivative at `x` of the polynomial through the values at 0, 1, ..., 5.
-double slope(const std::array<double, stencil>& values, double x) {
-    double sum = 0.0;
-    for (int i = 0; i < stencil; ++i) {
-        double basis = 0.0;
-        for (int left_out = 0; left_out < stencil; ++left_out) {
-            if (left_out == i) continue;
-            double product = 1.0 / (i - left_out);
-            for (int j = 0; j < stencil; ++j)
-                if (j != i && j != left_out) product *= (x - j) / (i - j);
-            basis += product;
+/// Weights of the values at 0, 1, ..., count - 1 in the first two derivatives of their polynomial.
+struct DerivativeWeights {
+    std::vector<double> slope, curvature;
+};
+
+DerivativeWeights derivative_weights(std::ptrdiff_t count, double x) {
+    DerivativeWeights weights;
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+        double slope = 0.0, curvature = 0.0;
+        for (std::ptrdiff_t first = 0; first < count; ++first) {
+            if (first == i) continue;
+            double of_slope = 1.0 / static_cast<double>(i - first), of_curvature = 0.0;
+            for (std::ptrdiff_t j = 0; j < count; ++j) {
+                if (j == i || j == first) continue;
+                const auto step = static_cast<double>(i - j), at = x - static_cast<double>(j);
+                of_curvature = of_curvature * at / step + of_slope / step;
+                of_slope *= at / step;
+            }
+            slope += of_slope;
+            curvature += of_curvature;
         }
-        sum += values[static_cast<std::size_t>(i)] * basis;
+        weights.slope.push_back(slope);
+        weights.curvature.push_back(curvature);
     }
-    return sum;
+    return weights;
 }
 
-double velocity_m_s(const Case& c, std::span<const double> u_m, double t_s) {
-    const bool repeats = c.time.regime == Regime::periodic;
-    const std::ptrdiff_t frames = c.time.frames;
-    if (!repeats && t_s < 0.0) return 0.0;
-    const double at = t_s / c.time.interval_s; // frame n is at n + 1
-    auto first = static_cast<std::ptrdiff_t>(std::floor(at)) - 2;
-    // Before the load begins the skin is at rest; after the last frame the polynomial is one-sided.
-    if (!repeats)
-        first = std::clamp<std::ptrdiff_t>(first, 0, std::max<std::ptrdiff_t>(0, frames - 5));
-    std::array<double, stencil> values = {};
-    for (std::ptrdiff_t i = 0; i < stencil; ++i) {
-        std::ptrdiff_t frame = first + i - 1; // -1: t = 0
-        if (repeats) frame = ((frame % frames) + frames) % frames;
-        if (frame >= 0 && frame < frames)
-            values[static_cast<std::size_t>(i)] = u_m[static_cast<std::size_t>(frame)];
+/// The velocity of a point between the frames: the derivative of polynomials of degree 5 whose
+/// values, slopes and curvatures at the frames are those of polynomials through seven frames. It is
+/// continuous with its slope, so that a prediction depends smoothly on the trigger delay.
+class Velocity {
+public:
+    explicit Velocity(const TimeAxis& time)
+        : repeats_(time.regime == Regime::periodic), frames_(time.frames),
+          interval_s_(time.interval_s),
+          count_(repeats_ ? stencil : std::min(stencil, time.frames + 1)) {
+        for (std::ptrdiff_t n = 0; n < count_; ++n)
+            weights_.push_back(derivative_weights(count_, static_cast<double>(n)));
+        nodes_.resize(static_cast<std::size_t>(frames_ + 1));
     }
-    return slope(values, at - static_cast<double>(first)) / c.time.interval_s;
-}
+
+    /// `u_m`: at the frames of a point.
+    void set(std::span<const double> u_m) {
+        for (std::ptrdiff_t n = 0; n <= frames_; ++n) {
+            const std::ptrdiff_t first =
+                repeats_ ? n - count_ / 2 : std::min(n - count_ / 2, frames_ + 1 - count_);
+            const DerivativeWeights& weights = weights_[static_cast<std::size_t>(n - first)];
+            Node& node = nodes_[static_cast<std::size_t>(n)];
+            node = {displacement_m(u_m, n), 0.0, 0.0};
+            for (std::ptrdiff_t i = 0; i < count_; ++i) {
+                const double value = displacement_m(u_m, first + i);
+                node.slope += weights.slope[static_cast<std::size_t>(i)] * value;
+                node.curvature += weights.curvature[static_cast<std::size_t>(i)] * value;
+            }
+        }
+    }
+
+    double at_m_s(double t_s) const {
+        if (!repeats_ && t_s < 0.0) return 0.0;
+        const double at = t_s / interval_s_; // frame n is at n + 1
+        auto before = static_cast<std::ptrdiff_t>(std::floor(at));
+        if (!repeats_) before = std::clamp<std::ptrdiff_t>(before, 0, frames_ - 1);
+        const double x = at - static_cast<double>(before);
+        if (repeats_) before = ((before % frames_) + frames_) % frames_;
+        const Node &a = nodes_[static_cast<std::size_t>(before)],
+                   &b = nodes_[static_cast<std::size_t>(before) + 1];
+        const double value = b.value - a.value - a.slope - 0.5 * a.curvature,
+                     slope = b.slope - a.slope - a.curvature, curvature = b.curvature - a.curvature;
+        const double third = 10.0 * value - 4.0 * slope + 0.5 * curvature,
+                     fourth = -15.0 * value + 7.0 * slope - curvature,
+                     fifth = 6.0 * value - 3.0 * slope + 0.5 * curvature;
+        return (a.slope +
+                x * (a.curvature + x * (3.0 * third + x * (4.0 * fourth + x * 5.0 * fifth)))) /
+               interval_s_;
+    }
+
+private:
+    /// In units of the interval.
+    struct Node {
+        double value = 0.0, slope = 0.0, curvature = 0.0;
+    };
+    /// At the time n times the interval. Before the start, the displacement is continued as an even
+    /// function of time, so that the motion begins without velocity.
+    double displacement_m(std::span<const double> u_m, std::ptrdiff_t n) const {
+        std::ptrdiff_t frame = n - 1;
+        if (repeats_)
+            frame = ((frame % frames_) + frames_) % frames_;
+        else if (n < 0)
+            frame = -n - 1;
+        return frame < 0 ? 0.0 : u_m[static_cast<std::size_t>(frame)];
+    }
+
+    bool repeats_;
+    std::ptrdiff_t frames_;
+    double interval_s_;
+    std::ptrdiff_t count_;
+    std::vector<DerivativeWeights> weights_; // by the position in the stencil
+    std::vector<Node> nodes_;                // from t = 0 on
+};
 
 double normal(std::uint64_t seed, std::uint32_t stream, std::uint64_t counter) {
     const double u = sampling::random_uniform(seed, stream, 2 * counter),
@@ -147,11 +212,12 @@ Scan scan(const Case& c, const std::vector<double>& displacements_m) {
         o.noise_m_s_rtHz * std::sqrt(0.5 * rate_Hz / static_cast<double>(o.averages));
     const std::vector<char> is_missing = missing_points(o);
     const auto frames = static_cast<std::size_t>(c.time.frames);
+    Velocity velocity(c.time);
     for (std::size_t point = 0; point < o.points_m.size(); ++point) {
-        const auto u_m = std::span(displacements_m).subspan(point * frames, frames);
+        velocity.set(std::span(displacements_m).subspan(point * frames, frames));
         std::vector<double> v(scan.time_s.size());
         for (std::size_t n = 0; n < v.size(); ++n)
-            v[n] = velocity_m_s(c, u_m, scan.time_s[n] + o.trigger_delay_s);
+            v[n] = velocity.at_m_s(scan.time_s[n] + o.trigger_delay_s);
         const double signal = power(v);
         for (std::size_t n = 0; n < v.size() && noise_m_s > 0.0; ++n)
             v[n] += noise_m_s * normal(static_cast<std::uint64_t>(o.seed), noise_stream,

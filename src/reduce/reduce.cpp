@@ -56,14 +56,14 @@ const char* name_of(measures::Shown shown) {
     return "page";
 }
 
-nlohmann::ordered_json json_of_column(const std::string& name) {
+nlohmann::ordered_json json_of_column(const std::string& name, const std::string& of_errors) {
     const std::string of = column_of_error(name);
     const measures::Measure* measure = measures::find_measure(of.empty() ? name : of);
     const std::string meaning = measure ? measures::with_details(measure->meaning, {}) : "";
     const bool is_value = measure && of.empty();
     return {{"name", name},
             {"unit", measure ? measure->unit : ""},
-            {"meaning", of.empty() ? meaning : "estimated numerical error of " + of},
+            {"meaning", of.empty() ? meaning : of_errors + " of " + of},
             {"shown", name_of(is_value ? measure->shown : measures::Shown::csv)},
             {"over_reference_of", is_value ? measure->over_reference_of : ""},
             {"counts_samples", measures::counts_samples(name)}};
@@ -71,8 +71,8 @@ nlohmann::ordered_json json_of_column(const std::string& name) {
 
 /// The table as JSON: every column with its unit and description, every case with its values (null:
 /// none) and the reasons for empty cells.
-std::string json_text(const storage::PlanIndex& plan, const Table& table,
-                      storage::CaseIndex& index) {
+std::string json_text(const storage::PlanIndex& plan, const Table& table, storage::CaseIndex& index,
+                      const std::string& meaning_of_errors) {
     using nlohmann::ordered_json;
     ordered_json columns = ordered_json::array(), cases = ordered_json::array();
     const std::size_t first = 2 + plan.swept_keys.size(),
@@ -87,7 +87,7 @@ std::string json_text(const storage::PlanIndex& plan, const Table& table,
     };
     std::ranges::stable_sort(names, {}, place);
     for (const std::string& name : names)
-        columns.push_back(json_of_column(name));
+        columns.push_back(json_of_column(name, meaning_of_errors));
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto& cells = table.rows[row];
         ordered_json values = ordered_json::object(), notes = ordered_json::object();
@@ -288,7 +288,8 @@ ReducedTables reduce(const ReduceInput& input) {
     }
     storage::make_directory(input.tables);
     storage::write_file(written.csv, csv(table));
-    storage::write_file(input.tables / (plan.name + ".json"), json_text(plan, extended, index));
+    storage::write_file(input.tables / (plan.name + ".json"),
+                        json_text(plan, extended, index, input.meaning_of_errors));
 
     if (plan.uncertain) write_uncertain(plan, plain, input.tables, written);
     if (!plan.adaptive.empty()) {

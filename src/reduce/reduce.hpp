@@ -22,6 +22,7 @@ struct ReduceInput {
     std::filesystem::path folder, plan, tables; // `folder` contains the journals and the case files
     /// converge.json. The JSON table always has its errors. Empty or missing: no errors.
     std::filesystem::path errors = {};
+    std::string meaning_of_errors = "estimated numerical error";
     ErrorColumns error_columns = ErrorColumns::omitted;
 };
 

@@ -63,6 +63,7 @@ samples = 2
 "vibrometer.trigger_delay_ms" = { distribution = "normal", mean = 0.0, sd = 1.0 }
 """
 
+FRACTIONAL = 'loss = {{ law = "fractional", tau_us = {tau}, exponent = {exponent} }}'
 LAYERS = ((8e-3, 1000.0, 1500.0, 2.2), (10e-3, 1000.0, 1500.0, 4.4))  # of jobs/gel-dispersion.toml
 
 
@@ -146,6 +147,24 @@ class Measure(LaboratoryTest):
 
 
 class Scans(LaboratoryTest):
+    def test_every_exported_format_contains_the_scan_of_the_case(self):
+        job, case = self.scanned(LINE + "tilt_deg = 10\ntrigger_delay_ms = 1.25\nmissing_percent = 5\n")
+        scan = read_scan(case)
+        self.assertEqual(np.count_nonzero(scan.quality == 0.0), 3)
+        for name, options in (("scan.uff", ()), ("binary.uff", ("--format", "uff", "--binary")), ("scan.csv", ("--format", "csv")),
+                              ("scan.mat", ("--format", "mat"))):
+            with self.subTest(name=name):
+                path = self.folder / name
+                self.assertIn("60 points", self.shearwake("export", case, "--out", path, *options).stdout)
+                read = read_scan(path)
+                for field in ("time_s", "x_m", "y_m", "velocity_m_s", "quality", "trigger_delay_s", "direction"):
+                    # ASCII type 58 has 13 digits. Positions at 0 have the rounding errors of the line.
+                    np.testing.assert_allclose(getattr(read, field), getattr(scan, field), rtol=1e-12, atol=1e-18)
+        job.write_text(JOB.replace("[vibrometer]", ""))
+        self.shearwake("run", job, "--out", self.folder / "plain")
+        plain = next((self.folder / "plain" / "cases").glob("*.h5"))
+        self.assertIn("a case has a scan if its job has [vibrometer]", self.fails("export", plain).stderr)
+
     def test_the_scan_does_not_depend_on_the_number_of_ranks(self):
         job = self.write_job(LINE + "tilt_deg = 30\nazimuth_deg = 20\nspot_um = 500\n")
         found = []
@@ -184,6 +203,38 @@ class Fit(LaboratoryTest):
         self.assertIn("does not suffice", text)
         with h5py.File(out / "fit.h5", "r") as file:
             self.assertEqual(file["measured"].shape, file["predicted"].shape)
+
+    def test_a_fractional_layer_and_its_thickness_are_found_and_no_simpler_law_suffices(self):
+        truth = {"c_s_m_s": 2.2, "thickness_mm": 9.0, "loss.tau_us": 80.0, "loss.exponent": 0.5}
+        job, case = self.scanned(LINE.replace(f"c_s_m_s = {C_S}", "c_s_m_s = 2.2").replace("thickness_mm = 12.0", "thickness_mm = 9.0")
+                                 .replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=80.0, exponent=0.5)))
+        found = self.fractional_fit(job, self.with_noise(case, 20.0), """
+"medium.layer[1].c_s_m_s" = { distribution = "uniform", min = 1.5, max = 4.0 }
+"medium.layer[1].thickness_mm" = { distribution = "normal", mean = 11.0, sd = 3.0, min = 5.0, max = 20.0 }
+""")
+        for key, value in truth.items():
+            estimate = found["estimates"][f"medium.layer[1].{key}"]
+            with self.subTest(key=key, **estimate):
+                # Five standard errors: this seed is one of many. They must be small enough to mean something.
+                self.assertLess(abs(estimate["value"] - value), 5.0 * estimate["standard_error"])
+                self.assertLess(estimate["standard_error"], 0.2 * value)
+        self.assertEqual([(one["law"], one["suffices"]) for one in found["simpler_laws"]], [("Kelvin-Voigt", False)])
+
+    def test_a_fractional_law_is_not_needed_for_a_kelvin_voigt_layer(self):
+        job, case = self.scanned(LINE)
+        found = self.fractional_fit(job, self.with_noise(case, 20.0), "")
+        self.assertEqual([(one["law"], one["suffices"]) for one in found["simpler_laws"]], [("Kelvin-Voigt", True)])
+
+    def fractional_fit(self, job, data, uncertain):
+        job.write_text(LINE.replace(f"viscosity_Pa_s = {VISCOSITY}", FRACTIONAL.format(tau=60.0, exponent=0.7)) + """
+[uncertain]
+samples = 2
+"medium.layer[1].loss.tau_us" = { distribution = "lognormal", median = 60.0, geometric_sd = 3.0 }
+"medium.layer[1].loss.exponent" = { distribution = "uniform", min = 0.1, max = 0.999 }
+""" + uncertain)
+        out = self.folder / "fit"
+        self.shearwake("fit", job, "--data", data, "--out", out, ranks=2)
+        return json.loads((out / "fit.json").read_text())
 
     def test_a_fit_needs_keys_and_the_engine_layered(self):
         job, case = self.scanned(LINE)

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Scans of a vibrometer: written and read again, files of other programs, and hostile files."""
+import os
 import random
+import shutil
+import signal
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -9,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "laboratory"))
-from scan import BadScan, Scan, read_scan, write_scan  # noqa: E402
+from scan import BadScan, Scan, in_child, read_scan, write_scan  # noqa: E402
 
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat"}
 
@@ -68,6 +72,22 @@ class RoundTrip(ScanTest):
         np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
         scipy.io.savemat(path, {"vibrometer": arrays})
         np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
+        scipy.io.savemat(path, {**arrays, "velocity": scan.velocity_m_s.T})  # one column per point, as MATLAB loads ours
+        np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
+
+    def test_octave_reads_the_hdf5_file_and_its_own_is_read(self):
+        if not shutil.which("octave-cli"):
+            self.skipTest("octave-cli is not installed")
+        scan, path = some_scan(), self.written("mat")
+        again = self.folder / "again.mat"
+        script = (f"load('{path}'); printf('%d %d %d %.17g\\n', size(velocity), numel(time), velocity(2, 1)); "
+                  f"save('-v7', '{again}', 'time', 'x', 'y', 'velocity')")
+        done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", script], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows, columns, times, value = done.stdout.split()
+        self.assertEqual((int(rows), int(columns), int(times)), (30, 5, 30))  # Octave has one column per point
+        self.assertEqual(float(value), scan.velocity_m_s[0, 1])
+        np.testing.assert_array_equal(read_scan(again).velocity_m_s, scan.velocity_m_s)
 
 
 class OtherPrograms(ScanTest):
@@ -91,6 +111,28 @@ class OtherPrograms(ScanTest):
         self.assertEqual((scan.x_m[0], scan.y_m[0]), (0.01, -0.02))
         self.assertAlmostEqual(scan.rate_Hz, 1e4, places=6)
         self.assertEqual(scan.quality[0], 1.0)
+
+    def binary(self, order, single):
+        """The same data set in binary form. `order`: 1 for little and 2 for big endian."""
+        text = self.text(data=2 if single else 4, values="")
+        nodes, head = text.split("    58\n")
+        data = np.array((0.0, 1e-3, -2e-3, 5e-4), {1: "<", 2: ">"}[order] + ("f4" if single else "f8")).tobytes()
+        first = f"    58b{order:6d}{2:6d}{11:12d}{len(data):12d}{0:6d}{0:6d}{0:12d}{0:12d}\n"
+        return (nodes + first + head[:-len("    -1\n")]).encode() + data + b"\n    -1\n"
+
+    def test_binary_data_of_both_byte_orders_and_precisions_are_read(self):
+        for order in (1, 2):
+            for single in (False, True):
+                with self.subTest(order=order, single=single):
+                    scan = read_scan(self.file(self.binary(order, single)))
+                    np.testing.assert_allclose(scan.velocity_m_s, [[0.0, 1e-3, -2e-3, 5e-4]], rtol=1e-7 if single else 0.0)
+        good = self.binary(2, False)
+        for text, words in ((good.replace(f"{2:6d}{2:6d}".encode(), f"{2:6d}{1:6d}".encode(), 1), "not in IEEE format"),
+                            (good.replace(f"{32:12d}".encode(), f"{24:12d}".encode(), 1), "a data set claims 4 values"),
+                            (good.replace(f"{11:12d}".encode(), f"{12:12d}".encode(), 1), "12 text records"),
+                            (self.binary(2, False).replace(b"\n    -1\n", b"", 2)[:-7], "truncated")):
+            with self.subTest(words=words):
+                self.refused(text, words)
 
     def test_millimetres_per_second_are_converted(self):
         np.testing.assert_allclose(read_scan(self.file(self.text(unit="mm/s"))).velocity_m_s[0, 1], 1e-6)
@@ -136,11 +178,58 @@ class Hostile(ScanTest):
         with self.assertRaisesRegex(BadScan, "time has 1250000000 values"):
             read_scan(path)
 
+    def test_matlab_and_hdf5_files_with_wrong_contents_are_refused(self):
+        import h5py
+        import scipy.io
+
+        scan = some_scan()
+        good = {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s}
+        cases = (({"velocity": scan.velocity_m_s[:3]}, "5 points and 30 times, but velocities of the shape (3, 30)"),
+                 ({"velocity": np.zeros((5, 30, 2))}, "velocities of the shape"),
+                 ({"velocity": 1e3 * np.ones((5, 30)) + 1.0}, "must be in m/s"),
+                 ({"y": scan.y_m[:4]}, "different numbers of points"),
+                 ({"time": np.full(30, np.nan)}, "time contains a value that is not a finite number"),
+                 ({"x": np.full(5, np.inf)}, "x contains a value that is not a finite number"),
+                 ({"velocity": np.ones((5, 30)) * 1j}, "not an array of real numbers"),
+                 ({"trigger_delay": np.nan}, "trigger_delay must be one finite number"),
+                 ({"time": None}, "it has no time"))
+        for change, words in cases:
+            arrays = {name: values for name, values in {**good, **change}.items() if values is not None}
+            five, seven = self.folder / "five.mat", self.folder / "seven.h5"
+            scipy.io.savemat(five, arrays)
+            with h5py.File(seven, "w") as file:
+                for name, values in arrays.items():
+                    file[name] = values
+            for path in (five, seven):
+                with self.subTest(words=words, path=path.name), self.assertRaises(BadScan) as caught:
+                    read_scan(path)
+                self.assertIn(words, str(caught.exception))
+        content = five.read_bytes()
+        for share in (0.3, 0.6, 0.9):
+            with self.subTest(share=share):
+                self.refused(content[:int(share * len(content))], "cannot be read as a MATLAB file", ".mat")
+        size = (30 * 8).to_bytes(4, "little")
+        scipy.io.savemat(five, good)
+        claimed = five.read_bytes().replace(size, (4 * 10 ** 9).to_bytes(4, "little"))
+        self.refused(claimed, "cannot be read as a MATLAB file", ".mat")
+
+    def test_a_file_that_crashes_its_library_is_refused(self):
+        def crash(_):
+            os.kill(os.getpid(), signal.SIGSEGV)
+
+        def exhaust(_):
+            raise MemoryError
+
+        for read in (crash, exhaust):
+            with self.subTest(read=read.__name__), self.assertRaisesRegex(BadScan, "the file is damaged"):
+                in_child(read, self.folder)
+
     def test_csv_with_wrong_fields_is_refused(self):
         good = self.written("csv").read_text()
         for text, words in ((good.replace("x_m", "x_mm", 1), "the first line must begin with"),
                             (good.rstrip() + ",1\n", "every line must have 33 fields"),
                             (good.replace("0.2", "zero", 1), "not a number"),
+                            (good.replace(",0.0,", ",nan,", 1), "time contains a value that is not a finite number"),
                             ("", "the first line must begin with")):
             with self.subTest(words=words):
                 self.refused(text, words, ".csv")

@@ -80,6 +80,18 @@ class Measured(unittest.TestCase):
         self.assertLess(errors[0], 1e-3)
         self.assertLess(errors[2], 0.05)
 
+    def test_a_fitted_offset_loses_no_node_at_the_edge_of_the_scan(self):
+        x, y = self.lattice(3.0)
+        for shift in (2e-7, 1e-4):  # beyond 5 % of the distance of the points, the edge lies inside of the outermost nodes
+            found, about = self.frames(x + shift, y - shift)
+            inner = (slice(None), slice(1, None), slice(1, None))  # without the nodes at -48 mm
+            worst = np.max(np.abs(found[0] - self.expected())[inner]) / np.max(self.expected())
+            self.assertLess(worst, 0.61 * shift / 0.012 + 1e-3)  # the slope of the Gaussian; interpolation
+            self.assertTrue(np.all(found[0][-1, 1:, 1:] != 0.0))
+            np.testing.assert_allclose(about["covered_from_m"], [x.min(), y.min()], rtol=1e-12)
+        _, about = self.frames(x + 3e-4, y)
+        np.testing.assert_allclose(about["covered_from_m"], [x.min() + SPACING_m, y.min()], rtol=1e-12)
+
     def test_gaps_are_interpolated_or_at_rest(self):
         x, y = self.lattice(3.0)
         gone = int(np.argmin(np.hypot(x - 0.006, y)))
@@ -129,6 +141,10 @@ class Displacement(unittest.TestCase):
         np.testing.assert_allclose(found[middle], rows[0][middle] - 0.5, atol=5e-3)  # (20 / 200)^4 and the edges
         with self.assertRaisesRegex(BadScan, "below half of the sampling rate"):
             scan_motion.filtered(rows, 4000.0, 2000.0, False)
+        with self.assertRaisesRegex(BadScan, "lasts 1000 ms, less than 3 periods of the high-pass at 2 Hz"):
+            scan_motion.filtered(rows, 4000.0, 2.0, False)
+        periodic = scan_motion.filtered(rows, 4000.0, 2.0, True)[0]  # a period may be shorter than that of the filter
+        np.testing.assert_allclose(periodic, rows[0] - 0.5, atol=1e-7)  # (2 / 200)^4
 
     def test_data_that_end_early_are_refused(self):
         with self.assertRaisesRegex(BadScan, "before the last frame"):
@@ -156,6 +172,16 @@ class Dispersion(unittest.TestCase):
                 self.assertAlmostEqual(c[n] / speed, 1.0, delta=0.01)  # three wavelengths, near field of the Hankel function
                 self.assertAlmostEqual(a[n] / decay, 1.0, delta=0.05)
                 self.assertEqual(np.count_nonzero(np.isfinite(c)), 1)
+
+    def test_noise_and_waves_longer_than_the_line_have_no_speed(self):
+        s, times = np.arange(1, 41) * 1e-3, np.arange(600) / 20000.0
+        rng = np.random.default_rng(5)
+        for frequency, speed, found in ((200.0, 3.0, 1), (200.0, 12.0, 0)):  # wavelengths of 15 and 60 mm
+            wave = np.cos(2.0 * np.pi * frequency * (times - s[:, None] / speed)) / np.sqrt(s[:, None])
+            noisy = wave + 2.0 * rng.normal(size=wave.shape)
+            with self.subTest(speed=speed):
+                self.assertEqual(np.count_nonzero(np.isfinite(dispersion.curves(s, noisy, 20000.0, noise_m_s=2.0)[1])), found)
+                self.assertGreater(np.count_nonzero(np.isfinite(dispersion.curves(s, noisy, 20000.0)[1])), 100)
 
     def test_few_points_are_refused(self):
         with self.assertRaisesRegex(ValueError, "at least 12 points"):

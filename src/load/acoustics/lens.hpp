@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
+#include "load/acoustics/sound_fields.hpp"
 #include "load/acoustics/target.hpp"
 
 #include <memory>
@@ -96,13 +97,7 @@ void walk_fields(Walk& walk, Footprint& lens) {
                            .range = Range::between(5.0, 2000.0),
                            .given = Given::required,
                            .meaning = "distance of the lens from the skin"});
-    walk(lens.frequency_Hz, {.key = "frequency_kHz",
-                             .range = Range::between(10.0, 200.0),
-                             .meaning = "frequency of the ultrasound"});
-    walk(lens.sound_speed_m_s,
-         {.key = "sound_speed_m_s",
-          .range = Range::between(100.0, 2000.0),
-          .meaning = "speed of sound in air; the default is for 25 degrees Celsius"});
+    walk_sound_fields(walk, lens);
     walk(lens.absorption_dB_m,
          {.key = "absorption_dB_m",
           .text = "absorption_dB_m",

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "laboratory/intervals.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -110,6 +111,49 @@ TEST_CASE("priors and bounds limit the estimates", "[laboratory]") {
     parameters[1].prior = {std::log(11.0), 1e-4, true};
     const FitResult logarithmic = laboratory::fit(parameters, rows, wave_points, decaying_wave);
     CHECK(logarithmic.estimates[1].value == Approx(11.0).margin(0.01));
+}
+
+TEST_CASE("a known noise is used instead of that of the residuals", "[laboratory]") {
+    const std::vector<double> rows = noisy_wave(3, false);
+    const auto fitted = [&](std::optional<double> noise) {
+        return laboratory::fit(wave_parameters(), rows, wave_points, decaying_wave, noise);
+    };
+    const FitResult own = fitted(std::nullopt), known = fitted(0.1), large = fitted(1.0);
+    CHECK(known.noise == 0.1);
+    CHECK(large.noise == 1.0);
+    // Each point contributes 4 samples log(1 + 1 / 4) at its expected residual.
+    const double expected = 4.0 * std::log(1.25) * static_cast<double>(rows.size());
+    CHECK(known.chi_squared == Approx(expected).epsilon(0.1)); // 3 % of 1800 samples, and more
+    CHECK(large.chi_squared == Approx(0.01 * static_cast<double>(rows.size())).epsilon(0.1));
+    // Robust intervals depend on the residuals and not on the noise, apart from the weights.
+    CHECK(large.estimates[0].standard_error ==
+          Approx(own.estimates[0].standard_error).epsilon(0.2));
+    CHECK(std::abs(large.estimates[0].value - own.estimates[0].value) <
+          0.5 * own.estimates[0].standard_error);
+}
+
+TEST_CASE("a parameter that few points determine has a wide interval", "[laboratory]") {
+    // The level of three points and that of the other 27.
+    const auto levels = [](std::span<const double> values) {
+        std::vector<double> rows(wave_points * wave_samples, values[1]);
+        std::fill_n(rows.begin(), 3 * wave_samples, values[0]);
+        return std::optional(rows);
+    };
+    const std::vector<double> waves = *decaying_wave(std::vector{wave_speed, wave_decay});
+    int held = 0;
+    for (unsigned seed = 0; seed < 100; ++seed) {
+        std::vector<double> rows = noisy_wave(seed, true);
+        for (std::size_t n = 0; n < rows.size(); ++n)
+            rows[n] += 1.0 - waves[n];
+        const FitResult result = laboratory::fit(
+            {{"three", 0.9, 0.0, 2.0}, {"others", 0.9, 0.0, 2.0}}, rows, wave_points, levels);
+        const laboratory::Estimate &three = result.estimates[0], &others = result.estimates[1];
+        // Quantiles of Student's distribution with 3 and 27 degrees of freedom.
+        CHECK(three.high_95 - three.value == Approx(3.18 * three.standard_error).epsilon(0.05));
+        CHECK(others.high_95 - others.value == Approx(2.05 * others.standard_error).epsilon(0.02));
+        held += holds(three, 1.0);
+    }
+    CHECK(held >= 90);
 }
 
 TEST_CASE("data without noise give the exact values", "[laboratory]") {

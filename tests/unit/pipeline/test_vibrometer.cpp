@@ -65,6 +65,38 @@ TEST_CASE("the vibrometer records the derivative of the displacement", "[vibrome
     CHECK(recorded.quality.front() == 1.0);
 }
 
+TEST_CASE("the recorded velocity depends smoothly on the trigger delay", "[vibrometer]") {
+    Case c = measured(points(1)); // one sample per frame
+    c.time.regime = GENERATE(Regime::transient, Regime::periodic);
+    std::vector<double> u; // 12 frames per period, of which 396 are in whole periods
+    c.time.frames = 396;
+    const double omega = full_circle_rad / (12.0 * c.time.interval_s);
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+        u.push_back(1.0 - std::cos(omega * c.time.frame_s(n)));
+    const auto sample = [&](double delay_s) {
+        c.vibrometer->trigger_delay_s = delay_s;
+        return pipeline::scan(c, u).velocity_m_s.at(50);
+    };
+    const double step_s = 1e-8, at = sample(0.0);
+    const double after = (sample(step_s) - at) / step_s, before = (at - sample(-step_s)) / step_s;
+    // 50 frames are 25/6 periods. The slope at a frame is in error by (omega h)^6 / 140 = 1.5e-4,
+    // differences of step_s by omega step_s = 1e-4.
+    CHECK(at == Approx(omega * std::sin(omega * 50.0 * c.time.interval_s)).epsilon(3e-4));
+    CHECK(after == Approx(before).epsilon(1e-3));
+    CHECK(after ==
+          Approx(omega * omega * std::cos(omega * 50.0 * c.time.interval_s)).epsilon(1e-2));
+}
+
+TEST_CASE("the motion begins without velocity", "[vibrometer]") {
+    const Case c = measured(points(1));
+    std::vector<double> u; // a speed of 0.01 m/s from the start: three frames later it is recorded
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+        u.push_back(0.01 * c.time.frame_s(n));
+    const std::vector<double> v = pipeline::scan(c, u).velocity_m_s;
+    CHECK(std::abs(v[0]) < 1e-15); // rounding
+    CHECK(v[3] == Approx(0.01));
+}
+
 TEST_CASE("the noise of the vibrometer has the given density", "[vibrometer]") {
     VibrometerOptions options = points(200);
     options.noise_m_s_rtHz = 1e-6;
