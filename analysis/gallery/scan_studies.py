@@ -132,11 +132,11 @@ def coverage(folder, first=0, last=100):
         shearwake("fit", job, "--data", folder / "data.mat", "--out", folder / "fit", ranks=2)
         (folder / "fit" / "fit.json").replace(result)
     found = [json.loads(path.read_text())["estimates"] for path in folder.glob("seed-*.json")]
-    print("| key | inside the interval | rms error / mean standard error | largest error |\n|---|---|---|---|")
+    print("| key | true value | inside the interval | rms error / mean standard error | largest error |\n|---|---|---|---|---|")
     for key, value in TRUTH.items():
         values, errors = (np.array([one[key][name] for one in found]) for name in ("value", "standard_error"))
         inside = sum(one[key]["interval_95"][0] <= value <= one[key]["interval_95"][1] for one in found)
-        print(f"| `{key}` | {inside} of {len(found)} | {np.sqrt(np.mean((values - value) ** 2)) / np.mean(errors):.2f} | "
+        print(f"| `{key}` | {value:g} | {inside} of {len(found)} | {np.sqrt(np.mean((values - value) ** 2)) / np.mean(errors):.2f} | "
               f"{np.max(np.abs(values - value)):.2g} |")
 
 
