@@ -2,6 +2,7 @@
 #include "engines/spectral/spectral_kinds.hpp"
 
 #include "engines/spectral/depth/work_kinds.hpp"
+#include "engines/spectral/lateral/strain_solver.hpp"
 
 #include "base/block.hpp"
 
@@ -88,9 +89,12 @@ void add_lumps(const Case& c, const Measures& m, double modes, const Add& add) {
 /// symmetric.
 void add_box(const Case& c, const Measures& m, double modes, double rows_share, const Add& add) {
     const VariationEstimate& v = m.variation;
-    // One more product than iterations: the response to the explicit stress.
-    const double planes = v.planes(), products = (v.iterations + 1.0) * m.steps;
-    add(of_box, box_values(*v.box, planes) * products);
+    // One more product than iterations: the response to the explicit stress. Rounded products take
+    // half as long, and one more product follows them.
+    const double rounded = std::max(0.0, v.iterations - full_iterations);
+    const double planes = v.planes(),
+                 products = (v.iterations + (rounded > 0.0 ? 2.0 : 1.0)) * m.steps;
+    add(of_box, box_values(*v.box, planes) * (products - 0.5 * rounded * m.steps));
     add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
                   static_cast<double>(v.box->ny), planes * products, rows_share, add);
     add(of_iteration, modes * m.levels * m.nodes * planes);
