@@ -26,7 +26,6 @@ public:
         const double spacing_m = body_radius_m / spacings_per_radius;
         const auto n = 2 * std::lround(0.5 * width * spacings_per_radius);
         case_ = small_tissue();
-        lambda_per_mu_ = lambda_per_mu;
         Layer layer = tissue(1500.0, 0.0);
         layer.thickness_m = width * body_radius_m;
         case_.scene().medium = {{layer}, Base::rigid};
@@ -107,29 +106,6 @@ public:
     }
     /// The displacement [m] of the solid at offsets from the centre due to forces at the markers.
     std::vector<Vec3> field(const std::vector<double>& forces, const std::vector<Vec3>& offsets) {
-        const auto all = respond(forces);
-        std::vector<Vec3> displacements;
-        for (const Vec3& offset : offsets)
-            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
-                                                    centre() + offset,
-                                                    [](double, double) { return 1.0; }));
-        return displacements;
-    }
-    /// -sigma_zz [Pa] in the same way.
-    std::vector<double> compression(const std::vector<double>& forces,
-                                    const std::vector<Vec3>& offsets) {
-        const auto all = respond(forces);
-        std::vector<double> values;
-        for (const Vec3& offset : offsets)
-            values.push_back(compression_at(case_.domain, mesh_, *vectors_, all.data(),
-                                            centre() + offset, lambda_per_mu_ * solid_mu_Pa,
-                                            solid_mu_Pa));
-        return values;
-    }
-
-private:
-    /// All pencils for forces at the markers.
-    fft::AlignedVector<Block> respond(const std::vector<double>& forces) {
         bodies_->exert(forces);
         const std::ptrdiff_t size = operator_->unknowns() * spectral::parts;
         fft::AlignedVector<Block> all(static_cast<std::size_t>(vectors_->pencils() * size));
@@ -142,8 +118,15 @@ private:
                 solve(row, block, pencil);
             }
         }
-        return all;
+        std::vector<Vec3> displacements;
+        for (const Vec3& offset : offsets)
+            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
+                                                    centre() + offset,
+                                                    [](double, double) { return 1.0; }));
+        return displacements;
     }
+
+private:
     Vec3 centre() const { return case_.scene().medium.bodies[0].centre_m; }
     void solve(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) const {
         operator_->solve_implicit(factors_.data() +
@@ -152,7 +135,6 @@ private:
     }
 
     Case case_;
-    double lambda_per_mu_ = 0.0;
     spectral::StepClock clock_;
     std::optional<fft::SlabTransform> slabs_;
     std::optional<spectral::WaveVectors> vectors_;

@@ -6,8 +6,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 
 namespace shearwake::spectral {
 namespace {
@@ -64,14 +62,6 @@ void RigidBodies::prepare(const std::vector<double>& motion, std::vector<double>
     Matrix stiffness =
         Eigen::Map<const RowMajor>(mass_.data(), freedoms, freedoms) / (step_s_ * step_s_);
     stiffness += of_motion.transpose() * of_forces;
-    if (std::getenv("SW_PRINT")) {
-        Matrix bare = Eigen::Map<const RowMajor>(mass_.data(), freedoms, freedoms) / (step_s_ * step_s_);
-        Matrix tissue = of_motion.transpose() * of_forces;
-        std::printf("margins:");
-        for (Eigen::Index f = 0; f < freedoms; ++f)
-            std::printf(" %.3f/%.3f", stiffness(f, f) / std::abs(bare(f, f)), tissue(f, f) / std::abs(bare(f, f)));
-        std::printf("\n");
-    }
     const Eigen::LLT<Matrix> factor(stiffness);
     if (factor.info() != Eigen::Success)
         throw CaseFailure(

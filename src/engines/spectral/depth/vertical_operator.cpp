@@ -5,7 +5,6 @@
 #include "simd/kernels.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <iterator>
 
 namespace shearwake::spectral {
@@ -77,7 +76,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
             el.density = std::min(el.density, background_.density_kg_m3[at]);
             el.lambda_Pa = std::min(el.lambda_Pa, background_.lambda_Pa[at]);
         }
-        if (mesh.has_light_body(e) && !std::getenv("SW_NORAISE")) el.density = 0.0; // TEMP
+        if (mesh.has_light_body(e)) el.density = 0.0;
         elements_.push_back(el);
     }
 }
@@ -111,8 +110,7 @@ VerticalArrays VerticalOperator::arrays() const {
             .sh = sh_matrix_.rows()};
 }
 
-void VerticalOperator::factorise(Operator which, const Block& k, double dt_s,
-                                 Block* factor) const {
+void VerticalOperator::factorise(Operator which, const Block& k, double dt_s, Block* factor) const {
     Block* sh = factor + psv_matrix_.entries();
     assembly_.assemble_psv(arrays(), which, k, dt_s, factor);
     assembly_.assemble_sh(arrays(), which, k, dt_s, sh);

@@ -24,7 +24,7 @@ inline double implicit_lambda_Pa(double lambda_Pa) {
 /// makes shear motion fourth order in dt; the excess above it makes the scheme stable at any step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
-    std::vector<double> mu_greatest_Pa; // of all materials at a node
+    std::vector<double> mu_greatest_Pa;       // of all materials at a node
     std::vector<double> swirl_viscosity_Pa_s; // absorbs shear waves below a half-space
     /// For the forces, which use mu_accurate_Pa and the viscosity theta mu_accurate_Pa. Its
     /// stiffness must not exceed what the implicit operator alone stabilises; otherwise rounding

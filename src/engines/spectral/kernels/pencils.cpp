@@ -119,7 +119,8 @@ void take(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, co
     }
 }
 
-constexpr PencilKernels pencil_table = {advance, advance_by_sum, add_scaled, difference, product, put_load};
+constexpr PencilKernels pencil_table = {advance,    advance_by_sum, add_scaled,
+                                        difference, product,        put_load};
 constexpr SpongeKernels sponge_table = {put, take};
 
 } // namespace

@@ -5,8 +5,8 @@
 
 namespace shearwake::spectral {
 
-/// Eight symmetric matrices, one per lane: the lower triangles row by row, [entry][lane]. The sum of
-/// both parts has 49 significant bits, `high` alone has 24.
+/// Eight symmetric matrices, one per lane: the lower triangles row by row, [entry][lane]. The sum
+/// of both parts has 49 significant bits, `high` alone has 24.
 struct SymmetricArrays {
     const float *high, *low;
 };

@@ -12,12 +12,12 @@ constexpr std::ptrdiff_t most_nodes = 17;
 
 /// Constants of one element.
 struct VerticalElement {
-    double slope;              // 2 / h
-    double half;               // h / 2
+    double slope;     // 2 / h
+    double half;      // h / 2
     double density;   // whose inertia stabilises stiffness: the least one, 0 at light bodies
     double lambda_Pa; // least one of the background in this element
-    double theta_s;            // viscosity over mu_accurate
-    bool absorbs;              // whether it has swirl viscosity
+    double theta_s;   // viscosity over mu_accurate
+    bool absorbs;     // whether it has swirl viscosity
 };
 
 /// The data of VerticalOperator as arrays; materials are indexed by [element * nodes + node].

@@ -15,10 +15,10 @@ struct WindowArrays {
     const Turn* by_kx; // [block of kx][distance]
 };
 
-/// Transforms of folded lines over x (WaveBlock::middle) of which only a window is needed, or is not
-/// zero. For short windows these sums are faster than FFTs. `line` and `window` are those of the
-/// first plane; `line_stride` and `window_stride` are the numbers of doubles between planes. The
-/// Nyquist mode is neither read nor written.
+/// Transforms of folded lines over x (WaveBlock::middle) of which only a window is needed, or is
+/// not zero. For short windows these sums are faster than FFTs. `line` and `window` are those of
+/// the first plane; `line_stride` and `window_stride` are the numbers of doubles between planes.
+/// The Nyquist mode is neither read nor written.
 struct WindowKernels {
     /// Sum over kx of F(kx) e^{i kx x}.
     void (*to_window)(const WindowArrays& a, std::ptrdiff_t planes, const double* line,

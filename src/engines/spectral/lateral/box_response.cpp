@@ -82,9 +82,9 @@ BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
       kernels_(simd::kernels<SymmetricKernels>()) {
     together(team, [&] {
         planes_.assemble();
-        matrices_.assign(static_cast<std::size_t>(vectors_.pencils() * matrix_parts * entries_ *
-                                                  lane_count),
-                         0.0F);
+        matrices_.assign(
+            static_cast<std::size_t>(vectors_.pencils() * matrix_parts * entries_ * lane_count),
+            0.0F);
         given_.assign(static_cast<std::size_t>(count_ * parts), Block{});
         result_ = given_;
     });

@@ -92,7 +92,7 @@ private:
     const SymmetricKernels& kernels_;
     static constexpr std::ptrdiff_t matrix_parts = 2; // of SymmetricArrays
     fft::AlignedVector<float> matrices_;              // [row][block][part][entry][lane]
-    fft::AlignedVector<Block> given_, result_; // [plane][part]
+    fft::AlignedVector<Block> given_, result_;        // [plane][part]
 };
 
 } // namespace shearwake::spectral

@@ -40,8 +40,8 @@ LineWindow::LineWindow(std::ptrdiff_t nx, std::ptrdiff_t begin, std::ptrdiff_t c
         put(of_middle_[size(k / lane_count)], k % lane_count, k, begin + count / 2, 1.0);
         for (std::ptrdiff_t d = 0; d < distances; ++d) {
             if (d > 0)
-                put(by_distance_[size((d - 1) / lane_count * half + k)], (d - 1) % lane_count, k,
-                    d, k == 0 ? 0.5 : 1.0);
+                put(by_distance_[size((d - 1) / lane_count * half + k)], (d - 1) % lane_count, k, d,
+                    k == 0 ? 0.5 : 1.0);
             put(by_kx_[size(k / lane_count * distances + d)], k % lane_count, k, d, 1.0);
         }
     }

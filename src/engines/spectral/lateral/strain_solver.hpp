@@ -43,8 +43,8 @@ public:
     /// residual's error in that of S. A mode that is too weak to affect the residual may grow until
     /// it does; therefore the sums are independent of the number of ranks, and all results have the
     /// same bits on any number of ranks.
-    /// After some iterations with the full response the rounded one takes over. The residual is then
-    /// computed anew with the full response, so that e and the residual are consistent up to
+    /// After some iterations with the full response the rounded one takes over. The residual is
+    /// then computed anew with the full response, so that e and the residual are consistent up to
     /// rounding errors of double precision. Collective.
     Outcome solve(Values& residual, double reference, double tolerance, const Responses& respond);
 
@@ -69,7 +69,7 @@ private:
     Comm team_;
     StepClock& clock_;
     RowSums sums_;
-    Values given_; // b
+    Values given_;                               // b
     Values strain_, direction_, stress_, image_; // stress_ is S direction
 };
 

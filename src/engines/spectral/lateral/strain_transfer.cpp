@@ -10,8 +10,8 @@ namespace shearwake::spectral {
 StrainTransfer::StrainTransfer(const DepthMesh& mesh, std::vector<StrainPoint> points,
                                int components)
     : kernels_(simd::kernels<TransferKernels>()), derivative_(mesh.rule.derivative),
-      points_(std::move(points)), components_(components),
-      nodes_(mesh.degree + 1), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+      points_(std::move(points)), components_(components), nodes_(mesh.degree + 1),
+      levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
     for (const StrainPoint& point : points_)
         places_.push_back({.first = static_cast<std::ptrdiff_t>(point.element) * (nodes_ - 1),
                            .node = point.node,

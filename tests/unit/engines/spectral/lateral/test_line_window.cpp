@@ -113,11 +113,10 @@ TEST_CASE("transforms of a window equal the Fourier sum without the Nyquist mode
             values[p * count + i] = noise(i, p);
     window.to_line(planes, points.data(), 2 * count, line.data(), stride);
     for (std::ptrdiff_t p = 0; p < planes; ++p)
-        FoldedLine(window, nx, line.data() + p * stride)
-            .take([&](std::ptrdiff_t k, Complex found) {
-                Complex sum = 0.0;
-                for (std::ptrdiff_t i = 0; i < count; ++i)
-                    sum += noise(i, p) * turn(nx, -k, begin + i);
-                CHECK(std::abs(found - sum) < tolerance);
-            });
+        FoldedLine(window, nx, line.data() + p * stride).take([&](std::ptrdiff_t k, Complex found) {
+            Complex sum = 0.0;
+            for (std::ptrdiff_t i = 0; i < count; ++i)
+                sum += noise(i, p) * turn(nx, -k, begin + i);
+            CHECK(std::abs(found - sum) < tolerance);
+        });
 }
