@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace shearwake::fft {
 namespace {
@@ -21,6 +22,15 @@ std::span<Complex> room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size)
     const auto needed = static_cast<std::size_t>(size);
     if (buffer.size() < needed) buffer.resize(needed);
     return {buffer.data(), needed};
+}
+
+/// Copies values of some rows. The number of a complete group is known to the compiler, which then
+/// needs no call of a library function.
+void copy_rows(const Complex* from, std::ptrdiff_t count, Complex* to) {
+    if (count == window_rows)
+        std::memcpy(static_cast<void*>(to), from, sizeof(Complex) * window_rows);
+    else
+        std::copy_n(from, count, to);
 }
 
 } // namespace
@@ -111,7 +121,7 @@ void RunTransform::put_columns(Rows rows, const Share& to, Complex* columns,
         return rows_to_columns(w.line(0) + to.ky_start, w.pitch, rows.count, to.ky_count, columns,
                                pitch);
     for (std::ptrdiff_t k = 0; k < to.ky_count; ++k)
-        std::copy_n(window_->mode(to.ky_start + k), rows.count, columns + k * pitch);
+        copy_rows(window_->mode(to.ky_start + k), rows.count, columns + k * pitch);
 }
 
 void RunTransform::take_columns(Rows rows, const Share& from, const Complex* columns,
@@ -121,7 +131,7 @@ void RunTransform::take_columns(Rows rows, const Share& from, const Complex* col
         return columns_to_rows(columns, pitch, rows.count, from.ky_count, w.line(0) + from.ky_start,
                                w.pitch);
     for (std::ptrdiff_t k = 0; k < from.ky_count; ++k)
-        std::copy_n(columns + k * pitch, rows.count, window_->mode(from.ky_start + k));
+        copy_rows(columns + k * pitch, rows.count, window_->mode(from.ky_start + k));
 }
 
 void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* values,

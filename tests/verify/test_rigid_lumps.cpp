@@ -41,6 +41,15 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
     SECTION("free and almost without mass: the tissue around it has enough") {
         c.scene().medium.bodies[0].density_kg_m3 = 1.0;
     }
+    SECTION("free and light, at different depths, between which elements are short") {
+        Body upper = with_shape(c.scene().medium.bodies[0], Ellipsoid{{5e-3, 4e-3, 1.75e-3}});
+        upper.centre_m = {5.3e-3, 4.7e-3, 3.25e-3}; // down to 5 mm
+        upper.density_kg_m3 = 1.0;
+        Body lower = with_shape(upper, Ellipsoid{{4e-3, 4e-3, 2.2e-3}});
+        lower.centre_m = {-5.7e-3, -5.1e-3, 6.9e-3}; // from 4.7 mm on
+        lower.density_kg_m3 = 300.0;
+        c.scene().medium.bodies = {upper, lower};
+    }
     SECTION("next to a body across the domain and a complete layer") {
         if (step_s == 50e-6) return; // between the others
         Body bone =

@@ -187,7 +187,7 @@ void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame,
                 const WaveBlock waves = vectors_.waves(row, block);
                 add(part, 1, waves.k, stepper.before().data() + at, value);
                 add(part, 2, waves.k, stepper.now().data() + at, value);
-                lines.put(waves, value, plane_.data() + 2 * row * vectors_.nx());
+                lines.put(waves, {}, value, plane_.data() + 2 * row * vectors_.nx());
             });
             vectors_.clear_nyquist(plane_.data());
             slabs_.to_physical(plane_.data());

@@ -2,6 +2,7 @@
 #include "engines/spectral/spectral_kinds.hpp"
 
 #include "engines/spectral/depth/work_kinds.hpp"
+#include "engines/spectral/lateral/strain_solver.hpp"
 
 #include "base/block.hpp"
 
@@ -17,9 +18,12 @@ constexpr double planes_in_cache_B = 6e6, planes_in_memory_B = 25e6;
 // Share of the x transforms in a transfer; those in y are proportional to the rows with cells.
 constexpr double share_of_modes = 0.65;
 /// Time of a solve whose factors are in the cache, relative to one that reads them. With this value
-/// a step of `bench spectral` at a contrast of 4 is estimated to take 3.3 times as long as a
-/// uniform one; 3.2 to 3.5 were measured on one rank.
+/// a step of `bench spectral` at a contrast of 4 is estimated to take 2.7 times as long as a
+/// uniform one; 2.7 and 3.0 were measured on one and two ranks.
 constexpr double second_solve = 0.7;
+/// Time of the solves for a column of the matrices of a box, relative to those of an iteration on
+/// the plane (box_response.cpp).
+constexpr double column_cost = 2.0 / 3.0;
 /// Points of a window whose sums take as long as the other work on a line.
 constexpr double window_overhead = 24.0;
 
@@ -88,12 +92,15 @@ void add_lumps(const Case& c, const Measures& m, double modes, const Add& add) {
 /// symmetric.
 void add_box(const Case& c, const Measures& m, double modes, double rows_share, const Add& add) {
     const VariationEstimate& v = m.variation;
-    // One more product than iterations: the response to the explicit stress.
-    const double planes = v.planes(), products = (v.iterations + 1.0) * m.steps;
-    add(of_box, box_values(*v.box, planes) * products);
+    // One more product than iterations: the response to the explicit stress. Rounded products take
+    // half as long, and one more product follows them.
+    const double rounded = std::max(0.0, v.iterations - full_iterations);
+    const double planes = v.planes(),
+                 products = (v.iterations + (rounded > 0.0 ? 2.0 : 1.0)) * m.steps;
+    add(of_box, box_values(*v.box, planes) * (products - 0.5 * rounded * m.steps));
     add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
                   static_cast<double>(v.box->ny), planes * products, rows_share, add);
-    add(of_iteration, modes * m.levels * m.nodes * planes);
+    add(of_iteration, column_cost * modes * m.levels * m.nodes * planes);
     add_transfers(planes_of(v, static_cast<double>(c.domain.nx)), static_cast<double>(c.domain.nx),
                   static_cast<double>(c.domain.ny), 0.25 * planes * planes, rows_share, add);
 }

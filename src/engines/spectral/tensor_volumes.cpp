@@ -99,7 +99,7 @@ void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
                 }
                 if (first + q < levels)
                     add(q, 0, [&waves](std::ptrdiff_t lane) { return -waves.k[lane]; });
-                lines.put(waves, dilation, line(pressure_, q, row));
+                lines.put(waves, {}, dilation, line(pressure_, q, row));
             }
         }
     }
@@ -129,7 +129,7 @@ void TensorVolumes::find_pressure(const Stepper& stepper, std::size_t element) {
 /// Computes strain and strain rate at one node as physical planes.
 void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point) {
     const std::ptrdiff_t reals = slabs_.share().reals;
-    const StrainTransfer strains(mesh_, {point}, strain_components, vectors_);
+    const StrainTransfer strains(mesh_, {point}, strain_components);
     const PencilKernels& kernels = simd::kernels<PencilKernels>();
     const auto levels = static_cast<std::ptrdiff_t>(mesh_.levels() - 1);
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(point.element) * mesh_.degree;
@@ -144,8 +144,9 @@ void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point
             };
             subtract(2 * first * parts, 2 * (first + count) * parts); // U and W, then V
             subtract((2 * levels + first) * parts, (2 * levels + first + count) * parts);
-            strains.strain(row, block, u.now, line(now_, 0, row), reals);
-            strains.strain(row, block, change, line(rate_, 0, row), reals);
+            const WaveBlock waves = vectors_.waves(row, block);
+            strains.strain(waves, u.now, line(now_, 0, row), reals);
+            strains.strain(waves, change, line(rate_, 0, row), reals);
         }
     }
     for (auto* planes : {&now_, &rate_}) {

@@ -240,9 +240,8 @@ double size_of_inclusions(const Setting& s) {
     return size_m;
 }
 
-/// Fitted to 87 runs with contrasts of 4 to 1000, steps of 12.5 to 100 us, viscosities of 0 to 3 Pa
-/// s, ellipsoids of 6 x 4 x 2 to 12 x 8 x 3 mm and a cylinder across the domain: accurate within
-/// 40 % where there are at least 3 iterations. Logarithmic in the residual as for any
+/// Fitted to runs with contrasts of 4 to 1000, steps of 12.5 to 100 us, ellipsoids of 6 x 4 x 2 to
+/// 12 x 8 x 3 mm and a cylinder across the domain. Logarithmic in the residual as for any
 /// conjugate-gradient iteration.
 double iterations_per_step(const Setting& s, const Contrast& contrast) {
     const double of_density = contrast.of_density ? 1.2 : 1.0;

@@ -40,8 +40,8 @@ DisplacementArrays DisplacementPlanes::arrays() const {
 }
 
 void DisplacementPlanes::evaluate(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil) {
-    kernels_.displacement(arrays(), vectors_.waves(row, block), pencil, planes_->line(row),
-                          planes_->stride());
+    kernels_.displacement(arrays(), planes_->in_line(vectors_.waves(row, block)), pencil,
+                          planes_->line(row), planes_->stride());
 }
 
 void DisplacementPlanes::end_row(std::ptrdiff_t row, std::size_t from) {
@@ -53,8 +53,8 @@ void DisplacementPlanes::end_row(std::ptrdiff_t row, std::size_t from) {
 
 void DisplacementPlanes::add_force(std::ptrdiff_t row, std::ptrdiff_t block, double scale,
                                    Block* pencil) {
-    kernels_.add_force(arrays(), vectors_.waves(row, block), planes_->line(row), planes_->stride(),
-                       scale, pencil);
+    kernels_.add_force(arrays(), planes_->in_line(vectors_.waves(row, block)), planes_->line(row),
+                       planes_->stride(), scale, pencil);
 }
 
 void DisplacementPlanes::add_unit(std::ptrdiff_t row, std::ptrdiff_t block, std::size_t depth,

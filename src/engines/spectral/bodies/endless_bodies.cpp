@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
 
 #include <Eigen/Dense>
@@ -58,7 +59,12 @@ void EndlessBodies::assemble(const VerticalOperator& op, const Solve& solve) {
     rows_.resize(static_cast<std::size_t>(vectors_.rows() * per_pencil()));
     systems_.assemble(op, solve);
     take_mass();
-    if (!team().is_root()) return; // it has system 0, the only one that moves
+    together(team(), [&] {
+        if (team().is_root()) prepare_motion(); // it has system 0, the only one that moves
+    });
+}
+
+void EndlessBodies::prepare_motion() {
     const auto n = static_cast<Eigen::Index>(systems_.unknowns());
     const Eigen::Map<const Matrix> inverse(systems_.inverse(0), n, n);
     // The motion of the real and of the imaginary parts.

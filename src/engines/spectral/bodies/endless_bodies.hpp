@@ -36,6 +36,7 @@ private:
     double* values() { return markers_.along_x() ? scalars(blocks_.data()) : rows_.data(); }
     double rigid(std::size_t marker, std::ptrdiff_t part, const std::vector<double>& q) const;
     void take_mass();
+    void prepare_motion();
     void solve_system(std::size_t index, const std::vector<double>& target, double scale);
 
     WaveVectors vectors_;

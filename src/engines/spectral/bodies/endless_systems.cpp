@@ -151,6 +151,7 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& lower) {
 } // namespace
 
 void EndlessSystems::assemble(const VerticalOperator& op, const Solve& solve) {
+    matrices_->inverse.clear();
     response_ = std::make_unique<Response>();
     Response& r = *response_;
     const auto depths = static_cast<std::size_t>(markers_.arrays().depths);

@@ -48,7 +48,8 @@ public:
     RigidBodies& operator=(const RigidBodies&) = delete;
 
     bool empty() const { return bodies_.empty(); }
-    /// Computes the systems. Throws CaseFailure on all ranks together. Collective.
+    /// Computes the systems with B, or with another operator for another state of the factors.
+    /// Throws CaseFailure on all ranks together if a system is not positive definite. Collective.
     virtual void assemble(const VerticalOperator& op, const Solve& solve) = 0;
 
     // Not collective.

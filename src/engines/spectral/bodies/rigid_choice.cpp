@@ -227,4 +227,26 @@ std::vector<Remark> rigid_limits(const Case& c) {
     return refused;
 }
 
+std::vector<Remark> receptors_near_lumps(const Case& c) {
+    std::vector<Remark> warnings;
+    if (lump_bodies(c).empty()) return warnings;
+    const std::vector<Body>& bodies = c.scene().medium.bodies;
+    const double near_m = near_lump * c.domain.spacing_m;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        if (!bodies[i].rigid || !has_markers(bodies[i], c.scene().medium, c.domain)) continue;
+        const Bounds box = bounds(bodies[i]);
+        for (const double depth_m : stress_depths_m(c)) {
+            if (depth_m < box.low_m.z - near_m || depth_m > box.high_m.z + near_m) continue;
+            warnings.push_back(
+                {Severity::warning, fmt::format("medium.body[{}].rigid", i + 1),
+                 fmt::format(
+                     "receptors at a depth of {:.3g} mm may lie within {:.3g} grid spacings "
+                     "of this body, where their stress is in error by 10 to 40 %",
+                     1e3 * depth_m, near_lump)});
+            break;
+        }
+    }
+    return warnings;
+}
+
 } // namespace shearwake::spectral

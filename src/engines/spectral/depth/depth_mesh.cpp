@@ -73,7 +73,12 @@ std::size_t DepthMesh::clear_levels() const {
 
 DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step_s) {
     const int degree = options.degree;
-    DepthMesh mesh{.degree = degree, .rule = gauss_lobatto(degree), .ends_m = {0.0}, .layers = {}};
+    DepthMesh mesh{.degree = degree,
+                   .rule = gauss_lobatto(degree),
+                   .ends_m = {0.0},
+                   .layers = {},
+                   .light = {},
+                   .bottom = {}};
     const double per_degree = degree / 8.0;
     const double steepest = bandwidth_rad_m(c.scene().load.footprint, 1e-3);
     const double omega =
@@ -120,9 +125,11 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
         fill(piece.layer, piece.bottom_m - piece.top_m,
              std::min({piece.longest_m, 20.0 * per_degree * c_s_m_s / std::max(omega, 1.0),
                        longest.all * short_m * c_s_m_s / top_speed_m_s}));
+        mesh.light.resize(mesh.elements(), piece.has_light_body);
     }
     if (mesh.bottom)
         fill(c.scene().medium.layers.size() - 1, mesh.bottom->depth_m, mesh.bottom->depth_m);
+    mesh.light.resize(mesh.elements(), false);
     return mesh;
 }
 

@@ -19,10 +19,15 @@ struct DepthMesh {
     GaussLobatto rule;
     std::vector<double> ends_m;      // elements + 1, ascending from 0
     std::vector<std::size_t> layers; // layer of each element
+    /// Whether a free rigid body that is lighter than the layer lies at the depths of an element.
+    /// Its shear stiffness is then stable without the help of the material's inertia, which the
+    /// body takes away (VerticalOperator). Empty if there is no such body.
+    std::vector<bool> light;
     /// Absorber of a half-space, which forms the last elements.
     std::optional<AbsorbingBottom> bottom;
 
     std::size_t elements() const { return layers.size(); }
+    bool has_light_body(std::size_t element) const { return !light.empty() && light[element]; }
     std::size_t levels() const { return elements() * static_cast<std::size_t>(degree) + 1; }
     double length_m(std::size_t element) const { return ends_m[element + 1] - ends_m[element]; }
     /// Depth of a level in metres.

@@ -16,6 +16,8 @@ constexpr double spacings_of_rigid = 7.0;
 struct Inclusion {
     double top_m, bottom_m, longest_m;
     bool ends_sharply;
+    /// Density of a rigid body that is free to move.
+    double free_kg_m3 = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the body has faces that are not horizontal.
@@ -33,6 +35,7 @@ Inclusion inclusion_of(const Body& body, double spacing_m, double per_degree, do
         in.longest_m = per_degree * body.edge_m;
     else if (is_curved(body))
         in.longest_m = per_degree * (in.bottom_m - in.top_m) / elements_of_body;
+    if (body.rigid && !body.fixed && body.density_kg_m3) in.free_kg_m3 = *body.density_kg_m3;
     if (body.rigid)
         in.longest_m = std::min(in.longest_m, spacings_of_rigid * per_degree * spacing_m);
     else if (body.c_s_m_s)
@@ -77,8 +80,11 @@ std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m
         for (std::size_t i = 0; i + 1 < ends_m.size(); ++i) {
             MeshPiece piece{l, ends_m[i], ends_m[i + 1]};
             for (const Inclusion& in : inclusions)
-                if (in.top_m < piece.bottom_m - least_m && in.bottom_m > piece.top_m + least_m)
+                if (in.top_m < piece.bottom_m - least_m && in.bottom_m > piece.top_m + least_m) {
                     piece.longest_m = std::min(piece.longest_m, in.longest_m);
+                    piece.has_light_body |=
+                        in.free_kg_m3 < c.scene().medium.layers[l].density_kg_m3;
+                }
             pieces.push_back(piece);
         }
         top_m = bottom_m;

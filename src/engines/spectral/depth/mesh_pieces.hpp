@@ -22,6 +22,7 @@ struct MeshPiece {
     double top_m = 0.0, bottom_m = 0.0;
     double longest_m =
         std::numeric_limits<double>::infinity(); // of an element, set by the inclusions
+    bool has_light_body = false;                 // a free rigid body, lighter than the layer
 };
 
 /// Divides the layers down to `depth_m` at the tops and bottoms of bodies and the map, where the

@@ -31,6 +31,7 @@ Background background_of(const DepthMesh& mesh, const Medium& medium) {
             b.lambda_Pa.push_back(implicit_lambda_Pa(lambda_of(layer)));
             b.mu_accurate_Pa.push_back(static_shear_modulus(layer));
             b.mu_stable_Pa.push_back(static_shear_modulus(layer));
+            b.mu_greatest_Pa.push_back(static_shear_modulus(layer));
             b.viscosity_Pa_s.push_back(viscosity_of(layer));
             const double into_m =
                 mesh.z_m(e * static_cast<std::size_t>(mesh.degree) + static_cast<std::size_t>(i)) -
@@ -75,6 +76,7 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
             el.density = std::min(el.density, background_.density_kg_m3[at]);
             el.lambda_Pa = std::min(el.lambda_Pa, background_.lambda_Pa[at]);
         }
+        if (mesh.has_light_body(e)) el.density = 0.0;
         elements_.push_back(el);
     }
 }
@@ -100,6 +102,7 @@ VerticalArrays VerticalOperator::arrays() const {
             .lambda_Pa = b.lambda_Pa.data(),
             .mu_accurate_Pa = b.mu_accurate_Pa.data(),
             .mu_stable_Pa = b.mu_stable_Pa.data(),
+            .mu_greatest_Pa = b.mu_greatest_Pa.data(),
             .viscosity_Pa_s = b.viscosity_Pa_s.data(),
             .swirl_viscosity_Pa_s = b.swirl_viscosity_Pa_s.data(),
             .force_lambda_Pa = b.force_lambda_Pa.data(),
@@ -107,10 +110,10 @@ VerticalArrays VerticalOperator::arrays() const {
             .sh = sh_matrix_.rows()};
 }
 
-void VerticalOperator::factorise_implicit(const Block& k, double dt_s, Block* factor) const {
+void VerticalOperator::factorise(Operator which, const Block& k, double dt_s, Block* factor) const {
     Block* sh = factor + psv_matrix_.entries();
-    assembly_.assemble_psv(arrays(), k, dt_s, factor);
-    assembly_.assemble_sh(arrays(), k, dt_s, sh);
+    assembly_.assemble_psv(arrays(), which, k, dt_s, factor);
+    assembly_.assemble_sh(arrays(), which, k, dt_s, sh);
     solver_.factorise(psv_matrix_.rows(), factor);
     solver_.factorise(sh_matrix_.rows(), sh);
 }

@@ -20,10 +20,11 @@ inline double implicit_lambda_Pa(double lambda_Pa) {
 /// laterally constant. The matrix is
 ///     M/dt^2 + 0.26 K_lambda + K_m + C/(2 dt),
 /// m = max(mu_accurate/12, mu_stable/4 - S), where S is the modulus that the inertia of the element
-/// stabilises (held_modulus_Pa). The value 1/12 makes shear motion fourth order in dt; the excess
-/// above it makes the scheme stable at any step.
+/// stabilises (held_modulus_Pa), and 0 at light rigid bodies (DepthMesh::light). The value 1/12
+/// makes shear motion fourth order in dt; the excess above it makes the scheme stable at any step.
 struct Background {
     std::vector<double> density_kg_m3, lambda_Pa, mu_accurate_Pa, mu_stable_Pa, viscosity_Pa_s;
+    std::vector<double> mu_greatest_Pa;       // of all materials at a node
     std::vector<double> swirl_viscosity_Pa_s; // absorbs shear waves below a half-space
     /// For the forces, which use mu_accurate_Pa and the viscosity theta mu_accurate_Pa. Its
     /// stiffness must not exceed what the implicit operator alone stabilises; otherwise rounding
@@ -57,10 +58,14 @@ public:
     /// Number of Blocks in the two factors of one pencil.
     std::ptrdiff_t factor_size() const { return psv_matrix_.entries() + sh_matrix_.entries(); }
 
-    /// Assembles and factorises the implicit operator for the eight k [rad/m] of a block.
-    void factorise_implicit(const Block& k, double dt_s, Block* factor) const;
+    /// Assembles and factorises an operator for the eight k [rad/m] of a block. Where the medium
+    /// varies laterally, Operator::of_change is a lower bound.
+    void factorise(Operator which, const Block& k, double dt_s, Block* factor) const;
+    void factorise_implicit(const Block& k, double dt_s, Block* factor) const {
+        factorise(Operator::implicit, k, dt_s, factor);
+    }
 
-    /// Solves in place with the factors of factorise_implicit().
+    /// Solves in place with these factors.
     void solve_implicit(const Block* factor, Block* pencil) const;
 
     /// x.A x of the implicit operator A, summed over the parts with weights `counted`. Overwrites

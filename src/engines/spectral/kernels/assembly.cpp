@@ -33,11 +33,20 @@ struct Assembly {
     return held;
 }
 
-/// max(mu_accurate/12, mu_stable/4 - held)
-[[gnu::always_inline]] inline Vector implicit_mu(const VerticalArrays& v, std::ptrdiff_t at,
-                                                 Vector held) {
-    return simd::greater(simd::all_lanes(v.mu_accurate_Pa[at] / 12.0),
-                         0.25 * v.mu_stable_Pa[at] - held);
+/// max(mu_accurate/12, mu_stable/4 - held) and half of the viscosity per step, or for the energy
+/// max(mu_accurate/12 - mu_greatest/4, -held).
+[[gnu::always_inline]] inline Vector shear_modulus(const VerticalArrays& v, Operator which,
+                                                   std::ptrdiff_t at, Vector held,
+                                                   double viscous_Pa) {
+    const double accurate_Pa = v.mu_accurate_Pa[at] / 12.0;
+    if (which == Operator::of_change)
+        return simd::greater(simd::all_lanes(accurate_Pa - 0.25 * v.mu_greatest_Pa[at]), -held);
+    return simd::greater(simd::all_lanes(accurate_Pa), 0.25 * v.mu_stable_Pa[at] - held) +
+           viscous_Pa;
+}
+
+double share_of_lambda(Operator which) {
+    return which == Operator::implicit ? stabilising_lambda : stabilising_lambda - 0.25;
 }
 
 void clear(SkylineRows rows, Block* matrix) {
@@ -76,8 +85,11 @@ void add_psv_pair(const Assembly& a, std::ptrdiff_t first, double slope, Vector 
     a.add(ui + 1, uj, wu);
 }
 
-void assemble_psv(const VerticalArrays& v, const Block& k8, double dt_s, Block* matrix) {
+void assemble_psv(const VerticalArrays& v, Operator which, const Block& k8, double dt_s,
+                  Block* matrix) {
     clear(v.psv, matrix);
+    // Viscosity only takes energy away.
+    const double rate = which == Operator::implicit ? 0.5 / dt_s : 0.0;
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
         const Assembly a{v, v.psv, matrix, s};
         const Vector k = get(k8, s);
@@ -90,9 +102,9 @@ void assemble_psv(const VerticalArrays& v, const Block& k8, double dt_s, Block* 
             for (std::ptrdiff_t q = 0; q < v.nodes; ++q) {
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
-                m.lambda[q] = simd::all_lanes(w * stabilising_lambda * v.lambda_Pa[at]);
-                m.mu[q] = w * (implicit_mu(v, at, held) + 0.5 * v.viscosity_Pa_s[at] / dt_s);
-                m.swirl[q] = simd::all_lanes(w * 0.5 * v.swirl_viscosity_Pa_s[at] / dt_s);
+                m.lambda[q] = simd::all_lanes(w * share_of_lambda(which) * v.lambda_Pa[at]);
+                m.mu[q] = w * shear_modulus(v, which, at, held, rate * v.viscosity_Pa_s[at]);
+                m.swirl[q] = simd::all_lanes(w * rate * v.swirl_viscosity_Pa_s[at]);
             }
             for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
                 for (std::ptrdiff_t j = 0; j <= i; ++j)
@@ -101,8 +113,10 @@ void assemble_psv(const VerticalArrays& v, const Block& k8, double dt_s, Block* 
     }
 }
 
-void assemble_sh(const VerticalArrays& v, const Block& k8, double dt_s, Block* matrix) {
+void assemble_sh(const VerticalArrays& v, Operator which, const Block& k8, double dt_s,
+                 Block* matrix) {
     clear(v.sh, matrix);
+    const double rate = which == Operator::implicit ? 0.5 / dt_s : 0.0;
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
         const Assembly a{v, v.sh, matrix, s};
         const Vector k = get(k8, s);
@@ -116,7 +130,7 @@ void assemble_sh(const VerticalArrays& v, const Block& k8, double dt_s, Block* m
                 const std::ptrdiff_t at = e * v.nodes + q;
                 const double w = v.weights[q] * el.half;
                 const double viscosity = v.viscosity_Pa_s[at] + v.swirl_viscosity_Pa_s[at];
-                const Vector mw = w * (implicit_mu(v, at, held) + 0.5 * viscosity / dt_s);
+                const Vector mw = w * shear_modulus(v, which, at, held, rate * viscosity);
                 a.add(first + q, first + q, k * k * mw);
                 for (std::ptrdiff_t i = 0; i < v.nodes; ++i)
                     for (std::ptrdiff_t j = 0; j <= i; ++j)

@@ -22,8 +22,42 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
     return i > 0 && 2 * (i + width - 1) < waves.nx;
 }
 
+/// Multiplies the parts at +kx by e^{i kx middle} and those at -kx by its conjugate; `sign` is that
+/// of the exponent.
+[[gnu::always_inline]] inline Value turned(const Turn& turn, std::ptrdiff_t s, double sign,
+                                           const Value& v) {
+    const Vector c = get(turn.cosine, s), i = sign * get(turn.sine, s);
+    return {{c * v.part[plus_re] - i * v.part[plus_im], c * v.part[plus_im] + i * v.part[plus_re],
+             c * v.part[minus_re] + i * v.part[minus_im],
+             c * v.part[minus_im] - i * v.part[minus_re]}};
+}
+
+[[gnu::always_inline]] inline void put_folded(const WaveBlock& waves, std::ptrdiff_t slice, Value v,
+                                              double* line) {
+    const std::ptrdiff_t first = waves.first + slice * width, pitch = fold_pitch(waves.nx);
+    if (first == 0) { // kx = 0 is its own mirror image
+        v.part[minus_re][0] = v.part[plus_re][0];
+        v.part[minus_im][0] = v.part[plus_im][0];
+    }
+    const Value f = turned(*waves.middle, slice, 1.0, v);
+    simd::store(f.part[plus_re] + f.part[minus_re], line + even_re * pitch + first);
+    simd::store(f.part[plus_im] + f.part[minus_im], line + even_im * pitch + first);
+    simd::store(f.part[plus_re] - f.part[minus_re], line + odd_re * pitch + first);
+    simd::store(f.part[plus_im] - f.part[minus_im], line + odd_im * pitch + first);
+}
+
+[[gnu::always_inline]] inline Value take_folded(const WaveBlock& waves, std::ptrdiff_t slice,
+                                                const double* line) {
+    const std::ptrdiff_t first = waves.first + slice * width, pitch = fold_pitch(waves.nx);
+    const auto fold = [&](Fold f) { return simd::load(line + f * pitch + first); };
+    return turned(*waves.middle, slice, -1.0,
+                  {{fold(even_re) + fold(odd_re), fold(even_im) + fold(odd_im),
+                    fold(even_re) - fold(odd_re), fold(even_im) - fold(odd_im)}});
+}
+
 [[gnu::always_inline]] inline void put_slice(const WaveBlock& waves, std::ptrdiff_t slice,
                                              const Value& v, double* line) {
+    if (waves.middle) return put_folded(waves, slice, v, line);
     const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
     if (is_full(waves, first)) {
         simd::store_ascending(v.part[plus_re], v.part[plus_im], line + 2 * first);
@@ -43,6 +77,7 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
 
 [[gnu::always_inline]] inline Value take_slice(const WaveBlock& waves, std::ptrdiff_t slice,
                                                const double* line) {
+    if (waves.middle) return take_folded(waves, slice, line);
     const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
     Value v{};
     if (is_full(waves, first)) {

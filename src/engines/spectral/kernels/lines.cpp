@@ -7,14 +7,23 @@
 namespace shearwake::spectral {
 namespace {
 
-void put(const WaveBlock& waves, const Block* parts_of, double* line) {
-    for (std::ptrdiff_t s = 0; s < slices; ++s)
-        put_slice(waves, s, get_parts(parts_of, s), line);
+[[gnu::always_inline]] inline Value mirrored(Symmetry symmetry, const Value& v) {
+    if (!symmetry.odd) return v;
+    return {{v.part[plus_re], v.part[plus_im], -v.part[minus_re], -v.part[minus_im]}};
 }
 
-void take(const WaveBlock& waves, const double* line, Block* parts_of) {
-    for (std::ptrdiff_t s = 0; s < slices; ++s)
-        set_parts(parts_of, s, take_slice(waves, s, line));
+void put(const WaveBlock& waves, Symmetry symmetry, const Block* parts_of, double* line) {
+    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+        const Value v = mirrored(symmetry, get_parts(parts_of, s));
+        put_slice(waves, s, symmetry.imaginary ? times_i(v) : v, line);
+    }
+}
+
+void take(const WaveBlock& waves, Symmetry symmetry, const double* line, Block* parts_of) {
+    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+        const Value v = take_slice(waves, s, line);
+        set_parts(parts_of, s, mirrored(symmetry, symmetry.imaginary ? times_minus_i(v) : v));
+    }
 }
 
 constexpr LineKernels table = {put, take};

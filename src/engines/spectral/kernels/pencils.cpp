@@ -14,6 +14,15 @@ void advance(std::ptrdiff_t count, double scale, const Block* u, const Block* ch
             set(before[i], s, 2.0 * get(u[i], s) - get(before[i], s) + scale * get(change[i], s));
 }
 
+void advance_by_sum(std::ptrdiff_t count, double scale, const Block* u, const Block* change,
+                    const Block* more, Block* before) {
+    for (std::ptrdiff_t i = 0; i < count; ++i)
+        for (std::ptrdiff_t s = 0; s < slices; ++s)
+            set(before[i], s,
+                2.0 * get(u[i], s) - get(before[i], s) +
+                    scale * (get(change[i], s) + get(more[i], s)));
+}
+
 void add_scaled(std::ptrdiff_t count, double scale, const Block* x, Block* to) {
     for (std::ptrdiff_t i = 0; i < count; ++i)
         for (std::ptrdiff_t s = 0; s < slices; ++s)
@@ -110,7 +119,8 @@ void take(const WaveBlock& waves, std::ptrdiff_t levels, const double* scale, co
     }
 }
 
-constexpr PencilKernels pencil_table = {advance, add_scaled, difference, product, put_load};
+constexpr PencilKernels pencil_table = {advance,    advance_by_sum, add_scaled,
+                                        difference, product,        put_load};
 constexpr SpongeKernels sponge_table = {put, take};
 
 } // namespace

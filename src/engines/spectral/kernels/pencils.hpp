@@ -17,6 +17,9 @@ struct PencilKernels {
     /// before = 2 u - before + scale * change, for `count` blocks.
     void (*advance)(std::ptrdiff_t count, double scale, const Block* u, const Block* change,
                     Block* before);
+    /// before = 2 u - before + scale * (change + more).
+    void (*advance_by_sum)(std::ptrdiff_t count, double scale, const Block* u, const Block* change,
+                           const Block* more, Block* before);
     /// to += scale * x.
     void (*add_scaled)(std::ptrdiff_t count, double scale, const Block* x, Block* to);
     /// to = scale * (a - b).

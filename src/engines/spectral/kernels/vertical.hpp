@@ -12,11 +12,12 @@ constexpr std::ptrdiff_t most_nodes = 17;
 
 /// Constants of one element.
 struct VerticalElement {
-    double slope;              // 2 / h
-    double half;               // h / 2
-    double density, lambda_Pa; // minima of the background in this element
-    double theta_s;            // viscosity over mu_accurate
-    bool absorbs;              // whether it has swirl viscosity
+    double slope;     // 2 / h
+    double half;      // h / 2
+    double density;   // whose inertia stabilises stiffness: the least one, 0 at light bodies
+    double lambda_Pa; // least one of the background in this element
+    double theta_s;   // viscosity over mu_accurate
+    bool absorbs;     // whether it has swirl viscosity
 };
 
 /// The data of VerticalOperator as arrays; materials are indexed by [element * nodes + node].
@@ -27,7 +28,7 @@ struct VerticalArrays {
     const double *derivative, *weights; // of the reference element: [node][node]; [node]
     const double* mass_kg_m2;           // per level
     double finest;                      // eigenvalue of the reference element's finest mode
-    const double *lambda_Pa, *mu_accurate_Pa, *mu_stable_Pa, *viscosity_Pa_s;
+    const double *lambda_Pa, *mu_accurate_Pa, *mu_stable_Pa, *mu_greatest_Pa, *viscosity_Pa_s;
     const double *swirl_viscosity_Pa_s, *force_lambda_Pa;
     SkylineRows psv, sh;
 };
@@ -35,11 +36,17 @@ struct VerticalArrays {
 // All kernels process eight wavenumbers at once; k is one block. The formulae are given in
 // engines/spectral/depth/vertical_operator.hpp.
 
-/// Assembly of the implicit operator.
+/// The implicit operator A, or the quadratic form A - C/(2 dt) - K/4 of the change of the
+/// displacement in the energy of the scheme.
+enum class Operator { implicit, of_change };
+
+/// Assembly of the operators.
 struct AssemblyKernels {
-    /// Assemble the lower triangles of the P-SV and the SH matrix of the implicit operator.
-    void (*assemble_psv)(const VerticalArrays& v, const Block& k, double dt_s, Block* matrix);
-    void (*assemble_sh)(const VerticalArrays& v, const Block& k, double dt_s, Block* matrix);
+    /// Assemble the lower triangles of the P-SV and the SH matrix.
+    void (*assemble_psv)(const VerticalArrays& v, Operator which, const Block& k, double dt_s,
+                         Block* matrix);
+    void (*assemble_sh)(const VerticalArrays& v, Operator which, const Block& k, double dt_s,
+                        Block* matrix);
 };
 
 /// Memory that is read right after a kernel and is prefetched during its computations.

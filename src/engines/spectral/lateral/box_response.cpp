@@ -33,18 +33,8 @@ bool is_imaginary(int component) {
     return is_odd_x(component) != is_odd_y(component);
 }
 
-/// Multiplies an imaginary component by `sign` times i and changes the sign of the parts at -kx if
-/// the component is odd in x.
-void turn(int component, double sign, Block* value) {
-    const double minus = is_odd_x(component) ? -1.0 : 1.0;
-    for (const std::ptrdiff_t p : {plus_re, minus_re}) {
-        const double mirrored = p == minus_re ? minus : 1.0;
-        for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
-            const double re = mirrored * value[p][lane], im = mirrored * value[p + 1][lane];
-            value[p][lane] = is_imaginary(component) ? -sign * im : re;
-            value[p + 1][lane] = is_imaginary(component) ? sign * re : im;
-        }
-    }
+Symmetry symmetry_of(int component) {
+    return {.imaginary = is_imaginary(component), .odd = is_odd_x(component)};
 }
 
 /// Period along one axis, and the first point.
@@ -92,7 +82,9 @@ BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
       kernels_(simd::kernels<SymmetricKernels>()) {
     together(team, [&] {
         planes_.assemble();
-        matrices_.assign(static_cast<std::size_t>(vectors_.pencils() * entries_), Block{});
+        matrices_.assign(
+            static_cast<std::size_t>(vectors_.pencils() * matrix_parts * entries_ * lane_count),
+            0.0F);
         given_.assign(static_cast<std::size_t>(count_ * parts), Block{});
         result_ = given_;
     });
@@ -100,7 +92,8 @@ BoxResponse::BoxResponse(const LateralField& field, const BoxGrid& grid,
 
 double BoxResponse::memory_B() const {
     return planes_.memory_B() +
-           static_cast<double>((matrices_.size() + given_.size() + result_.size()) * sizeof(Block));
+           static_cast<double>(matrices_.size() * sizeof(float) +
+                               (given_.size() + result_.size()) * sizeof(Block));
 }
 
 /// A field like `of` whose cells are this rank's part of the points [0, nx) x [0, ny) at all points
@@ -202,16 +195,17 @@ void BoxResponse::take_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdi
         const std::complex<double> value =
             scale *
             (line[i] + sign * line[(grid_.nx - i) % grid_.nx] + (i % 2 == 0 ? 1.0 : -1.0) * end);
-        Block& entry = matrices_[static_cast<std::size_t>(
-            (row * vectors_.blocks() + i / lane_count) * entries_ + plane * (plane + 1) / 2 +
-            column)];
-        entry[i % lane_count] = is_imaginary(a) == is_imaginary(b) ? value.real()
-                                : is_imaginary(a)                  ? value.imag()
-                                                                   : -value.imag();
+        const double entry = is_imaginary(a) == is_imaginary(b) ? value.real()
+                             : is_imaginary(a)                  ? value.imag()
+                                                                : -value.imag();
+        float* high = matrix(row, i / lane_count) +
+                      (plane * (plane + 1) / 2 + column) * lane_count + i % lane_count;
+        *high = static_cast<float>(entry);
+        high[entries_ * lane_count] = static_cast<float>(entry - static_cast<double>(*high));
     }
 }
 
-void BoxResponse::respond(const Values& stress, Values& strain) {
+void BoxResponse::respond(const Values& stress, Values& strain, Precision precision) {
     const engines::Timed timed(kinds::of_box);
     planes_.set(stress);
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
@@ -221,31 +215,27 @@ void BoxResponse::respond(const Values& stress, Values& strain) {
         }
         planes_.begin_row(row);
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
-            multiply(row, block);
-        clock_.lap(Phase::solves,
-                   static_cast<double>(vectors_.blocks() * entries_) * sizeof(Block));
+            multiply(row, block, precision);
+        clock_.lap(Phase::solves, static_cast<double>(vectors_.blocks() * entries_ * lane_count) *
+                                      (precision == Precision::full ? 2.0 : 1.0) * sizeof(float));
         planes_.end_row(row, StrainPlanes::Modes::kept);
     }
     planes_.get(strain);
 }
 
-/// Divides the imaginary components by i and changes the sign at -kx of those that are odd in x, so
-/// that the matrix is real and the same for both signs of kx.
-void BoxResponse::multiply(std::ptrdiff_t row, std::ptrdiff_t block) {
-    const WaveBlock waves = vectors_.waves(row, block);
+/// With real and even quantities the matrix is real and the same for both signs of kx.
+void BoxResponse::multiply(std::ptrdiff_t row, std::ptrdiff_t block, Precision precision) {
+    const WaveBlock waves = planes_.in_line(vectors_.waves(row, block));
     double* line = planes_.line(row);
-    for (std::ptrdiff_t plane = 0; plane < count_; ++plane) {
-        Block* x = given_.data() + plane * parts;
-        lines_.take(waves, line + plane * planes_.stride(), x);
-        turn(component(plane), -1.0, x);
-    }
-    kernels_.multiply(count_, matrices_.data() + (row * vectors_.blocks() + block) * entries_,
-                      given_.data(), result_.data());
-    for (std::ptrdiff_t plane = 0; plane < count_; ++plane) {
-        Block* y = result_.data() + plane * parts;
-        turn(component(plane), 1.0, y);
-        lines_.put(waves, y, line + plane * planes_.stride());
-    }
+    for (std::ptrdiff_t plane = 0; plane < count_; ++plane)
+        lines_.take(waves, symmetry_of(component(plane)), line + plane * planes_.stride(),
+                    given_.data() + plane * parts);
+    const float* high = matrix(row, block);
+    (precision == Precision::full ? kernels_.multiply : kernels_.multiply_rounded)(
+        count_, {high, high + entries_ * lane_count}, given_.data(), result_.data());
+    for (std::ptrdiff_t plane = 0; plane < count_; ++plane)
+        lines_.put(waves, symmetry_of(component(plane)), result_.data() + plane * parts,
+                   line + plane * planes_.stride());
 }
 
 } // namespace shearwake::spectral

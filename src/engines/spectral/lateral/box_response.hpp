@@ -54,8 +54,11 @@ public:
     using Respond = std::function<void(std::ptrdiff_t plane, StrainPlanes& planes)>;
     void assemble(const Respond& respond);
 
+    /// Whether products use the matrices to full precision, or rounded to 24 bits, which takes half
+    /// as long.
+    enum class Precision { full, rounded };
     /// Applies G to a stress. The result has the sign of a force (minus). Collective.
-    void respond(const Values& stress, Values& strain);
+    void respond(const Values& stress, Values& strain, Precision precision);
 
     double memory_B() const;
 
@@ -69,7 +72,12 @@ private:
     void take_column(std::ptrdiff_t column, std::ptrdiff_t stride, double* lines);
     void take_line(std::ptrdiff_t row, std::ptrdiff_t plane, std::ptrdiff_t column,
                    const std::complex<double>* line);
-    void multiply(std::ptrdiff_t row, std::ptrdiff_t block);
+    void multiply(std::ptrdiff_t row, std::ptrdiff_t block, Precision precision);
+    /// The first number of the matrices of a pencil.
+    float* matrix(std::ptrdiff_t row, std::ptrdiff_t block) {
+        return matrices_.data() +
+               (row * vectors_.blocks() + block) * matrix_parts * entries_ * lane_count;
+    }
 
     const LateralField& field_;
     const fft::SlabTransform& plane_slabs_;
@@ -82,8 +90,9 @@ private:
     std::ptrdiff_t count_, entries_; // of planes; of a triangle
     const LineKernels& lines_;
     const SymmetricKernels& kernels_;
-    fft::AlignedVector<Block> matrices_;       // [row][block][entry]
-    fft::AlignedVector<Block> given_, result_; // [plane][part]
+    static constexpr std::ptrdiff_t matrix_parts = 2; // of SymmetricArrays
+    fft::AlignedVector<float> matrices_;              // [row][block][part][entry][lane]
+    fft::AlignedVector<Block> given_, result_;        // [plane][part]
 };
 
 } // namespace shearwake::spectral

@@ -115,6 +115,7 @@ Variety take_least(const std::vector<Gathered>& gathered, const DepthMesh& mesh,
         if (b.force_lambda_Pa[at] < 0.0)
             b.force_lambda_Pa[at] *= least.mu_Pa / b.mu_accurate_Pa[at];
         b.density_kg_m3[at] = least.density_kg_m3;
+        b.mu_greatest_Pa[at] = greatest.mu_Pa;
         b.mu_accurate_Pa[at] = b.mu_stable_Pa[at] = least.mu_Pa;
         b.viscosity_Pa_s[at] = least.viscosity_Pa_s;
     }

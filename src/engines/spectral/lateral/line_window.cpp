@@ -25,7 +25,7 @@ LineWindow::LineWindow(std::ptrdiff_t nx, std::ptrdiff_t begin, std::ptrdiff_t c
     : kernels_(simd::kernels<WindowKernels>()), nx_(nx), begin_(begin), count_(count) {
     const std::ptrdiff_t half = nx / 2, distances = count / 2 + 1;
     const auto size = [](std::ptrdiff_t n) { return static_cast<std::size_t>(n); };
-    by_distance_.assign(size(blocks_of(distances) * half), Turn{});
+    by_distance_.assign(size(blocks_of(distances - 1) * half), Turn{});
     by_kx_.assign(size(blocks_of(half) * distances), Turn{});
     of_middle_.assign(size(blocks_of(half)), Turn{});
     const auto put = [&](Turn& turn, std::ptrdiff_t lane, std::ptrdiff_t k, std::ptrdiff_t x,
@@ -39,8 +39,9 @@ LineWindow::LineWindow(std::ptrdiff_t nx, std::ptrdiff_t begin, std::ptrdiff_t c
     for (std::ptrdiff_t k = 0; k < half; ++k) {
         put(of_middle_[size(k / lane_count)], k % lane_count, k, begin + count / 2, 1.0);
         for (std::ptrdiff_t d = 0; d < distances; ++d) {
-            put(by_distance_[size(d / lane_count * half + k)], d % lane_count, k, d,
-                k == 0 ? 0.5 : 1.0);
+            if (d > 0)
+                put(by_distance_[size((d - 1) / lane_count * half + k)], (d - 1) % lane_count, k, d,
+                    k == 0 ? 0.5 : 1.0);
             put(by_kx_[size(k / lane_count * distances + d)], k % lane_count, k, d, 1.0);
         }
     }
@@ -51,26 +52,19 @@ WindowArrays LineWindow::arrays() const {
             .count = count_,
             .reach = count_ / 2,
             .by_distance = by_distance_.data(),
-            .by_kx = by_kx_.data(),
-            .of_middle = of_middle_.data()};
-}
-
-double* LineWindow::scratch(std::ptrdiff_t values) {
-    const auto size = static_cast<std::size_t>(values);
-    if (scratch_.size() < size) scratch_.resize(size);
-    return scratch_.data();
+            .by_kx = by_kx_.data()};
 }
 
 void LineWindow::to_window(std::ptrdiff_t planes, const double* line, std::ptrdiff_t line_stride,
-                           double* window, std::ptrdiff_t window_stride) {
-    kernels_.to_window(arrays(), planes, line, line_stride, window, window_stride,
-                       scratch(planes * 2 * nx_));
+                           double* window, std::ptrdiff_t window_stride) const {
+    kernels_.to_window(arrays(), planes, line, line_stride, window, window_stride);
 }
 
 void LineWindow::to_line(std::ptrdiff_t planes, const double* window, std::ptrdiff_t window_stride,
                          double* line, std::ptrdiff_t line_stride) {
-    kernels_.to_line(arrays(), planes, window, window_stride, line, line_stride,
-                     scratch(planes * 4 * (count_ / 2 + 1)));
+    const auto needed = static_cast<std::size_t>(planes * folds * (count_ / 2 + 1));
+    if (scratch_.size() < needed) scratch_.resize(needed);
+    kernels_.to_line(arrays(), planes, window, window_stride, line, line_stride, scratch_.data());
 }
 
 } // namespace shearwake::spectral

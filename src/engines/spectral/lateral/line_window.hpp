@@ -16,16 +16,21 @@ public:
 
     std::ptrdiff_t begin() const { return begin_; }
     std::ptrdiff_t count() const { return count_; }
+    /// Number of doubles of a folded line, and its format for a block of wave vectors.
+    std::ptrdiff_t line_reals() const { return folds * fold_pitch(nx_); }
+    WaveBlock folded(WaveBlock waves) const {
+        waves.middle = of_middle_.data() + waves.first / lane_count;
+        return waves;
+    }
 
-    /// Transform `planes` lines; the strides are in doubles. Unnormalised.
+    /// Transform `planes` folded lines; the strides are in doubles. Unnormalised.
     void to_window(std::ptrdiff_t planes, const double* line, std::ptrdiff_t line_stride,
-                   double* window, std::ptrdiff_t window_stride);
+                   double* window, std::ptrdiff_t window_stride) const;
     void to_line(std::ptrdiff_t planes, const double* window, std::ptrdiff_t window_stride,
                  double* line, std::ptrdiff_t line_stride);
 
 private:
     WindowArrays arrays() const;
-    double* scratch(std::ptrdiff_t values);
 
     const WindowKernels& kernels_;
     std::ptrdiff_t nx_, begin_, count_;

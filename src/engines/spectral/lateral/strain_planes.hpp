@@ -55,8 +55,10 @@ public:
     double* line(std::ptrdiff_t row) {
         return window_ ? spectra_.data() : planes_.data() + 2 * row * slabs_.line_pitch();
     }
-    std::ptrdiff_t stride() const {
-        return window_ ? 2 * slabs_.line_pitch() : slabs_.lines_reals();
+    std::ptrdiff_t stride() const { return window_ ? window_->line_reals() : slabs_.lines_reals(); }
+    /// Wave vectors with the format of the spectrum.
+    WaveBlock in_line(const WaveBlock& waves) const {
+        return window_ ? window_->folded(waves) : waves;
     }
 
     /// The kind of work of the transforms and of transfers to and from the spectra.

@@ -17,31 +17,50 @@ StrainSolver::StrainSolver(const LateralField& field, std::ptrdiff_t rows, const
                            StepClock& clock)
     : kernels_(simd::kernels<StrainKernels>()), field_(field), team_(team), clock_(clock),
       sums_(rows) {
-    for (auto* values : {&strain_, &direction_, &stress_, &image_})
+    for (auto* values : {&given_, &strain_, &direction_, &stress_, &image_})
         values->assign(field.size(), 0.0);
 }
 
 StrainSolver::Outcome StrainSolver::solve(Values& residual, double reference, double tolerance,
-                                          const Response& respond) {
+                                          const Responses& respond) {
+    if (respond.rounded) given_ = residual;
     std::fill(strain_.begin(), strain_.end(), 0.0);
+    const double goal = tolerance * tolerance * reference;
+    double norm = restart(residual);
+    bool may_round = static_cast<bool>(respond.rounded);
+    int count = 0;
+    while (norm > goal && count < most_iterations) {
+        const bool rounds = may_round && count >= full_iterations;
+        (rounds ? respond.rounded : respond.full)(stress_, image_);
+        const double alpha = norm / curvature();
+        const double next = step_along(alpha, residual);
+        turn(next / norm, residual);
+        clock_.lap(Phase::products, bytes(17.5));
+        norm = next;
+        ++count;
+        if (!rounds || norm > goal) continue;
+        refresh(residual, respond.full);
+        norm = restart(residual);
+        may_round = false;
+    }
+    return {.iterations = count, .converged = norm <= goal};
+}
+
+double StrainSolver::restart(const Values& residual) {
     std::copy(residual.begin(), residual.end(), direction_.begin());
     for (std::size_t point = 0; point < field_.points(); ++point) {
         field_.implicit(point, direction_, stress_);
         field_.add_product(point, direction_, stress_, sums_);
     }
     clock_.lap(Phase::products, bytes(5.5)); // reading or writing an array counts 1, the moduli 1/2
-    const double goal = tolerance * tolerance * reference;
-    double norm = sum_over_team();
-    int count = 0;
-    for (; norm > goal && count < most_iterations; ++count) {
-        respond(stress_, image_);
-        const double alpha = norm / curvature();
-        const double next = step_along(alpha, residual);
-        turn(next / norm, residual);
-        clock_.lap(Phase::products, bytes(17.5));
-        norm = next;
-    }
-    return {.iterations = count, .converged = norm <= goal};
+    return sum_over_team();
+}
+
+void StrainSolver::refresh(Values& residual, const Response& respond) {
+    respond(stress(), image_);
+    for (std::size_t i = 0; i < residual.size(); ++i)
+        residual[i] = given_[i] - strain_[i] + image_[i];
+    clock_.lap(Phase::products, bytes(4.0));
 }
 
 /// Sums over all ranks and clears the sums.

@@ -9,6 +9,10 @@
 
 namespace shearwake::spectral {
 
+/// Iterations with the full response before the rounded one takes over, which needs one more full
+/// response in the end. That takes as long as some four rounded ones save.
+constexpr int full_iterations = 8;
+
 /// Conjugate gradients for the strain e of a step where the medium varies laterally:
 ///     (1 + G S) e = b,   G = E B^-1 E^T,
 /// self-adjoint in the product (a, S b), where S is the stiffness in addition to that of the
@@ -20,6 +24,10 @@ public:
 
     /// Applies G to a stress. The result in `strain` has the sign of a force (minus). Collective.
     using Response = std::function<void(const Values& stress, Values& strain)>;
+    /// G, and optionally a faster rounded one, which must be symmetric as well.
+    struct Responses {
+        Response full, rounded;
+    };
 
     /// `rows` is the total number of rows of x.
     StrainSolver(const LateralField& field, std::ptrdiff_t rows, const Comm& team,
@@ -34,18 +42,25 @@ public:
     /// motion. The error of the displacement in the energy norm of the operator is at most the
     /// residual's error in that of S. A mode that is too weak to affect the residual may grow until
     /// it does; therefore the sums are independent of the number of ranks, and all results have the
-    /// same bits on any number of ranks. Collective.
-    Outcome solve(Values& residual, double reference, double tolerance, const Response& respond);
+    /// same bits on any number of ranks.
+    /// After some iterations with the full response the rounded one takes over. The residual is
+    /// then computed anew with the full response, so that e and the residual are consistent up to
+    /// rounding errors of double precision. Collective.
+    Outcome solve(Values& residual, double reference, double tolerance, const Responses& respond);
 
     const Values& strain() const { return strain_; } // e
     /// S e.
     const Values& stress();
-    double memory_B() const { return static_cast<double>(4 * strain_.size() * sizeof(double)); }
+    double memory_B() const { return static_cast<double>(5 * strain_.size() * sizeof(double)); }
 
 private:
     double curvature();
     double sum_over_team();
-    double bytes(double times) const { return times * 0.25 * memory_B(); }
+    double bytes(double times) const { return times * 0.2 * memory_B(); }
+    /// Sets the direction to the residual and returns the norm of the latter.
+    double restart(const Values& residual);
+    /// Computes the residual b - (1 + G S) e from b.
+    void refresh(Values& residual, const Response& respond);
     double step_along(double alpha, Values& residual);
     void turn(double beta, const Values& residual);
 
@@ -54,6 +69,7 @@ private:
     Comm team_;
     StepClock& clock_;
     RowSums sums_;
+    Values given_;                               // b
     Values strain_, direction_, stress_, image_; // stress_ is S direction
 };
 

@@ -8,10 +8,10 @@
 namespace shearwake::spectral {
 
 StrainTransfer::StrainTransfer(const DepthMesh& mesh, std::vector<StrainPoint> points,
-                               int components, const WaveVectors& vectors)
+                               int components)
     : kernels_(simd::kernels<TransferKernels>()), derivative_(mesh.rule.derivative),
-      points_(std::move(points)), components_(components), vectors_(vectors),
-      nodes_(mesh.degree + 1), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+      points_(std::move(points)), components_(components), nodes_(mesh.degree + 1),
+      levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
     for (const StrainPoint& point : points_)
         places_.push_back({.first = static_cast<std::ptrdiff_t>(point.element) * (nodes_ - 1),
                            .node = point.node,
@@ -27,14 +27,14 @@ TransferArrays StrainTransfer::arrays() const {
             .components = components_};
 }
 
-void StrainTransfer::strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil,
-                            double* line, std::ptrdiff_t stride) const {
-    kernels_.strain(arrays(), vectors_.waves(row, block), pencil, line, stride);
+void StrainTransfer::strain(const WaveBlock& waves, const Block* pencil, double* line,
+                            std::ptrdiff_t stride) const {
+    kernels_.strain(arrays(), waves, pencil, line, stride);
 }
 
-void StrainTransfer::add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* line,
-                               std::ptrdiff_t stride, double scale, Block* pencil) const {
-    kernels_.add_force(arrays(), vectors_.waves(row, block), line, stride, scale, pencil);
+void StrainTransfer::add_force(const WaveBlock& waves, const double* line, std::ptrdiff_t stride,
+                               double scale, Block* pencil) const {
+    kernels_.add_force(arrays(), waves, line, stride, scale, pencil);
 }
 
 } // namespace shearwake::spectral

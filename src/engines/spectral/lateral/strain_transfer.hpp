@@ -21,8 +21,7 @@ struct StrainPoint {
 /// = ky/k. Not collective.
 class StrainTransfer {
 public:
-    StrainTransfer(const DepthMesh& mesh, std::vector<StrainPoint> points, int components,
-                   const WaveVectors& vectors);
+    StrainTransfer(const DepthMesh& mesh, std::vector<StrainPoint> points, int components);
 
     std::ptrdiff_t planes() const {
         return static_cast<std::ptrdiff_t>(points_.size()) * components_;
@@ -32,12 +31,12 @@ public:
 
     /// Writes the strain of a pencil to the lines of its ky. `line` is that of the first plane;
     /// `stride` is the number of doubles between planes.
-    void strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* pencil, double* line,
+    void strain(const WaveBlock& waves, const Block* pencil, double* line,
                 std::ptrdiff_t stride) const;
     /// Adds `scale` times the negative forces that the stresses in these lines (times their
     /// quadrature weights) exert to a pencil.
-    void add_force(std::ptrdiff_t row, std::ptrdiff_t block, const double* line,
-                   std::ptrdiff_t stride, double scale, Block* pencil) const;
+    void add_force(const WaveBlock& waves, const double* line, std::ptrdiff_t stride, double scale,
+                   Block* pencil) const;
 
 private:
     TransferArrays arrays() const;
@@ -47,7 +46,6 @@ private:
     std::vector<StrainPoint> points_;
     std::vector<TransferPoint> places_; // one per point
     int components_;
-    WaveVectors vectors_;
     std::ptrdiff_t nodes_, levels_;
 };
 

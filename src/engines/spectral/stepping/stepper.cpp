@@ -32,7 +32,7 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       tolerance_(std::get<SpectralOptions>(c.solver).residual),
       field_(lateral_variation(layers_, mesh, vectors_, step_s, team), c.domain.ny, slabs.share()),
       operator_(mesh, field_.variation().background),
-      transfer_(mesh, field_.variation().strain_points, field_.variation().components(), vectors_),
+      transfer_(mesh, field_.variation().strain_points, field_.variation().components()),
       load_(c, vectors_, step_s),
       sponge_(c, vectors_, slabs,
               field_.variation().empty() && section_bodies(c).empty() && lump_bodies(c).empty()
@@ -51,8 +51,11 @@ Stepper::Stepper(const Case& c, const DepthMesh& mesh, const fft::SlabTransform&
       kernels_(simd::kernels<PencilKernels>()), strain_kernels_(simd::kernels<StrainKernels>()) {
     planes_.emplace(field_.cells(), slabs_, team_, clock_, StrainPlanes::Corner{});
     together(team, [&] { assemble(); });
-    together(team, [&] { slab_bodies_.assemble(operator_, background_solve()); });
-    bodies_->assemble(operator_, held_solve());
+    // The energy of the scheme must be positive for all motion that the bodies permit; only light
+    // ones reduce it. If so, the same holds for the implicit operator, which follows.
+    if (std::find(mesh_.light.begin(), mesh_.light.end(), true) != mesh_.light.end())
+        factorise(Operator::of_change);
+    factorise(Operator::implicit);
     assemble_box();
 }
 
@@ -70,7 +73,6 @@ RigidBodies::Solve Stepper::held_solve() {
 }
 
 void Stepper::assemble() {
-    const engines::Timed timed(of_factors);
     const std::ptrdiff_t pencils = vectors_.pencils(), factor_size = operator_.factor_size();
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     factors_.resize(static_cast<std::size_t>(pencils * factor_size));
@@ -83,11 +85,21 @@ void Stepper::assemble() {
         values->assign(field_.size(), 0.0);
     if (!bodies_->empty()) reaction_ = change_;
     if (field_.variation().iterates) solver_.emplace(field_, case_.domain.nx, team_, clock_);
-    for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
-        for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
-            operator_.factorise_implicit(vectors_.waves(row, block).k, step_s_,
-                                         factors_.data() +
-                                             (row * vectors_.blocks() + block) * factor_size);
+}
+
+void Stepper::factorise(Operator which) {
+    together(team_, [&] {
+        {
+            const engines::Timed timed(of_factors);
+            for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row)
+                for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block)
+                    operator_.factorise(which, vectors_.waves(row, block).k, step_s_,
+                                        factors_.data() + (row * vectors_.blocks() + block) *
+                                                              operator_.factor_size());
+        }
+        slab_bodies_.assemble(operator_, background_solve());
+    });
+    bodies_->assemble(operator_, held_solve());
 }
 
 void Stepper::advance() {
@@ -197,13 +209,15 @@ double Stepper::work_of(const Counted& counted, const Block* pressure, Motion mo
 void Stepper::add_planes_force(std::ptrdiff_t row, std::ptrdiff_t block, Block* force) {
     const engines::Timed timed(planes_->kind());
     const double per_point = 1.0 / static_cast<double>(case_.domain.nx * case_.domain.ny);
-    transfer_.add_force(row, block, planes_->line(row), planes_->stride(), per_point, force);
+    transfer_.add_force(planes_->in_line(vectors_.waves(row, block)), planes_->line(row),
+                        planes_->stride(), per_point, force);
     clock_.lap(Phase::transfer, block_bytes());
 }
 
 void Stepper::put_strain(std::ptrdiff_t row, std::ptrdiff_t block, const Block* displacement) {
     const engines::Timed timed(planes_->kind());
-    transfer_.strain(row, block, displacement, planes_->line(row), planes_->stride());
+    transfer_.strain(planes_->in_line(vectors_.waves(row, block)), displacement, planes_->line(row),
+                     planes_->stride());
     clock_.lap(Phase::transfer, block_bytes());
 }
 
@@ -256,6 +270,11 @@ double Stepper::add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdi
                             double scale, const Block* displacement, const Block* pressure) {
     const std::ptrdiff_t size = operator_.unknowns() * parts;
     kernels_.add_scaled(size, scale, displacement, before_.data() + pencil * size);
+    return work_of_change(row, block, scale, displacement, pressure);
+}
+
+double Stepper::work_of_change(std::ptrdiff_t row, std::ptrdiff_t block, double scale,
+                               const Block* displacement, const Block* pressure) const {
     return work_of(vectors_.counted(row, block), pressure,
                    [&](std::ptrdiff_t p, std::ptrdiff_t lane) {
                        return 0.5 * scale * displacement[parts + p][lane];
@@ -290,19 +309,19 @@ double Stepper::memory_B() const {
            (box_ ? box_->memory_B() : 0.0);
 }
 
+StrainSolver::Responses Stepper::on_plane() {
+    return {.full = [this](const auto& stress, auto& strain) { strain_of(stress, strain); },
+            .rounded = {}};
+}
+
 int Stepper::iterate() {
     const engines::Timed timed(of_cell);
     const double points = static_cast<double>(case_.domain.nx * case_.domain.ny);
     // The products are sums over cells, the reference is per area. The tolerance refers to the
     // motion and not to d; otherwise it would be too loose while a load begins and too strict after
     // it ends.
-    const StrainSolver::Outcome outcome = solver_->solve(change_, points * reference_, tolerance_,
-                                                         [&](const auto& stress, auto& strain) {
-                                                             if (box_)
-                                                                 box_->respond(stress, strain);
-                                                             else
-                                                                 strain_of(stress, strain);
-                                                         });
+    const StrainSolver::Outcome outcome =
+        solver_->solve(change_, points * reference_, tolerance_, box_ ? on_box() : on_plane());
     if (!outcome.converged)
         throw CaseFailure(fmt::format(
             "step {} at {:.4g} ms: conjugate gradients did not converge in {} iterations; a "

@@ -96,6 +96,9 @@ public:
 
 private:
     void assemble();
+    /// Factorises an operator for all pencils of this rank, and assembles the rigid bodies with it.
+    /// Throws CaseFailure on all ranks together. Collective.
+    void factorise(Operator which);
     /// What a step would be without the elastic bodies, computed in advance: the next second
     /// difference of the displacement, B^-1 (f - K u - C (u - u-)/dt), the load f of the pencils
     /// and the strain of the second difference at the cells.
@@ -157,6 +160,9 @@ private:
     /// displacement), then determines the forces of the rigid bodies that this requires.
     template <class Use>
     void respond(const LateralField::Values& stress, Strains strains, Use use);
+    /// Work of the load `pressure` on half of `scale` times a displacement of a pencil.
+    double work_of_change(std::ptrdiff_t row, std::ptrdiff_t block, double scale,
+                          const Block* displacement, const Block* pressure) const;
     /// Adds `scale` times a displacement to the next one of a pencil. Returns the work of the load
     /// `pressure`.
     double add_to_next(std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t pencil,
@@ -186,6 +192,9 @@ private:
     /// On entry change_ is E B^-1 rhs, on return e = E d. Returns the number of iterations.
     /// Collective.
     int iterate();
+    /// The response of the background to a stress, on the planes or on the box.
+    StrainSolver::Responses on_plane();
+    StrainSolver::Responses on_box();
     void advance_strains();
     /// Removes the sponge's share of the velocity. In a medium without bodies this is part of
     /// first_pass(), when the factors are in the cache. Collective.

@@ -30,7 +30,7 @@ void Stepper::respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
     const engines::Timed timed(kinds::of_iteration);
     const std::ptrdiff_t components = transfer_.components(), pitch = 2 * slabs_.nx();
     const StrainPoint& point = transfer_.points()[static_cast<std::size_t>(plane / components)];
-    const StrainTransfer one(mesh_, {point}, static_cast<int>(components), vectors_);
+    const StrainTransfer one(mesh_, {point}, static_cast<int>(components));
     std::vector<double> unit(static_cast<std::size_t>(components * pitch), 0.0);
     for (std::ptrdiff_t i = 0; i < slabs_.nx(); ++i)
         unit[static_cast<std::size_t>(plane % components * pitch + 2 * i)] = 1.0;
@@ -43,10 +43,11 @@ void Stepper::respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
         }
         for (std::ptrdiff_t block = 0; block < vectors_.blocks(); ++block) {
             std::fill(pencil_.begin(), pencil_.end(), Block{});
-            one.add_force(row, block, unit.data(), pitch, per_point, force);
+            const WaveBlock waves = vectors_.waves(row, block);
+            one.add_force(waves, unit.data(), pitch, per_point, force);
             operator_.solve_implicit(factor(row * vectors_.blocks() + block), force);
             const engines::Timed strains(planes.kind());
-            transfer_.strain(row, block, force, planes.line(row), planes.stride());
+            transfer_.strain(planes.in_line(waves), force, planes.line(row), planes.stride());
         }
         planes.end_row_from(row, plane);
     }
@@ -67,7 +68,7 @@ void Stepper::advance_on_box() {
     }
     // Reading or writing an array counts 1, the moduli 1/2.
     clock_.lap(Phase::products, value_bytes(4.5));
-    box_->respond(stress_, change_);
+    box_->respond(stress_, change_, BoxResponse::Precision::full);
     for (std::size_t i = 0; i < change_.size(); ++i)
         change_[i] += predicted_.strain[i];
     if (iterate() > 0) {
@@ -79,6 +80,16 @@ void Stepper::advance_on_box() {
     planes_->set(stress_);
     complete_and_predict();
     advance_strains();
+}
+
+StrainSolver::Responses Stepper::on_box() {
+    const auto with = [this](BoxResponse::Precision precision) {
+        return [this, precision](const LateralField::Values& stress, LateralField::Values& strain) {
+            box_->respond(stress, strain, precision);
+        };
+    };
+    return {.full = with(BoxResponse::Precision::full),
+            .rounded = with(BoxResponse::Precision::rounded)};
 }
 
 void Stepper::predict_all() {
@@ -127,8 +138,8 @@ void Stepper::complete_and_predict() {
         std::fill_n(response, size, Block{});
         add_planes_force(row, block, response);
         operator_.solve_implicit(factor(at), response);
-        kernels_.advance(size, scale, u, change, before);
-        work += add_to_next(row, block, at, scale, response, predicted_.load.data() + at * parts);
+        kernels_.advance_by_sum(size, scale, u, change, response, before);
+        work += work_of_change(row, block, scale, response, predicted_.load.data() + at * parts);
         clock_.lap(Phase::solves, pencil_bytes(2.0));
         if (!predicted_.valid) return;
         // The factor of the next pencil, since this one is in the cache.

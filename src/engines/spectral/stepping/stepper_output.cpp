@@ -41,7 +41,7 @@ void Stepper::plane_of_u(std::size_t component, std::size_t level, double* plane
             if (at_level < operator_.levels())
                 component_of(component, waves, u + 2 * at_level * parts,
                              u + (operator_.psv() + at_level) * parts, value);
-            lines.put(waves, value, plane + 2 * row * vectors_.nx());
+            lines.put(waves, {}, value, plane + 2 * row * vectors_.nx());
         }
     }
     vectors_.clear_nyquist(plane);
@@ -65,7 +65,7 @@ void Stepper::plane_of_w(double depth_m, double* plane) const {
                 for (std::ptrdiff_t part = 0; part < parts; ++part)
                     add_scaled(weight, u[unknown * parts + part], w[part]);
             }
-            lines.put(vectors_.waves(row, block), w, plane + 2 * row * vectors_.nx());
+            lines.put(vectors_.waves(row, block), {}, w, plane + 2 * row * vectors_.nx());
         }
     }
     vectors_.clear_nyquist(plane);

@@ -131,3 +131,25 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
         CHECK(mentions("medium.body[2]: shear stiffness 1.99e+05 times"));
     }
 }
+
+TEST_CASE("receptors of stress close to a rigid lump are reported", "[rigid_choice]") {
+    Case c = bone_case(); // spacing 1 mm, receptors down to 2 mm
+    Body& bone = c.scene().medium.bodies[0];
+    bone.rigid = true;
+    bone.shape = Ellipsoid{{5e-3, 5e-3, 2e-3}};
+    c.afferents = AfferentOptions{};
+    c.afferents->input = StressInput{};
+    bone.centre_m.z = 7.5e-3; // its top is 3.5 mm below the deepest receptors
+    CHECK(spectral::receptors_near_lumps(c).empty());
+    bone.centre_m.z = 6.5e-3;
+    REQUIRE(spectral::receptors_near_lumps(c).size() == 1);
+    CHECK(spectral::receptors_near_lumps(c)[0].severity == Severity::warning);
+    SECTION("but not to a body across the domain") {
+        bone.shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 90.0};
+        CHECK(spectral::receptors_near_lumps(c).empty());
+    }
+    SECTION("and only if the case requests the stress") {
+        c.afferents.reset();
+        CHECK(spectral::receptors_near_lumps(c).empty());
+    }
+}
