@@ -52,7 +52,7 @@ def main(folder):
         forms, base = (json.loads((path.parent / f"{optimum[of]}.forms.json").read_text(encoding="utf-8"))
                        for of in ("forms", "case"))
         trouble = list(problems(forms, np.array(base["focal"]).sum(), optimum))
-        print(f"{path.stem}: eta {optimum['found']['eta']:.4f}, no envelope reaches {optimum['ceiling']['eta']:.4f}: "
+        print(f"{path.stem}: eta {optimum['found']['eta']:.4f}, upper bound {optimum['ceiling']['eta']:.4f}: "
               f"{'; '.join(trouble) or 'verified'}")
         checked += 1
         failed += bool(trouble)
