@@ -58,7 +58,9 @@ def middle(rows):
     return rows[(len(rows) - 1) * 2 // 3]["strength_at_least_1"]
 
 
-def percent(ratio):
+def relation(ratio):
+    if ratio >= 1.5:
+        return f"{number(ratio, 2)} times that of"
     return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
 
 
@@ -69,7 +71,7 @@ def sentence(sweep):
     best = row["eta_optimum_1"]
     where = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
         f"strength {number(row['strength_at_least_1'], 3)}")
-    others = [f"{percent(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
+    others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
               + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
               for text, name in (("the load without modulation", "unmodulated"), ("the best AM-STM", "am"),
                                  ("the best SM-STM tried", "sm")) if row[f"eta_{name}_1"] > 0]

@@ -119,9 +119,9 @@ class Optimise(ProgramTest):
         """The written job of each optimum reproduces it."""
         for n, row in enumerate(rows):
             job = self.folder / out / "optimise" / f"{row['case']}.strength-{row['strength_at_least_1']:g}.{kind}job.toml"
-            self.shearwake("run", job, "--out", f"again{n}", "--quiet")
-            self.shearwake("reduce", f"again{n}")
-            with open(self.folder / f"again{n}/tables/best-optimum.csv", encoding="utf-8") as file:
+            self.shearwake("run", job, "--out", f"job-{kind}{n}", "--quiet")
+            self.shearwake("reduce", f"job-{kind}{n}")
+            with open(self.folder / f"job-{kind}{n}/tables/best-optimum.csv", encoding="utf-8") as file:
                 [again] = list(csv.DictReader(file))
             # Both are the same case but for the rounding of units, and the optimum is exact but for that of its forms.
             self.assertLess(abs(float(again["eta_period_1"]) / row[column] - 1.0), 1e-6)
