@@ -11,6 +11,7 @@ from pathlib import Path
 from PIL import Image
 
 import layout
+import optima
 import player
 import table
 import warnings_of
@@ -189,6 +190,8 @@ def parts(sweep, figures, folder, problems, moving):
         title = f"{plane[:1].upper()}{plane[1:]} seen from above"
         made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
     made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
+    if optima.is_study(sweep):
+        made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(sweep)}', []))
     state = "" if made else "open"
     if notice := trouble(sweep, problems, state):
         made.append(("missing", "Not in the figures", notice, []))

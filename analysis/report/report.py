@@ -56,7 +56,9 @@ def of_all(sweep):
     first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
     if sweep.uncertain:
         return [*first, ("samples", fig_uncertain.figures)]
-    return [*first, ("optima", fig_optimise.figures), ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+    if fig_optimise.is_study(sweep):  # its cases are five modulations each, which the generic figures cannot tell apart
+        return [*first, ("optima", fig_optimise.figures)]
+    return [*first, ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
             ("small multiples", fig_multiples.figures)]
 
@@ -71,6 +73,8 @@ OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the
 def of_few(sweep):
     """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
     time and frequency are omitted if there are too many curves for a panel."""
+    if fig_optimise.is_study(sweep):
+        return [("medium", fig_medium.figures), ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
     made = [("surface", fig_surface.figures), ("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
             ("medium", fig_medium.figures), ("volumes", fig_volume.figures),
             ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]

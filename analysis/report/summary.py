@@ -3,6 +3,7 @@
 import math
 
 import layout
+import optima
 import sample
 import warnings_of
 from numerical_error import (choices, estimated_at, is_measurement, is_numerical, known, numerical_variants, relative_error,
@@ -280,6 +281,8 @@ def summary(sweep):
         return "No case is complete yet, so there is nothing to draw."
     if sweep.uncertain:
         return sample.sentence(sweep)
+    if optima.is_study(sweep):
+        return optima.sentence(sweep) + caveats(sweep)
     receptors = "" if valid(sweep, "eta_period_1") else fired(sweep)
     text = receptors + efficiency(sweep) + strength(choices(sweep))
     return text[:1].upper() + text[1:]

@@ -109,10 +109,10 @@ Optima read_optima(const Study& study, const Comm& world) {
     return results;
 }
 
-/// Finds the optima, unless they are known, and all cases with which they are compared. Collective.
+/// Finds the optima, unless they are known. Collective.
 ExitCode search(const Study& study, const Comm& world) {
     std::vector<std::vector<MotionChange>> motions;
-    if (has_optima(study, world)) return compute_forms(study, {}, world);
+    if (has_optima(study, world)) return ExitCode::done;
     const ExitCode code = find_motions(study, motions, world);
     if (code == ExitCode::done) compute_optima(study, motions, world);
     return code;
@@ -121,8 +121,9 @@ ExitCode search(const Study& study, const Comm& world) {
 } // namespace
 
 ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world) {
-    const Study study = read_study(arguments, world);
+    Study study = read_study(arguments, world);
     on_root(world, [&] { prepare(study); });
+    if (const ExitCode code = search_sm(study, world); code != ExitCode::done) return code;
     if (const ExitCode code = search(study, world); code != ExitCode::done) return code;
 
     Optima results = read_optima(study, world);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace shearwake::app {
 namespace {
@@ -79,7 +80,34 @@ void advance(MotionSearch& search, int round) {
     }
 }
 
+/// Adds the SM-STM around the best ones of a case; returns whether there are new ones.
+bool refine_sm(optimise::OptimisedCase& c, const std::vector<optimise::BestSm>& best, double step,
+               const OptimiseOptions& options) {
+    const std::size_t before = c.sm.size();
+    std::set<std::size_t> centres;
+    for (const optimise::BestSm& sm : best)
+        if (sm) centres.insert(*sm);
+    for (const std::size_t centre : centres)
+        for (optimise::SmCase& next : optimise::sm_around(c.plain, c.sm[centre], step, options))
+            if (std::ranges::none_of(c.sm, [&](const auto& sm) { return sm.is_same(next); }))
+                c.sm.push_back(std::move(next));
+    return c.sm.size() > before;
+}
+
 } // namespace
+
+ExitCode search_sm(Study& study, const Comm& world) {
+    ExitCode code = compute_forms(study, {}, world);
+    for (const double step : {1.0, 0.5, 0.25}) {
+        if (code != ExitCode::done) return code;
+        const auto best = agreed_sm(study, world);
+        bool is_refined = false;
+        for (std::size_t i = 0; i < study.cases.size(); ++i)
+            is_refined |= refine_sm(study.cases[i], best[i], step, study.options);
+        if (is_refined) code = compute_forms(study, {}, world);
+    }
+    return code;
+}
 
 ExitCode find_motions(const Study& study, std::vector<std::vector<MotionChange>>& best,
                       const Comm& world) {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using optimise::MovedCase;
 
-constexpr double most_of_knots_B = 2e9; // on the disk at the same time
+constexpr double most_of_knots_B = 2.5e9; // on the disk at the same time
 
 /// Removes a plan with other cases. Not collective.
 void prepare_plan(const schedule::OutputFolder& folder, const Plan& plan) {

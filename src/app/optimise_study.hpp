@@ -50,6 +50,10 @@ ExitCode compute_forms(const Study& study, const std::vector<optimise::MovedCase
 /// collective.
 optimise::Forms known_forms(const Study& study, const optimise::MovedCase& c);
 
+/// Searches for the best SM-STM of each case and strength, and adds the SM-STM that it computes to
+/// the cases of the study. Collective.
+ExitCode search_sm(Study& study, const Comm& world);
+
 /// The best motion for each case and strength, [case][strength]. Computes forms; the code is that
 /// of the last run. Collective.
 ExitCode find_motions(const Study& study, std::vector<std::vector<optimise::MotionChange>>& best,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/optimise_table.hpp"
 
+#include "app/optimise_job.hpp"
 #include "optimise/waveform.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/reduce.hpp"
@@ -134,9 +135,22 @@ optimise::BestSm best_sm(const OptimisedCase& c, double strength, const Readings
     return chosen;
 }
 
-void write_waveform(const std::filesystem::path& stem, const optimise::Waveform& waveform) {
-    storage::write_file(stem.string() + ".csv", optimise::csv_text(waveform));
-    storage::write_file(stem.string() + ".toml", optimise::toml_text(waveform));
+/// The jobs of an optimum and of its exported waveform, and the waveform itself.
+void write_waveforms(const Study& study, const Optima& results, std::size_t i, std::size_t s) {
+    const OptimisedCase& c = results.cases[i];
+    const optimise::MovedCase& moved = results.moved[i][s];
+    const Optimum& of = results.optima[i][s];
+    const std::string stem = study.files.stem(c, of.strength).string();
+    const SampledGain found{.values = {of.found.values.begin(), of.found.values.end()},
+                            .interval_s = moved.knots.interval_s,
+                            .repeat = moved.knots.repeat};
+    storage::write_file(stem + ".job.toml", job_of_optimum(study, c, moved, found));
+    const auto waveform = optimise::exported(moved.knots, of, study.options);
+    if (!waveform) return;
+    storage::write_file(stem + ".csv", optimise::csv_text(*waveform));
+    storage::write_file(stem + ".toml", optimise::toml_text(*waveform));
+    storage::write_file(stem + ".exported.job.toml",
+                        job_of_optimum(study, c, moved, optimise::gain_of(*waveform)));
 }
 
 } // namespace
@@ -180,12 +194,9 @@ std::string write_optima(const Study& study, const Optima& results, const Readin
     std::vector<CaseRow> rows;
     for (std::size_t i = 0; i < results.cases.size(); ++i)
         for (std::size_t s = 0; s < results.optima[i].size(); ++s) {
-            const OptimisedCase& c = results.cases[i];
-            const Optimum& of = results.optima[i][s];
-            rows.push_back({c, row_of(results, i, s, study.options, basis, computed)});
-            if (const auto waveform =
-                    optimise::exported(results.moved[i][s].knots, of, study.options))
-                write_waveform(study.files.stem(c, of.strength), *waveform);
+            rows.push_back(
+                {results.cases[i], row_of(results, i, s, study.options, basis, computed)});
+            write_waveforms(study, results, i, s);
         }
     return write_table(study.files.root / "table", rows);
 }
@@ -242,7 +253,8 @@ std::string write_robustness(const Study& study, const Optima& results,
     }
     for (std::size_t i = 0; i < results.cases.size(); ++i)
         for (std::size_t s = 0; s < results.optima[i].size(); ++s)
-            add_other_tissues(rows, study, results, i, s);
+            if (study.options.is_robust_strength(results.optima[i][s].strength))
+                add_other_tissues(rows, study, results, i, s);
     return write_table(study.files.root / "robustness", rows);
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/field.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -27,9 +28,16 @@ struct OptimiseOptions {
     std::vector<double> am_frequencies_Hz, sm_frequencies_Hz; // empty: chosen
     std::vector<double> sm_deviations_m_s;                    // empty: chosen
     double robust_to = 0.0;                                   // 0: not computed
+    std::vector<double> robust_strengths;                     // empty: all
     double update_rate_Hz = 0.0;                              // 0: no export
     int bits = 8;
     bool operator==(const OptimiseOptions&) const = default;
+
+    bool is_robust_strength(double strength) const {
+        return robust_strengths.empty() ||
+               std::find(robust_strengths.begin(), robust_strengths.end(), strength) !=
+                   robust_strengths.end();
+    }
 };
 
 /// What is found, and under which constraints.
@@ -83,12 +91,13 @@ void walk_comparison_fields(Walk& walk, Options& o) {
     walk(o.sm_frequencies_Hz,
          {.key = "sm_frequency_Hz",
           .range = Range::between(1e-3, 1e5),
-          .fallback = "one to four periods in the window of the measures",
-          .meaning = "frequencies of SM-STM with which the optimum is compared"});
+          .fallback = "one to five periods in the window of the measures",
+          .meaning = "frequencies of SM-STM with which the optimum is compared; the phase is "
+                     "searched"});
     walk(o.sm_deviations_m_s,
          {.key = "sm_deviation_m_s",
           .range = Range::above(0.0),
-          .fallback = "0.15 and 0.3 times the speed",
+          .fallback = "searched, up to 0.6 times the speed",
           .meaning = "speed deviations of SM-STM with which the optimum is compared"});
     walk(o.robust_to,
          {.key = "robust_to",
@@ -96,6 +105,11 @@ void walk_comparison_fields(Walk& walk, Options& o) {
           .meaning = "relative change, such as 0.2: each optimum is also computed with the "
                      "velocities c_s, the viscosities and the speed of the focus increased and "
                      "decreased by it; 0: not computed"});
+    walk(o.robust_strengths,
+         {.key = "robust_strength",
+          .range = Range::between(0.05, 1.0),
+          .fallback = "all values of `strength_at_least`",
+          .meaning = "with `robust_to`: the values of `strength_at_least` to which it applies"});
     walk(o.update_rate_Hz,
          {.key = "update_rate_Hz",
           .range = Range::between(10.0, 1e6),

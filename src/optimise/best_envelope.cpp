@@ -62,6 +62,42 @@ Eigen::VectorXd feasible(const Forms& forms, double squared, Eigen::VectorXd e) 
     return mixed(high);
 }
 
+template <class Uniform>
+Eigen::VectorXd noise(Eigen::Index knots, Uniform& uniform) {
+    Eigen::VectorXd e(knots);
+    for (double& value : e)
+        value = uniform();
+    return e;
+}
+
+/// Two to a third of the knots' number of periods.
+template <class Uniform>
+Eigen::VectorXd sine(Eigen::Index knots, Uniform& uniform) {
+    const auto count = static_cast<double>(knots);
+    const double periods = std::floor(2.0 + uniform() * (count / 6.0)), phase = uniform();
+    Eigen::VectorXd e(knots);
+    for (Eigen::Index j = 0; j < knots; ++j)
+        e(j) = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi *
+                                    (periods * static_cast<double>(j) / count + phase));
+    return e;
+}
+
+/// Full force with one to four pauses, each up to a third of the knots long.
+template <class Uniform>
+Eigen::VectorXd pauses(Eigen::Index knots, Uniform& uniform) {
+    Eigen::VectorXd e = Eigen::VectorXd::Ones(knots);
+    const auto below = [&](Eigen::Index end) {
+        return static_cast<Eigen::Index>(uniform() * static_cast<double>(end));
+    };
+    for (Eigen::Index pause = 1 + below(4); pause > 0; --pause) {
+        const Eigen::Index first = below(knots),
+                           length = 1 + below(std::max<Eigen::Index>(1, knots / 3));
+        for (Eigen::Index j = 0; j < length; ++j)
+            e((first + j) % knots) = 0.0;
+    }
+    return e;
+}
+
 } // namespace
 
 Envelope measured(const Forms& forms, Eigen::VectorXd values) {
@@ -102,23 +138,17 @@ std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::
     std::vector<Eigen::VectorXd> found = {Eigen::VectorXd::Ones(knots)};
     std::mt19937_64 random(seed);
     const auto uniform = [&] { return std::ldexp(static_cast<double>(random() >> 11), -53); };
-    while (found.size() < count) {
-        Eigen::VectorXd e(knots);
-        if (found.size() % 3 == 0) {
-            for (double& value : e)
-                value = uniform();
-        } else { // two to a third of the knots' number of periods
-            const double periods = std::floor(2.0 + uniform() * (static_cast<double>(knots) / 6.0));
-            const double phase = uniform();
-            for (Eigen::Index j = 0; j < knots; ++j)
-                e(j) =
-                    0.5 -
-                    0.5 * std::cos(2.0 * std::numbers::pi *
-                                   (periods * static_cast<double>(j) / static_cast<double>(knots) +
-                                    phase));
+    while (found.size() < count)
+        switch (found.size() % 4) {
+        case 0:
+            found.push_back(noise(knots, uniform));
+            break;
+        case 1:
+            found.push_back(sine(knots, uniform));
+            break;
+        default:
+            found.push_back(pauses(knots, uniform));
         }
-        found.push_back(std::move(e));
-    }
     return found;
 }
 

@@ -25,8 +25,8 @@ Envelope unmodulated(const Forms& forms);
 /// this strength (on a path that is not that of the job), its eta is 0. Not collective.
 Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& start);
 
-/// `count` different starts: the unmodulated load, sines of different frequencies and phases, and
-/// pseudo-random envelopes. The same for the same arguments.
+/// `count` different starts: the unmodulated load, pseudo-random pauses of a full force, sines of
+/// different frequencies and phases, and noise. The same for the same arguments.
 std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::uint64_t seed);
 
 /// The best of the local searches from these starts. Not collective.

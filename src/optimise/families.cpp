@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/families.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,11 +10,21 @@ namespace {
 
 constexpr int depths = 20, phases = 24; // of the grid of AM-STM
 constexpr double fewest_knots_a_period = 6.0;
+constexpr int most_sm_periods = 5;
+constexpr double first_deviation = 0.45, deviation_step = 0.15; // of SM-STM, relative to the speed
 
 double drive(const AmEnvelope& am, double t_s) {
     return 1.0 -
            0.5 * am.depth *
                (1.0 + std::cos(2.0 * std::numbers::pi * am.frequency_Hz * t_s + am.phase_rad));
+}
+
+/// Adds an SM-STM that can be computed.
+void add_sm(std::vector<SmCase>& cases, const Case& c, double frequency_Hz, double deviation_m_s,
+            double phase_rad) {
+    SmCase sm{frequency_Hz, deviation_m_s, phase_rad,
+              with_oscillating_speed(c, frequency_Hz, deviation_m_s, phase_rad)};
+    if (can_be_computed(sm.physics)) cases.push_back(std::move(sm));
 }
 
 } // namespace
@@ -62,16 +73,33 @@ std::vector<SmCase> sm_cases(const Case& c, const OptimiseOptions& options) {
     std::vector<double> frequencies_Hz = options.sm_frequencies_Hz,
                         deviations_m_s = options.sm_deviations_m_s;
     if (frequencies_Hz.empty())
-        for (int periods = 1; periods <= 4; ++periods)
+        for (int periods = 1; periods <= most_sm_periods; ++periods)
             frequencies_Hz.push_back(periods / window_s(c));
-    if (deviations_m_s.empty()) deviations_m_s = {0.15 * speed_m_s(c), 0.3 * speed_m_s(c)};
+    if (deviations_m_s.empty()) deviations_m_s = {first_deviation * speed_m_s(c)};
     std::vector<SmCase> cases;
     for (const double frequency_Hz : frequencies_Hz)
         for (const double deviation_m_s : deviations_m_s)
-            for (const double phase_rad : {0.0, std::numbers::pi})
-                cases.push_back(
-                    {frequency_Hz, deviation_m_s, phase_rad,
-                     with_oscillating_speed(c, frequency_Hz, deviation_m_s, phase_rad)});
+            for (int quarter = 0; quarter < 4; ++quarter)
+                add_sm(cases, c, frequency_Hz, deviation_m_s,
+                       0.5 * std::numbers::pi * static_cast<double>(quarter));
+    return cases;
+}
+
+std::vector<SmCase> sm_around(const Case& c, const SmCase& centre, double step,
+                              const OptimiseOptions& options) {
+    std::vector<SmCase> cases;
+    const double whole = 2.0 * std::numbers::pi;
+    for (const double sign : {1.0, -1.0}) {
+        const double phase_rad = centre.phase_rad + sign * step * 0.125 * whole;
+        add_sm(cases, c, centre.frequency_Hz, centre.deviation_m_s,
+               phase_rad - whole * std::floor(phase_rad / whole));
+        if (!options.sm_deviations_m_s.empty()) continue;
+        const double deviation_m_s =
+            std::min(centre.deviation_m_s + sign * step * deviation_step * speed_m_s(c),
+                     largest_deviation * speed_m_s(c));
+        if (deviation_m_s > 0.0 && deviation_m_s != centre.deviation_m_s)
+            add_sm(cases, c, centre.frequency_Hz, deviation_m_s, centre.phase_rad);
+    }
     return cases;
 }
 

@@ -41,6 +41,14 @@ void must_repeat(const Case& c, const std::vector<double>& frequencies_Hz, const
     }
 }
 
+/// An envelope, and with full force or none according to several limits.
+std::vector<Eigen::VectorXd> rounded(const Eigen::VectorXd& envelope) {
+    std::vector<Eigen::VectorXd> all = {envelope};
+    for (const double limit : {0.25, 0.5, 0.75})
+        all.emplace_back((envelope.array() > limit).cast<double>().matrix());
+    return all;
+}
+
 constexpr std::array modulation_names = {"unmodulated", "optimum", "AM-STM", "SM-STM", "exported"};
 
 /// The case with the modulation of this number; null if there is none.
@@ -116,8 +124,9 @@ std::string study_text(const Plan& plan, const OptimiseOptions& options) {
     text += fmt::format("\nfactor = {}\nrounds = {}\nknot_s = {}\nstrengths = {}\nstarts = {}\n",
                         exact(options.factor_at_most), options.rounds, exact(options.knot_s),
                         numbers(options.strengths), options.starts);
-    text += fmt::format("am_Hz = {}\nsm_Hz = {}\nsm_m_s = {}\n", numbers(options.am_frequencies_Hz),
-                        numbers(options.sm_frequencies_Hz), numbers(options.sm_deviations_m_s));
+    text += fmt::format("search = 2\nam_Hz = {}\nsm_Hz = {}\nsm_m_s = {}\n",
+                        numbers(options.am_frequencies_Hz), numbers(options.sm_frequencies_Hz),
+                        numbers(options.sm_deviations_m_s));
     for (const PlannedCase& c : plan.cases)
         text += c.id + "\n";
     return text;
@@ -158,8 +167,10 @@ Optimum optimum(const OptimisedCase& c, const Forms& forms, const MotionChange& 
     Optimum result{.strength = strength, .change = change};
     result.am =
         best_am(forms, c.knots, strength, am_frequencies_Hz(c.base.physics, c.knots, options));
-    result.found = best_for(moved, strength, options, {result.am.envelope.values});
     result.ceiling = ceiling(moved, strength);
+    std::vector<Eigen::VectorXd> more = rounded(relaxed_envelope(moved, result.ceiling));
+    more.push_back(result.am.envelope.values);
+    result.found = best_for(moved, strength, options, more);
     result.eta_unmodulated = unmodulated(forms).eta;
     return result;
 }
@@ -220,6 +231,7 @@ std::vector<RobustCase> robust_cases(const Optima& optima, const OptimiseOptions
     for (std::size_t i = 0; i < optima.cases.size(); ++i)
         for (const Difference& difference : differences_by(options.robust_to))
             for (std::size_t s = 0; s < optima.optima[i].size(); ++s) {
+                if (!options.is_robust_strength(optima.optima[i][s].strength)) continue;
                 const ResultCases results = optima.results(i, s, options);
                 const auto found = with_difference(without_record(results.found), difference);
                 const auto unmodulated =

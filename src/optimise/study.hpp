@@ -20,7 +20,7 @@ struct OptimisedCase {
     PlannedCase base; // without envelope
     Knots knots;
     Case plain; // as the cases of the knots, but with the unmodulated load, and without frames
-    std::vector<SmCase> sm; // without frames
+    std::vector<SmCase> sm; // without frames; the search adds more
 };
 
 /// An optimised case whose focus moves as in the job or as changed by the search.

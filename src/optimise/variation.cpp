@@ -14,8 +14,6 @@
 namespace shearwake::optimise {
 namespace {
 
-constexpr double largest_deviation = 0.6; // of a speed profile, relative to the mean
-
 Travel* travel_at_constant_speed(Case& c) {
     for (Mover& mover : c.scene().load.modulation.trajectory.parts)
         if (auto* travel = std::get_if<Travel>(&mover);
@@ -69,8 +67,17 @@ void scale_times(Case& c, double factor) {
         if (auto* sampled = std::get_if<SampledGain>(&gain)) sampled->interval_s *= factor;
 }
 
-/// Whether the case can be computed, and its period is that of its load.
-bool is_valid_case(const Case& c) {
+void scale_viscosity(ShearLoss& loss, double factor) {
+    std::visit(
+        overloaded{[](Lossless&) {}, [&](KelvinVoigt& l) { l.viscosity_Pa_s *= factor; },
+                   [&](FractionalKelvinVoigt& l) { l.tau_s *= std::pow(factor, 1.0 / l.exponent); },
+                   [&](StandardLinearSolid& l) { l.strength *= factor; }},
+        loss);
+}
+
+} // namespace
+
+bool can_be_computed(const Case& c) {
     const Modulation& modulation = c.scene().load.modulation;
     if (c.time.regime == Regime::periodic) {
         const LoadPeriod period = least_period(c.scene().load, 1.01 * c.time.duration_s());
@@ -85,16 +92,6 @@ bool is_valid_case(const Case& c) {
     return std::ranges::none_of(
         check(c), [](const Remark& remark) { return remark.severity == Severity::error; });
 }
-
-void scale_viscosity(ShearLoss& loss, double factor) {
-    std::visit(
-        overloaded{[](Lossless&) {}, [&](KelvinVoigt& l) { l.viscosity_Pa_s *= factor; },
-                   [&](FractionalKelvinVoigt& l) { l.tau_s *= std::pow(factor, 1.0 / l.exponent); },
-                   [&](StandardLinearSolid& l) { l.strength *= factor; }},
-        loss);
-}
-
-} // namespace
 
 bool has_speed(const Case& c) {
     Case copy = c;
@@ -129,7 +126,7 @@ std::optional<Case> with_motion(const Case& c, const MotionChange& change) {
         changed = with_oscillating_speed(changed, change.periods / (window.to_s - window.from_s),
                                          deviation * speed, std::atan2(change.cosine, change.sine));
     }
-    if (!is_valid_case(changed)) return std::nullopt;
+    if (!can_be_computed(changed)) return std::nullopt;
     return changed;
 }
 
@@ -202,7 +199,7 @@ std::optional<Case> with_difference(const Case& c, const Difference& difference)
         if (!has_speed(changed)) return std::nullopt;
         return with_motion(changed, {.speed = difference.speed});
     }
-    if (!is_valid_case(changed)) return std::nullopt;
+    if (!can_be_computed(changed)) return std::nullopt;
     return changed;
 }
 

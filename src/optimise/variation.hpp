@@ -10,6 +10,13 @@
 
 namespace shearwake::optimise {
 
+/// Largest deviation of an oscillating speed that is searched, relative to the mean.
+constexpr double largest_deviation = 0.6;
+
+/// Whether the case is valid, its window of the measures fits, and in the periodic regime its
+/// period is that of its load.
+bool can_be_computed(const Case& c);
+
 /// Whether the focus moves along a path at constant speed without rests, and this speed.
 bool has_speed(const Case& c);
 double speed_m_s(const Case& c);

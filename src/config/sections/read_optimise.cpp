@@ -52,6 +52,12 @@ std::optional<OptimiseOptions> read_optimise(Reader reader) {
         reader.error("strength_at_least", "must contain at least one number");
     if (reader.has("bits") && !reader.has("update_rate_Hz"))
         reader.error("bits", "applies only with update_rate_Hz");
+    if (reader.has("robust_strength") && !reader.has("robust_to"))
+        reader.error("robust_strength", "applies only with robust_to");
+    for (const double strength : options.robust_strengths)
+        if (std::ranges::find(options.strengths, strength) == options.strengths.end())
+            reader.error("robust_strength",
+                         fmt::format("{:g} is not a value of strength_at_least", strength));
     if (reader.has("factor_at_most") && !varies_factor(options))
         reader.error("factor_at_most", "applies only with \"speed\" or \"size\" in over");
     if (reader.has("rounds") && options.over.size() < 2)

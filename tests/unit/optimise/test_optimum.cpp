@@ -82,20 +82,18 @@ TEST_CASE("an optimum satisfies its constraints and lies between its starts and 
     const Certificate bound = ceiling(forms, strength);
     CHECK(is_valid(forms, bound));
     CHECK(bound.eta > best.eta);
-    // Random envelopes between 0 and 1, and with signs, of sufficient strength stay below it.
+    // Random envelopes of sufficient strength stay below it.
     std::mt19937_64 random(3);
     for (int n = 0; n < 2000; ++n) {
-        VectorXd e = random_envelope(24, random).cwiseSqrt();
-        if (n % 2) e = 2.0 * e - VectorXd::Ones(24);
+        const VectorXd e = random_envelope(24, random).cwiseSqrt();
         if (std::sqrt(squared_strength(forms, e)) >= strength) CHECK(eta(forms, e) < bound.eta);
     }
 }
 
 TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise]") {
-    // F = N = 1 and D = diag(d): with the weights 1 + mu (1 - eta d) the condition is that the sum
-    // of max(0, 1 + mu (1 - eta d_j)) is less than s^2 n. For d = 1 in the first half and 4 in the
-    // second, the optimum with |e| <= 1 has e = 1 where d = 1 and e^2 = 2 s^2 - 1 elsewhere:
-    // eta = 2 s^2 / (1 + 4 (2 s^2 - 1)), and the relaxation is exact.
+    // F = N = 1 and D = diag(d): only the squares of the values matter. For d = 1 in the first half
+    // and 4 in the second, the optimum with e <= 1 has e = 1 where d = 1 and e^2 = 2 s^2 - 1
+    // elsewhere: eta = 2 s^2 / (1 + 4 (2 s^2 - 1)), and the relaxation is exact.
     const Index n = 10;
     VectorXd d = VectorXd::Ones(n);
     d.tail(n / 2).setConstant(4.0);
@@ -110,6 +108,28 @@ TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise]")
     CHECK(best_envelope(forms, s, starts(n, 6, 1)).eta == Approx(known).epsilon(1e-6));
 }
 
+TEST_CASE("the ceiling of few knots excludes what only negative values reach", "[optimise]") {
+    // All envelopes of three knots in steps of 1 / 20, with and without negative values.
+    const Forms forms = forms_with_memory(3, 4.0);
+    const double s = GENERATE(0.5, 0.7, 0.9);
+    double best = 0.0, best_with_signs = 0.0;
+    for (int i = -20; i <= 20; ++i)
+        for (int j = -20; j <= 20; ++j)
+            for (int k = -20; k <= 20; ++k) {
+                const VectorXd e = Eigen::Vector3d(i, j, k) / 20.0;
+                if (squared_strength(forms, e) < s * s) continue;
+                best_with_signs = std::max(best_with_signs, eta(forms, e));
+                if (e.minCoeff() >= 0.0) best = std::max(best, eta(forms, e));
+            }
+    const Certificate bound = ceiling(forms, s);
+    CHECK(is_valid(forms, bound));
+    CHECK(bound.eta >= best);
+    CHECK(bound.eta < best_with_signs);
+    const optimise::Envelope found = best_envelope(forms, s, starts(3, 8, 1));
+    CHECK(found.eta >= best * (1.0 - 1e-9)); // the grid is coarser than the search
+    CHECK(found.eta <= bound.eta);
+}
+
 TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
     const Forms forms = forms_with_memory(12, 6.0);
     const Certificate bound = ceiling(forms, 0.7);
@@ -120,6 +140,9 @@ TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
     Certificate heavy = bound;
     heavy.weights *= 1.1;
     CHECK_FALSE(is_valid(forms, heavy));
+    Certificate great = bound;
+    great.tau *= 1.001;
+    CHECK_FALSE(is_valid(forms, great));
     Certificate stronger = bound;
     stronger.strength *= 0.9;
     CHECK_FALSE(is_valid(forms, stronger));
@@ -143,6 +166,7 @@ TEST_CASE("forms and optima are read back exactly", "[optimise]") {
     CHECK(again.found.values == optimum.found.values);
     CHECK(again.ceiling.weights == optimum.ceiling.weights);
     CHECK(again.ceiling.mu == optimum.ceiling.mu);
+    CHECK(again.ceiling.tau == optimum.ceiling.tau);
     CHECK(again.am.envelope.values == optimum.am.envelope.values);
     CHECK(again.eta_unmodulated == optimum.eta_unmodulated);
     CHECK_THROWS_AS(read_forms("{\"numerator\": 1}", "file"), UsageError);
