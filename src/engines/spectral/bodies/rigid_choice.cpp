@@ -241,7 +241,7 @@ std::vector<Remark> receptors_near_lumps(const Case& c) {
                 {Severity::warning, fmt::format("medium.body[{}].rigid", i + 1),
                  fmt::format(
                      "receptors at a depth of {:.3g} mm may lie within {:.3g} grid spacings "
-                     "of this body, where their stress is in error by 10 to 40 %",
+                     "of this body, where their stress is in error by 8 to 40 %",
                      1e3 * depth_m, near_lump)});
             break;
         }
