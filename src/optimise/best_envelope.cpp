@@ -48,7 +48,7 @@ double constraint(unsigned count, const double* values, double* gradient, void* 
 /// The nearest envelope on the way to the unmodulated load that satisfies all constraints, if that
 /// load does. eta does not depend on the scale, so the largest value is 1.
 Eigen::VectorXd feasible(const Forms& forms, double squared, Eigen::VectorXd e) {
-    const Eigen::VectorXd ones = Eigen::VectorXd::Ones(e.size());
+    Eigen::VectorXd ones = Eigen::VectorXd::Ones(e.size());
     e = e.cwiseMax(0.0).cwiseMin(1.0);
     if (!(e.maxCoeff() > 0.0)) return ones;
     e /= e.maxCoeff();

@@ -165,9 +165,10 @@ void expect_table(CaseProgress& progress, const TransferKey& key, std::ptrdiff_t
         TransferTable::expanded_bytes(key, ky_count) > TransferTable::largest_expansion_B)
         return;
     const double points = static_cast<double>(key.nx) * static_cast<double>(key.ny);
-    progress.expect(
-        Stage::expansion, depths * (is_open ? frequencies : static_cast<double>(ky_count)),
-        depths * points * static_cast<double>(key.time.samples) * of_expansion.assumed_s / ranks);
+    progress.expect(Stage::expansion,
+                    depths * (is_open ? frequencies : static_cast<double>(ky_count)),
+                    depths * points * static_cast<double>(key.time.samples) *
+                        (is_open ? of_open_expansion : of_expansion).assumed_s / ranks);
 }
 
 void expect_frames(CaseProgress& progress, const Case& c, const TransferKey& key,
@@ -246,7 +247,9 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
                 {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
     const auto expand = [&](double table_B, double table_depths) {
         const double amount = table_depths * points * samples;
-        if (is_kept(table_B))
+        if (is_open)
+            e.shared.push_back({of_open_expansion, amount});
+        else if (is_kept(table_B))
             e.shared.push_back({of_expansion, amount});
         else
             e.work.push_back({of_expansion, batches * amount});
@@ -265,12 +268,20 @@ std::vector<engines::Calibration> LayeredEngine::calibrations() const {
                response = calibration_case(64, 48, 60);
     Case expansion = calibration_case(192, 144, 16), load = near, radial = response;
     radial.domain.edges = DomainEdges::open;
+    Case open_expansion = calibration_case(96, 72, 60);
+    open_expansion.domain.edges = DomainEdges::open;
     std::get<Travel>(load.scene().load.modulation.trajectory.parts[0]).path = {{-1e-2, 0.0},
                                                                                {1.0, 0.1}};
     expansion.measure.depths_m = {0.0, 1e-3, 2e-3, 3e-3, 4e-3, 5e-3};
-    return {{of_frame.name, near},     {of_far_frame.name, far},      {of_sample.name, near},
-            {of_far_sample.name, far}, {of_load.name, load},          {of_response.name, response},
-            {of_radial.name, radial},  {of_expansion.name, expansion}};
+    return {{of_frame.name, near},
+            {of_far_frame.name, far},
+            {of_sample.name, near},
+            {of_far_sample.name, far},
+            {of_load.name, load},
+            {of_response.name, response},
+            {of_radial.name, radial},
+            {of_expansion.name, expansion},
+            {of_open_expansion.name, open_expansion}};
 }
 
 } // namespace shearwake::layered

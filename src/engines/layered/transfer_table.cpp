@@ -150,7 +150,7 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
 
 void TransferTable::expand_open(const PointResponse& point, std::span<const Complex> tables,
                                 const Comm& team, CaseProgress* progress) {
-    const engines::Timed timed(of_expansion);
+    const engines::Timed timed(of_open_expansion);
     const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
     const std::size_t depths = key_.depths_m.size();
     together(team, [&] {

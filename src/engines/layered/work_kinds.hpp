@@ -18,5 +18,7 @@ inline constexpr engines::WorkKind of_response = {"layered.response",
 inline constexpr engines::WorkKind of_radial = {"layered.radial", 5e-10};
 inline constexpr engines::WorkKind of_expansion = {"layered.expansion",
                                                    2.5e-9}; // per point, time sample and depth
+// The same with open edges, where planes are sampled and transformed.
+inline constexpr engines::WorkKind of_open_expansion = {"layered.expansion.open", 2e-8};
 
 } // namespace shearwake::layered::kinds
