@@ -247,10 +247,8 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
                 {engines::of_fresh_memory, ranks * (batch_B + kept_B)}};
     const auto expand = [&](double table_B, double table_depths) {
         const double amount = table_depths * points * samples;
-        if (is_open)
-            e.shared.push_back({of_open_expansion, amount});
-        else if (is_kept(table_B))
-            e.shared.push_back({of_expansion, amount});
+        if (is_kept(table_B))
+            e.shared.push_back({is_open ? of_open_expansion : of_expansion, amount});
         else
             e.work.push_back({of_expansion, batches * amount});
     };
