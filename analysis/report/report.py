@@ -56,7 +56,7 @@ def of_all(sweep):
     first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
     if sweep.uncertain:
         return [*first, ("samples", fig_uncertain.figures)]
-    if fig_optimise.is_study(sweep):  # its cases are five modulations each, which the generic figures cannot tell apart
+    if fig_optimise.is_study(sweep):  # its cases are five modulations each, which the generic figures cannot distinguish
         return [*first, ("optima", fig_optimise.figures)]
     return [*first, ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
             ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),

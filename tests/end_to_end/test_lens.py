@@ -8,23 +8,17 @@ import unittest
 import numpy as np
 from PIL import Image, ImageDraw
 
-from program import ProgramTest
+from program import SWEEP, ProgramTest, without_reference
 
-JOB = """\
-schema = 1
-[job]
-name = "plate"
-title = "a lens above the skin"
-[medium]
-base = "rigid"
-[[medium.layer]]
-thickness_mm = 20.0
-density_kg_m3 = 1000.0
-c_p_m_s = 1500.0
-c_s_m_s = 5.0
-viscosity_Pa_s = 1.0
-[load]
-peak_Pa = 50.0
+# A lens of 60 mm above skin that is pressed 200 times per second.
+JOB = without_reference(
+    ('footprint = { shape = "gaussian", fwhm_mm = 4.5 }\n', ""),
+    ("peak_Pa = 100.0", "peak_Pa = 50.0"),
+    ('kind = "AM-STM"\npath = { shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }\nspeed_m_s = 7.0\n',
+     'kind = "AM"\n'),
+    ("am_frequency_Hz = 500.0", "am_frequency_Hz = 200.0"),
+    (f"\n[sweep]\n{SWEEP}\n\n[table]\nx = \"load.modulation.am_frequency_Hz\"\n", ""),
+    ("[domain]", """\
 [load.footprint]
 shape = "lens"
 aperture_mm = 60.0
@@ -35,22 +29,12 @@ iterations = 20
 material_c_m_s = 1500.0
 material_density_kg_m3 = 1200.0
 TARGET
-[load.modulation]
-kind = "AM"
-am_frequency_Hz = 200.0
-[domain]
-extent_mm = [96.0, 96.0]
-spacing_mm = 2.0
-[time]
-duration_ms = 5.0
-output_interval_us = 250.0
-[solver]
-engine = "layered"
-[measure]
-settled_after_ms = 2.0
-[record]
-frames = true
-"""
+
+[domain]"""),
+    ("extent_mm = [64.0, 48.0]", "extent_mm = [96.0, 96.0]"), ("spacing_mm = 1.5", "spacing_mm = 2.0"),
+    ("duration_ms = 4.0", "duration_ms = 5.0"), ("interval_us = 100.0", "interval_us = 250.0"),
+    ("at_ms = 4.0\nsettled_after_ms = 1.0", "settled_after_ms = 2.0"),
+    ("traces_mm = [[0.0, 0.0], [3.2, 1.1]]\n", ""))
 FOCI_mm = ((-12.0, 6.0), (12.0, -3.0))
 FOCI = "target_foci_mm = [[-12, 6], [12, -3]]"
 TRIANGLE = "target_polygon_mm = [[-12, -12], [12, -12], [-12, 12]]"

@@ -21,7 +21,7 @@ struct DepthMesh {
     std::vector<std::size_t> layers; // layer of each element
     /// Whether a free rigid body that is lighter than the layer lies at the depths of an element.
     /// Its shear stiffness is then stable without the help of the material's inertia, which the
-    /// body takes away (VerticalOperator). Empty if there is no such body.
+    /// body takes away (VerticalOperator). Empty without such a body.
     std::vector<bool> light;
     /// Absorber of a half-space, which forms the last elements.
     std::optional<AbsorbingBottom> bottom;
