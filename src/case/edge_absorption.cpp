@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "case/edge_absorption.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace shearwake {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double strength = 7.3;
 
 } // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/check.hpp"
 
+#include "base/constants.hpp"
 #include "check/check_variation.hpp"
 #include "case/edge_absorption.hpp"
 #include "engines/engine.hpp"
@@ -15,7 +16,6 @@
 namespace shearwake {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Minimum number of points per width: with fewer, the grid does not represent the footprint.
 constexpr double least_points_per_fwhm = 1.5;
 constexpr double good_points_per_fwhm = 3.0;

@@ -14,11 +14,9 @@ namespace {
 
 const std::array<std::string, 3> generators = {"linspace", "logspace", "range"};
 
-std::optional<double> as_number(const Node& node) {
-    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
-        return static_cast<double>(*integer);
-    const auto* number = std::get_if<double>(&node.value);
-    return number && std::isfinite(*number) ? std::optional(*number) : std::nullopt;
+std::optional<double> finite_number(const Node& node) {
+    const auto number = as_number(node);
+    return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 std::optional<std::array<double, 3>> three_numbers(const Node& node) {
@@ -26,7 +24,7 @@ std::optional<std::array<double, 3>> three_numbers(const Node& node) {
     if (!list || list->size() != 3) return std::nullopt;
     std::array<double, 3> numbers{};
     for (std::size_t i = 0; i < 3; ++i) {
-        const auto number = as_number(*(*list)[i]);
+        const auto number = finite_number(*(*list)[i]);
         if (!number) return std::nullopt;
         numbers[i] = *number;
     }

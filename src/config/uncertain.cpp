@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array options = {"samples", "sampling",    "analysis",
                                 "seed",    "correlation", "exceedance"};
-constexpr std::size_t most_keys = 30;
+constexpr std::size_t most_uncertain_keys = 30;
 constexpr double largest_seed = 9007199254740992.0; // 2^53, exact as a number
 
 bool is_option(const std::string& key) {
@@ -126,7 +126,7 @@ bool fits(const UncertainPlan& plan, const Sweep& sweep, Reader& reader) {
 
 /// Numbers with nine digits, as tables contain them: the last digits of a quantile may differ
 /// between libraries, and ids must not.
-double rounded(double value) {
+double rounded_sample(double value) {
     return std::stod(fmt::format("{:.9g}", value));
 }
 
@@ -134,8 +134,8 @@ void fill(UncertainKeys& keys, const sampling::Points& points) {
     for (std::size_t k = 0; k < keys.axis.keys.size(); ++k) {
         SweptKey& key = keys.axis.keys[k];
         for (const std::vector<double>& point : points)
-            key.values.push_back(
-                make_node(rounded(sampling::quantile(keys.distributions[k], point[k])), key.at));
+            key.values.push_back(make_node(
+                rounded_sample(sampling::quantile(keys.distributions[k], point[k])), key.at));
     }
 }
 
@@ -194,11 +194,11 @@ std::optional<UncertainPlan> read_uncertain(const NodePtr& uncertain, Sweep& swe
     read_options(reader, plan);
     const sampling::Copula copula = read_correlations(reader, keys, plan.analysis);
     reader.finish();
-    if (names.empty() || names.size() > most_keys)
+    if (names.empty() || names.size() > most_uncertain_keys)
         diagnostics.error(uncertain->at,
                           fmt::format("uncertain has {} keys with a distribution; between 1 and "
                                       "{} are supported",
-                                      names.size(), most_keys));
+                                      names.size(), most_uncertain_keys));
     if (diagnostics.errors() != before || !sweep.sound || !fits(plan, sweep, reader))
         return std::nullopt;
     sampling::Points points = sampling::design_points(sampling::design_of(plan));

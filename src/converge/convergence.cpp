@@ -1,25 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "converge/convergence.hpp"
 
+#include "base/constants.hpp"
 #include "measures/measure_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::converge {
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
 double value_in(const std::map<std::string, Values>& all, const std::string& id,
                 const std::string& column) {
     const auto row = all.find(id);
-    if (row == all.end()) return nothing;
+    if (row == all.end()) return not_a_number;
     const auto cell = row->second.find(column);
-    return cell == row->second.end() ? nothing : cell->second;
+    return cell == row->second.end() ? not_a_number : cell->second;
 }
 
 ColumnChange change_of(const StudiedCase& studied, const std::string& column, double value,

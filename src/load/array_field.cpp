@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/array_field.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Minimum number of samples per wavelength. |p|^2 has no wave number above 2 k sin(angle to the
 /// outermost piston), about 1000 rad/m here; the lattice represents 6.5 k / 2 = 2400 rad/m.
 constexpr double samples_a_wavelength = 6.5;

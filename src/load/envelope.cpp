@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/envelope.hpp"
 
+#include "base/constants.hpp"
 #include "base/overloaded.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake {
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Rises from 0 at time 0 to 1 at `duration_s`.
 double risen(double since_s, double duration_s) {

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/spectrum.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <complex>
-#include <limits>
-#include <numbers>
 
 namespace shearwake::measures {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double highest_drawn_Hz = 2000.0;
 constexpr double coarsest_step_Hz = 10.0;
 
@@ -43,7 +41,7 @@ std::vector<double> amplitude_spectrum(std::span<const double> trace, double dt_
         const double sides = f == 0.0 ? 1.0 : 2.0;
         amplitudes.push_back(f <= nyquist_Hz * (1.0 + 1e-12)
                                  ? sides / samples * std::abs(transform(trace, dt_s, f))
-                                 : nan);
+                                 : not_a_number);
     }
     return amplitudes;
 }
@@ -73,7 +71,7 @@ std::vector<double> trace_frequencies_Hz(const TimeAxis& time) {
 double strongest_line_Hz(std::span<const double> frequencies_Hz,
                          std::span<const double> amplitudes) {
     assert(frequencies_Hz.size() == amplitudes.size());
-    double largest = 0.0, at_Hz = nan;
+    double largest = 0.0, at_Hz = not_a_number;
     for (std::size_t i = 1; i < frequencies_Hz.size(); ++i)
         if (amplitudes[i] > largest) {
             largest = amplitudes[i];
@@ -105,9 +103,9 @@ double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const
             largest = amplitudes[i];
             peak = i;
         }
-    if (peak == 0 || peak + 1 >= frequencies_Hz.size()) return nan;
+    if (peak == 0 || peak + 1 >= frequencies_Hz.size()) return not_a_number;
     const double below = amplitudes[peak - 1], above = amplitudes[peak + 1];
-    if (!(largest >= below && largest >= above)) return nan;
+    if (!(largest >= below && largest >= above)) return not_a_number;
 
     // Vertex of the parabola through three points at distances l and r, in Newton's form.
     const double l = frequencies_Hz[peak] - frequencies_Hz[peak - 1];
@@ -122,7 +120,7 @@ double peak_frequency_Hz(std::span<const double> frequencies_Hz, std::span<const
 double band_rms(std::span<const double> trace, double dt_s, double low_Hz, double high_Hz) {
     // |U|^2 = dt^2 sum_lag r_lag cos(2 pi f lag dt), lags of both signs, r the autocorrelation.
     const std::size_t samples = trace.size();
-    if (samples == 0) return nan;
+    if (samples == 0) return not_a_number;
     double integral = 0.0;
     for (std::size_t lag = 0; lag < samples; ++lag) {
         double r = 0.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/summary.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "load/drawn_shape.hpp"
 #include "measures/intensity.hpp"
@@ -17,13 +18,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace shearwake::measures {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double slack = 1e-9; // relative tolerance of times, for rounding
 
 /// Sums at the instant and over the period window, if these exist.
@@ -32,7 +31,7 @@ struct Readings {
     std::string instant_note; // why there is none, or which frame is used instead
     std::optional<PeriodSums> period;
     std::string period_note;
-    double peak_m = nan; // largest |u| of any frame up to the instant
+    double peak_m = not_a_number; // largest |u| of any frame up to the instant
 };
 
 /// The reason why the focal disc has no position at the instant: there a repeated path that is not
@@ -96,7 +95,7 @@ public:
     void add(std::string_view name, double value, std::string note,
              const std::vector<Detail>& more = {}) {
         if (!std::isfinite(value)) {
-            value = nan;
+            value = not_a_number;
             if (note.empty()) note = "nothing has moved";
         }
         std::vector<Detail> details = details_;
@@ -120,7 +119,7 @@ private:
 };
 
 void add_efficiency_of_period(Columns& columns, const Readings& r) {
-    columns.add("eta_period_1", r.period ? reconstruction_efficiency(*r.period) : nan,
+    columns.add("eta_period_1", r.period ? reconstruction_efficiency(*r.period) : not_a_number,
                 r.period_note);
 }
 
@@ -133,8 +132,8 @@ void add_spread(Columns& columns, const Case& c, const Readings& r, const std::s
         columns.add(name + reading + "_1", count, note);
         columns.add(name + reading + "_mm2", count * cell_mm2, note);
     };
-    add("_at", r.instant ? measure(*r.instant) : nan, r.instant_note);
-    add("_period", r.period ? measure(*r.period) : nan, r.period_note);
+    add("_at", r.instant ? measure(*r.instant) : not_a_number, r.instant_note);
+    add("_period", r.period ? measure(*r.period) : not_a_number, r.period_note);
 }
 
 void add_peak(Columns& columns, const Readings& r) {
@@ -145,7 +144,7 @@ void add_peak(Columns& columns, const Readings& r) {
 }
 
 void add_focal_rms(Columns& columns, const Readings& r) {
-    double value = nan;
+    double value = not_a_number;
     std::string note = r.period_note;
     if (r.period) {
         value = std::sqrt(r.period->focal_mean_u2 / r.period->weight) * 1e6;
@@ -155,7 +154,7 @@ void add_focal_rms(Columns& columns, const Readings& r) {
 }
 
 void add_surface(Columns& columns, const Case& c, const Readings& r) {
-    columns.add("eta_at_1", r.instant ? reconstruction_efficiency(*r.instant) : nan,
+    columns.add("eta_at_1", r.instant ? reconstruction_efficiency(*r.instant) : not_a_number,
                 r.instant_note);
     add_efficiency_of_period(columns, r);
     add_spread(columns, c, r, "ipr", [](const auto& sums) { return ipr(sums); });
@@ -169,7 +168,8 @@ void add_surface(Columns& columns, const Case& c, const Readings& r) {
 /// The load of a grid study does not drive it; the study has sources of its own.
 void add_impulse(Columns& columns, const Case& c) {
     if (c.study())
-        columns.add("impulse_mN_ms", nan, "the sources of a study are not a force on the surface");
+        columns.add("impulse_mN_ms", not_a_number,
+                    "the sources of a study are not a force on the surface");
     else
         columns.add("impulse_mN_ms", impulse_N_s(c.scene().load, c.measure.at_s) * 1e6, "");
 }
@@ -206,7 +206,7 @@ public:
     std::span<const double> velocity() const { return velocity_; }
 
     void add_peak(const char* name, std::span<const double> values) {
-        double peak_Hz = nan;
+        double peak_Hz = not_a_number;
         std::string trouble = note_;
         if (note_.empty()) {
             const double duration_s = time_.duration_s();
@@ -226,12 +226,12 @@ public:
         columns_.add(band.column,
                      trouble.empty()
                          ? rms_between(time_, displacement_, {band.low_Hz, band.high_Hz}) * 1e6
-                         : nan,
+                         : not_a_number,
                      trouble, where_);
     }
     void add_share(const char* name, std::span<const double> values, const FrequencyBand& band) {
         const std::string trouble = why_not(band.high_Hz);
-        double share = nan;
+        double share = not_a_number;
         if (trouble.empty()) {
             const ShareBands of = share_bands(time_, band);
             share = std::pow(
@@ -272,12 +272,12 @@ void add_spectrum(Columns& columns, const Case& c, const std::vector<TraceSeries
 }
 
 void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mach) {
-    columns.add("mach_angle_deg", mach ? mach->angle_deg : nan,
+    columns.add("mach_angle_deg", mach ? mach->angle_deg : not_a_number,
                 mach ? mach->reason : "no surface frame was fitted");
 
     const Trajectory& trajectory = c.scene().load.modulation.trajectory;
     const double at = c.measure.at_s, speed = norm(velocity(trajectory, at));
-    double theory = nan;
+    double theory = not_a_number;
     std::string note;
     if (!(speed > 0.0)) {
         note = "the focus does not move";
@@ -307,7 +307,7 @@ void add_mach(Columns& columns, const Case& c, const std::optional<MachFit>& mac
 void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
                    const std::vector<double>& mean_u2) {
     const double fwhm = fwhm_m(c.scene().load.footprint);
-    double value = nan;
+    double value = not_a_number;
     std::string note = window.reason;
     if (note.empty() && mean_u2.empty()) note = "no mean energy was recorded";
     if (note.empty()) // steps of a quarter of a sample shorten curves by less than a hundredth of
@@ -327,7 +327,7 @@ void add_region(Columns& columns, const Case& c) {
         if (region.samples() > 0)
             columns.add(name, value, "");
         else
-            columns.add(name, nan, "the region contains no sample");
+            columns.add(name, not_a_number, "the region contains no sample");
     };
     const auto edge_mm = [](double at_m) { return at_m * 1e3; };
     const double cell_mm = d.spacing_m * 1e3;
@@ -357,7 +357,7 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
     add_spectrum(columns, c, traces);
     add_mach(columns, c, mach);
     add_sharpness(columns, c, window, mean_u2);
-    columns.add("periods", window.fits() ? window.periods : nan, window.reason);
+    columns.add("periods", window.fits() ? window.periods : not_a_number, window.reason);
     add_region(columns, c);
 
     for (std::size_t d = 1; d < depths.size(); ++d) {

@@ -36,8 +36,8 @@ double total(const Block& a) {
 
 /// First index whose cell reaches beyond `from`, and one after the last that reaches below `to`, on
 /// a grid of n samples centred on the origin; one additional cell on each side does no harm.
-std::pair<std::ptrdiff_t, std::ptrdiff_t> cells_between(double from, double to, double spacing,
-                                                        std::ptrdiff_t n) {
+std::pair<std::ptrdiff_t, std::ptrdiff_t> index_range(double from, double to, double spacing,
+                                                      std::ptrdiff_t n) {
     const double middle = static_cast<double>(n / 2), last = static_cast<double>(n);
     const double first = std::clamp(std::floor(from / spacing + middle - 0.5), 0.0, last);
     const double end = std::clamp(std::ceil(to / spacing + middle + 1.5), first, last);
@@ -124,8 +124,8 @@ FocalRegion::FocalRegion(const Domain& domain, const Region& region, std::span<c
         high = {std::max(high.x, focus.x), std::max(high.y, focus.y)};
     }
     const double h = domain.spacing_m;
-    const auto of_x = cells_between(low.x - radius_m, high.x + radius_m, h, domain.nx);
-    const auto of_y = cells_between(low.y - radius_m, high.y + radius_m, h, domain.ny);
+    const auto of_x = index_range(low.x - radius_m, high.x + radius_m, h, domain.nx);
+    const auto of_y = index_range(low.y - radius_m, high.y + radius_m, h, domain.ny);
     x_first = std::max(of_x.first, region.x0);
     x_end = std::min(of_x.second, region.x1);
     y_first_ = of_y.first;

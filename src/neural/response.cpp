@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/response.hpp"
 
+#include "base/constants.hpp"
 #include "neural/skin/check_stimulus.hpp"
 #include "neural/skin/silence.hpp"
 #include "neural/stress_source.hpp"
@@ -8,13 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 
 namespace shearwake::neural {
 namespace {
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// |sum exp(2 pi i f t)|
 double resultant(const std::vector<double>& times_s, double frequency_Hz) {
@@ -89,7 +87,7 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
     std::vector<ClassResponse> responses;
     for (const AfferentClass kind : all_classes) {
         ClassResponse r{.kind = kind};
-        double squares = 0.0, in_phase = 0.0, pairs = 0.0, first_s = nothing;
+        double squares = 0.0, in_phase = 0.0, pairs = 0.0, first_s = not_a_number;
         double together = 0.0, of_spikes = 0.0;
         for (std::size_t i = 0; i < afferents.size(); ++i) {
             if (afferents[i].kind != kind) continue;
@@ -112,10 +110,11 @@ std::vector<ClassResponse> class_responses(std::span<const Afferent> afferents,
         }
         if (r.afferents == 0) continue;
         const auto n = static_cast<double>(r.spikes);
-        r.mean_rate_Hz = r.active > 0 ? n / duration_s / static_cast<double>(r.active) : nothing;
-        r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : nothing;
-        r.vector_strength = of_spikes > 0.0 ? together / of_spikes : nothing;
-        r.locking = pairs > 0.0 ? std::sqrt(std::max(in_phase, 0.0) / pairs) : nothing;
+        r.mean_rate_Hz =
+            r.active > 0 ? n / duration_s / static_cast<double>(r.active) : not_a_number;
+        r.spread_mm = r.spikes > 0 ? std::sqrt(squares / n) : not_a_number;
+        r.vector_strength = of_spikes > 0.0 ? together / of_spikes : not_a_number;
+        r.locking = pairs > 0.0 ? std::sqrt(std::max(in_phase, 0.0) / pairs) : not_a_number;
         r.first_spike_ms = 1e3 * first_s;
         responses.push_back(r);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/afferent_result.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/hash.hpp"
 #include "neural/skin/carrier.hpp"
@@ -17,8 +18,6 @@ namespace {
 
 using neural::Scene;
 using neural::SpikeTimes;
-
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 /// The duration of the motion or stress without its repetitions.
 double once_s(const FeltMotion& motion) {
@@ -271,7 +270,7 @@ std::vector<measures::Column> columns_of(const FeltMotion& motion,
                                   : "there is no modulation");
         add("{class}_locking_1", r.locking,
             silent.empty() ? without_locking(r, modulation_Hz, duration_s) : silent);
-        add("{class}_first_spike_ms", has_first ? r.first_spike_ms : nothing,
+        add("{class}_first_spike_ms", has_first ? r.first_spike_ms : not_a_number,
             has_first ? silent : "the motion has always repeated, so that no spike is the first");
     }
     return columns;

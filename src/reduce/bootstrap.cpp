@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/bootstrap.hpp"
 
+#include "base/constants.hpp"
 #include "sampling/random.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace shearwake::reduce {
 namespace {
@@ -33,11 +33,10 @@ double at_fraction(const std::vector<double>& ascending, double p) {
 std::vector<Estimate> bootstrap(std::size_t n, const std::vector<std::string>& names,
                                 const std::function<std::vector<double>(const Weights&)>& statistic,
                                 std::size_t replicates) {
-    constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
     std::vector<Estimate> estimates;
     if (n == 0) {
         for (const std::string& name : names)
-            estimates.push_back({name, nothing, nothing, nothing});
+            estimates.push_back({name, not_a_number, not_a_number, not_a_number});
         return estimates;
     }
     std::vector<std::vector<double>> replicated(names.size());
@@ -50,9 +49,11 @@ std::vector<Estimate> bootstrap(std::size_t n, const std::vector<std::string>& n
     for (std::size_t i = 0; i < names.size(); ++i) {
         std::ranges::sort(replicated[i]);
         const bool known = std::isfinite(values[i]) && !replicated[i].empty();
-        const auto end = [&](double p) { return known ? at_fraction(replicated[i], p) : nothing; };
-        estimates.push_back({names[i], known ? values[i] : nothing, end(0.5 - confidence / 2.0),
-                             end(0.5 + confidence / 2.0)});
+        const auto end = [&](double p) {
+            return known ? at_fraction(replicated[i], p) : not_a_number;
+        };
+        estimates.push_back({names[i], known ? values[i] : not_a_number,
+                             end(0.5 - confidence / 2.0), end(0.5 + confidence / 2.0)});
     }
     return estimates;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/diff.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "storage/journal/plan_file.hpp"
@@ -15,7 +16,6 @@ namespace shearwake::reduce {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 std::optional<double> number(const std::string& text) {
     double value = 0.0;
@@ -37,14 +37,14 @@ std::optional<MovedCell> moved_cell(const std::string& now, const std::string& r
                                     const Column& column) {
     if (now == reference) return std::nullopt;
     const auto a = number(now), b = number(reference);
-    if (!a || !b) return MovedCell{"", now, reference, nothing, infinite};
+    if (!a || !b) return MovedCell{"", now, reference, not_a_number, infinite};
     const double away = std::abs(*a - *b);
     const double allowed =
         *b != 0.0 ? column.tolerance.relative * std::abs(*b)
                   : column.tolerance.absolute.value_or(column.tolerance.relative * column.largest);
     if (away <= allowed) return std::nullopt;
     const double scale = *b != 0.0 ? std::abs(*b) : column.largest;
-    return MovedCell{"", now, reference, scale > 0.0 ? (*a - *b) / scale : nothing,
+    return MovedCell{"", now, reference, scale > 0.0 ? (*a - *b) / scale : not_a_number,
                      allowed > 0.0 ? away / allowed : infinite};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/reduce.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "measures/measure_table.hpp"
 #include "reduce/adaptive_tables.hpp"
@@ -17,7 +18,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -26,19 +26,17 @@
 namespace shearwake::reduce {
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
 /// A row of the table, from the case file or from what is known about a missing one.
 struct CaseRow {
     std::string status, valid;
     std::vector<std::string> remarks; // of its note
-    double wall_s = nothing;
+    double wall_s = not_a_number;
     std::vector<storage::IndexedScalar> scalars;
 
     double value(const std::string& name) const {
         for (const storage::IndexedScalar& v : scalars)
             if (v.name == name) return v.value;
-        return nothing;
+        return not_a_number;
     }
 };
 
@@ -158,7 +156,7 @@ Cell cell_of(const storage::IndexedCase& c, const std::string& key) {
     for (const Setting& setting : c.settings)
         if (setting.key == key)
             return std::visit([](const auto& v) { return Cell(v); }, setting.value);
-    return nothing;
+    return not_a_number;
 }
 
 /// Adds measures that are ratios to the unmodulated reference, the effect of a modulation.
@@ -210,7 +208,7 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
         for (const measures::Measure& ratio : ratios()) {
             const std::string of = ratio.over_reference_of;
             cells.emplace_back(reference == by_id.end()
-                                   ? nothing
+                                   ? not_a_number
                                    : rows[i].value(of) / rows[reference->second].value(of));
         }
         cells.emplace_back(rows[i].valid);
@@ -234,8 +232,8 @@ void write_uncertain(const storage::PlanIndex& plan, const Table& table,
     storage::write_file(written.statistics, csv(tables.statistics));
     const std::filesystem::path sensitivity = folder / (plan.name + ".sensitivity.csv");
     if (tables.sensitivity.rows.empty()) {
-        std::error_code none;
-        std::filesystem::remove(sensitivity, none);
+        std::error_code ignored;
+        std::filesystem::remove(sensitivity, ignored);
         return;
     }
     written.sensitivity = sensitivity;

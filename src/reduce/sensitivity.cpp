@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/sensitivity.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numeric>
 
 namespace shearwake::reduce {
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array fractions = {0.05, 0.25, 0.5, 0.75, 0.95};
 
 struct Moments {
@@ -27,7 +27,7 @@ Moments moments(const std::vector<double>& values, const Weights& weights) {
     const double mean = sum / n;
     for (std::size_t i = 0; i < values.size(); ++i)
         squares += weights[i] * (values[i] - mean) * (values[i] - mean);
-    return {mean, n > 1.0 ? squares / (n - 1.0) : nothing};
+    return {mean, n > 1.0 ? squares / (n - 1.0) : not_a_number};
 }
 
 /// Quantiles of ascending values with weights, interpolated as in NumPy's default.
@@ -111,8 +111,8 @@ std::vector<Estimate> sobol_indices(const Blocks& blocks, std::size_t keys) {
         const bool varies = variance > 1e-24 * mean * mean; // above the rounding of the values
         std::vector<double> indices;
         for (const PairSums& s : sums) {
-            indices.push_back(varies ? s.correlation(n) : nothing);
-            indices.push_back(varies ? s.jansen / n / variance : nothing);
+            indices.push_back(varies ? s.correlation(n) : not_a_number);
+            indices.push_back(varies ? s.jansen / n / variance : not_a_number);
         }
         return indices;
     });

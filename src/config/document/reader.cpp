@@ -23,13 +23,6 @@ double to_SI(std::string_view key, double value) {
     return divides ? value / divisor : value * unit->to_SI;
 }
 
-std::optional<double> as_number(const Node& node) {
-    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
-        return static_cast<double>(*integer);
-    if (const auto* number = std::get_if<double>(&node.value)) return *number;
-    return std::nullopt;
-}
-
 /// The allowed word with the meaning of `word`.
 std::optional<std::string> synonym(std::string_view word, std::span<const std::string> allowed) {
     static constexpr std::pair<std::string_view, std::string_view> synonyms[] = {

@@ -19,13 +19,6 @@ const ListNode* as_list(const NodePtr& node) {
     return node ? std::get_if<ListNode>(&node->value) : nullptr;
 }
 
-std::optional<double> as_number(const Node& node) {
-    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
-        return static_cast<double>(*integer);
-    if (const auto* number = std::get_if<double>(&node.value)) return *number;
-    return std::nullopt;
-}
-
 /// Appends the steps of a segment: "layer[2]" is a key and an index, "layer" a key. Returns false
 /// if it is not valid.
 bool append_steps(std::string_view segment, Path& path) {
@@ -81,6 +74,13 @@ NodePtr with(const NodePtr& node, const Path& path, std::size_t depth, const Nod
 }
 
 } // namespace
+
+std::optional<double> as_number(const Node& node) {
+    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
+        return static_cast<double>(*integer);
+    if (const auto* number = std::get_if<double>(&node.value)) return *number;
+    return std::nullopt;
+}
 
 const Entry* TableNode::find(std::string_view key) const {
     for (const Entry& entry : entries)

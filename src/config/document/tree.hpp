@@ -39,6 +39,9 @@ struct Node {
     Place at;
 };
 
+/// The value of a number of either type.
+std::optional<double> as_number(const Node& node);
+
 NodePtr make_node(decltype(Node::value) value, const Place& at);
 
 /// Parses a document; null and a diagnostic after an error. Deep nesting is rejected.

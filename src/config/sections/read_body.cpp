@@ -13,10 +13,6 @@
 namespace shearwake::config {
 namespace {
 
-std::string in_milli(double x_SI) {
-    return fmt::format("{:.6g}", 1e3 * x_SI);
-}
-
 /// Converts back to degrees without rounding errors from the conversion to radians: 30, not
 /// 30.000000000000004.
 double in_degrees(double angle_rad) {

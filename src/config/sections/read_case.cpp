@@ -16,13 +16,8 @@
 namespace shearwake::config {
 namespace {
 
-constexpr double most_points = 32768.0; // along one side of the domain
+constexpr double most_side_points = 32768.0; // along one side of the domain
 constexpr double most_frames = 1e6;
-
-/// x as the user wrote it: 0.3 mm, not 0.30000000000000004.
-std::string in_milli(double x_SI) {
-    return fmt::format("{:.6g}", 1e3 * x_SI);
-}
 
 /// The number of the frame at time t, counted from 1; nothing if t lies between two frames or
 /// outside the run.
@@ -54,10 +49,10 @@ private:
 
 std::ptrdiff_t points_along(const Reader& reader, double extent_m, double spacing_m) {
     const double points = std::ceil(extent_m / spacing_m - 1e-9);
-    if (points <= most_points) return good_even_length(static_cast<std::ptrdiff_t>(points));
+    if (points <= most_side_points) return good_even_length(static_cast<std::ptrdiff_t>(points));
     reader.error("spacing_mm",
                  fmt::format("results in {:.0f} points along {} mm; at most {:.0f} are supported",
-                             points, in_milli(extent_m), most_points));
+                             points, in_milli(extent_m), most_side_points));
     return 2;
 }
 

@@ -6,6 +6,10 @@
 
 namespace shearwake::config {
 
+std::string in_milli(double x_SI) {
+    return fmt::format("{:.6g}", 1e3 * x_SI);
+}
+
 Vec3 read_triple(Reader& reader, std::string_view key, const Range& range) {
     const auto values = reader.find_numbers(key, range);
     if (values && values->size() != 3)

@@ -11,6 +11,9 @@
 
 namespace shearwake::config {
 
+/// A length or time in mm or ms, as the user wrote it: 0.3 and not 0.30000000000000004.
+std::string in_milli(double x_SI);
+
 /// Reads [x, y, z]; a valid substitute after an error.
 Vec3 read_triple(Reader& reader, std::string_view key, const Range& range);
 

@@ -34,7 +34,7 @@ const std::array<ArrayPreset, 2>& presets() {
 /// Default reach of the pattern, in multiples of its width.
 constexpr double reach_in_widths = 4.0;
 
-const std::vector<std::string>& preset_names() {
+const std::vector<std::string>& array_preset_names() {
     static const std::vector<std::string> names = [] {
         std::vector<std::string> all;
         for (const ArrayPreset& preset : presets())
@@ -87,7 +87,7 @@ void read_missing(Reader& reader, ArrayFootprint& array) {
 FootprintAndPeak read_array(Reader& reader) {
     const std::size_t before = reader.diagnostics().errors();
     ArrayFootprint array;
-    const auto name = reader.find_choice("preset", preset_names());
+    const auto name = reader.find_choice("preset", array_preset_names());
     for (const ArrayPreset& preset : presets())
         if (name == preset.name) array = preset.array;
     const bool has_preset = reader.has("preset");

@@ -8,7 +8,7 @@
 namespace shearwake::config {
 namespace {
 
-Carrier read_carrier(Reader& reader) {
+Carrier read_array_carrier(Reader& reader) {
     ResolvedCarrier resolved;
     read_fields(reader, resolved);
     if (reader.find_choice("carrier", alternative_names<Carrier>()) == ResolvedCarrier::name)
@@ -53,7 +53,7 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
         else
             reader.missing("peak_Pa");
     }
-    load.carrier = read_carrier(reader);
+    load.carrier = read_array_carrier(reader);
     Reader modulation = reader.table("modulation");
     load.modulation = read_modulation(modulation, medium, other_kinds, files.load_text);
     if (is_lens) check_static(modulation, load.modulation);

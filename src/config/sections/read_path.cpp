@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_path.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "config/files/points_file.hpp"
 #include "config/sections/read_fields.hpp"
@@ -14,15 +15,16 @@
 namespace shearwake::config {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
-const Range lengths = Range::between(1e-3, 1e4);
+const Range path_lengths = Range::between(1e-3, 1e4);
 
 struct Context {
     Reader& reader;
     const PathContext& path;
     LeastLength least;
 
-    Range sizes() const { return least == LeastLength::none ? Range::between(0.0, 1e4) : lengths; }
+    Range sizes() const {
+        return least == LeastLength::none ? Range::between(0.0, 1e4) : path_lengths;
+    }
 };
 
 Curve read_line(Context& c) {
@@ -85,8 +87,8 @@ Curve read_polygon(Context& c) {
     }
     const Vec2 center_m = c.reader.point_or("center_mm", {});
     const int sides = read_count(c.reader, "sides", Range::between(3, 1000));
-    const auto radius_m = c.reader.find_number("radius_mm", lengths);
-    const auto side_m = c.reader.find_number("side_mm", lengths);
+    const auto radius_m = c.reader.find_number("radius_mm", path_lengths);
+    const auto side_m = c.reader.find_number("side_mm", path_lengths);
     if (c.reader.has("radius_mm") && c.reader.has("side_mm"))
         c.reader.error("side_mm", "and radius_mm are both given; specify only one of them");
     if (!c.reader.has("radius_mm") && !c.reader.has("side_mm")) c.reader.missing("radius_mm");

@@ -15,7 +15,7 @@ namespace shearwake::config {
 namespace {
 
 /// Each point takes about 10 kB in a case of a thousand frames.
-constexpr double most_points = 20000.0;
+constexpr double most_scan_points = 20000.0;
 constexpr double micro = 1e-6, percent = 0.01;
 constexpr std::array scans = {"grid_mm", "polygon_mm", "line_mm", "file", "points_mm"};
 
@@ -35,9 +35,9 @@ std::vector<Vec2> lattice_points(Vec2 low_m, Vec2 high_m, double spacing_m) {
 bool is_too_fine(const Reader& reader, Vec2 extent_m, double spacing_m) {
     const double count = (std::floor(extent_m.x / spacing_m + 1e-9) + 1.0) *
                          (std::floor(extent_m.y / spacing_m + 1e-9) + 1.0);
-    if (count <= most_points) return false;
+    if (count <= most_scan_points) return false;
     reader.error("spacing_mm", fmt::format("results in {:.0f} points; at most {:.0f} are supported",
-                                           count, most_points));
+                                           count, most_scan_points));
     return true;
 }
 
@@ -120,9 +120,9 @@ std::vector<Vec2> read_scan(Reader& reader, const TextLoader& load_text) {
 }
 
 void check_points(const Reader& reader, const VibrometerOptions& options, const Domain& domain) {
-    if (static_cast<double>(options.points_m.size()) > most_points)
+    if (static_cast<double>(options.points_m.size()) > most_scan_points)
         reader.error("points_mm", fmt::format("has {} points; at most {:.0f} are supported",
-                                              options.points_m.size(), most_points));
+                                              options.points_m.size(), most_scan_points));
     const Vec2 offset_m = {options.offset_x_m, options.offset_y_m};
     for (const Vec2 nominal : options.points_m)
         if (const Vec2 point = nominal + offset_m; domain.nx > 0 && !domain.holds(point)) {

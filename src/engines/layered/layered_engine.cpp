@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/layered_engine.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "engines/layered/energy_balance.hpp"
 #include "engines/layered/layered_keys.hpp"
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 namespace shearwake::layered {
@@ -21,7 +21,6 @@ namespace {
 
 using namespace kinds;
 using Complex = std::complex<double>;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Number of lines (kx) that are transposed together from time order to frame order: four cache
 /// lines per frame.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load_spectrum.hpp"
 
+#include "base/constants.hpp"
 #include "engines/layered/work_kinds.hpp"
 
 #include "simd/kernels.hpp"
@@ -14,7 +15,6 @@ namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// The part before `end` of the integral of the hat function of half-width `step` around t.
 double covered(double t, double step, double end) {

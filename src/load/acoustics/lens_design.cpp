@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/acoustics/lens_design.hpp"
 
+#include "base/constants.hpp"
 #include "load/acoustics/angular_spectrum.hpp"
 
 #include <algorithm>
@@ -12,7 +13,6 @@ namespace shearwake {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Refinement of the lattice for the peak and the width: 16 points per wavelength.
 constexpr std::ptrdiff_t refinement = 4;
 /// Samples per side of a lattice cell over which the target is averaged.

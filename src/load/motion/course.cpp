@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/motion/course.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace shearwake {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 constexpr double never = std::numeric_limits<double>::infinity();
 
 /// The stops of one pass and the times at which they are reached.

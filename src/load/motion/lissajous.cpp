@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/motion/lissajous.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,7 +10,6 @@
 namespace shearwake {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Bisection ends when the sum of both halves agrees with the whole to this fraction of the largest
 /// slope, or at this depth.
 constexpr double agreement = 1e-15;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/motion/path.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/overloaded.hpp"
 
@@ -11,7 +12,6 @@
 namespace shearwake {
 namespace {
 
-constexpr double two_pi = 2.0 * std::numbers::pi;
 /// Smaller turns are not corners, so that the points of a sampled curve are not.
 constexpr double least_turn_rad = 20.0 * std::numbers::pi / 180.0;
 

@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/motion/trajectory.hpp"
 
+#include "base/constants.hpp"
 #include "base/overloaded.hpp"
 #include "load/motion/course.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace shearwake {
 namespace {
-
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 bool runs_again(const Travel& travel) {
     return travel.at_end == AtEnd::repeat || travel.at_end == AtEnd::back_and_forth;

@@ -31,7 +31,7 @@ struct Kind {
     const char* unit;
     double shown; // factor from the stored to the reported unit
 };
-constexpr Kind pins{"pin", "um", 1e3}, receptors{"receptor", "Pa", 1.0};
+constexpr Kind of_pins{"pin", "um", 1e3}, of_receptors{"receptor", "Pa", 1.0};
 
 class Remarks {
 public:
@@ -180,10 +180,10 @@ std::vector<Remark> check_stimulus(const PinStimulus& stimulus, double silence_s
         traces.push_back(stimulus.indentation_mm.line(p));
     if (!check_rate(stimulus.rate_Hz, traces, remarks)) return remarks.all;
     check_pins(stimulus, skin_mm, remarks);
-    if (!check_values(traces, stimulus.rate_Hz, pins, remarks)) return remarks.all;
+    if (!check_values(traces, stimulus.rate_Hz, of_pins, remarks)) return remarks.all;
     check_sampling(stimulus.rate_Hz, remarks);
     check_signs(stimulus, remarks);
-    if (course == Course::once) check_ends(traces, stimulus.rate_Hz, silence_s, pins, remarks);
+    if (course == Course::once) check_ends(traces, stimulus.rate_Hz, silence_s, of_pins, remarks);
     return remarks.all;
 }
 
@@ -199,9 +199,9 @@ std::vector<Remark> check_stress(std::span<const std::vector<double>> compressio
         return remarks.all;
     }
     if (afferents == 0) return remarks.all;
-    if (!check_values(traces, rate_Hz, receptors, remarks)) return remarks.all;
+    if (!check_values(traces, rate_Hz, of_receptors, remarks)) return remarks.all;
     check_sampling(rate_Hz, remarks);
-    if (course == Course::once) check_ends(traces, rate_Hz, silence_s, receptors, remarks);
+    if (course == Course::once) check_ends(traces, rate_Hz, silence_s, of_receptors, remarks);
     return remarks.all;
 }
 

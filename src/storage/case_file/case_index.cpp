@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/case_file/case_index.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/json_line.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -23,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
 using Stamp = CaseStamp;
 
@@ -35,7 +34,7 @@ std::optional<Stamp> stamp_of(const fs::path& path) {
 }
 
 CaseDigest damaged(const std::string& id, const std::string& why) {
-    return {.id = id, .status = "damaged", .damage = why, .wall_s = nothing};
+    return {.id = id, .status = "damaged", .damage = why, .wall_s = not_a_number};
 }
 
 CaseDigest lost(const std::string& id, const std::string& why) {
@@ -53,7 +52,7 @@ bool is_of_the_system(const FileFailure& error) {
 }
 
 CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity found) {
-    CaseDigest digest{.id = id, .wall_s = nothing};
+    CaseDigest digest{.id = id, .wall_s = not_a_number};
     try {
         const CaseSummary summary = read_summary_unguarded(path, found);
         digest.has_checksum = summary.has_checksum;
@@ -75,7 +74,7 @@ CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity fo
 }
 
 double number_in(const Json& value) {
-    return value.is_null() ? nothing : value.get<double>();
+    return value.is_null() ? not_a_number : value.get<double>();
 }
 
 std::string line_of(const Stamp& stamp, const CaseDigest& digest) {

@@ -10,8 +10,8 @@
 namespace shearwake::spectral {
 namespace {
 
-/// Spacings of the grid and of the levels.
-struct Spacings {
+/// SectionSpacings of the grid and of the levels.
+struct SectionSpacings {
     double across_m, down_m;
 };
 
@@ -28,7 +28,7 @@ void add_mirrored(double across_m, double down_m, std::vector<SectionMarker>& ma
 }
 
 /// Markers at equal distances in units of the spacings, half of one from the axes of symmetry.
-std::vector<SectionMarker> on_circle(double radius_m, const Spacings& h) {
+std::vector<SectionMarker> on_circle(double radius_m, const SectionSpacings& h) {
     constexpr int steps = 4000; // of the integral over a quarter
     std::vector<double> length(steps + 1, 0.0);
     const double step = 0.5 * std::numbers::pi / steps;
@@ -54,7 +54,7 @@ std::vector<SectionMarker> on_circle(double radius_m, const Spacings& h) {
 }
 
 std::vector<SectionMarker> on_rectangle(double half_across_m, double half_down_m,
-                                        const Spacings& h) {
+                                        const SectionSpacings& h) {
     const double inner_m = half_across_m - flat_inset * h.across_m;
     const auto parts_of = [](double length, double spacing) {
         return std::max(1L, std::lround(length / (marker_spacing * spacing)));
@@ -73,7 +73,7 @@ std::vector<SectionMarker> on_rectangle(double half_across_m, double half_down_m
 }
 
 /// Adds markers between the outermost ones at every second depth.
-void fill_inside(const Spacings& h, std::vector<SectionMarker>& markers) {
+void fill_inside(const SectionSpacings& h, std::vector<SectionMarker>& markers) {
     std::vector<SectionMarker> inside;
     std::size_t depth = 0;
     for (std::size_t begin = 0, end; begin < markers.size(); begin = end, ++depth) {
@@ -100,7 +100,7 @@ void sort_by_depth(std::vector<SectionMarker>& markers) {
 
 std::vector<SectionMarker> section_markers(const Body& body, Endless along, double spacing_m,
                                            double spacing_z_m) {
-    const Spacings h{spacing_m, spacing_z_m};
+    const SectionSpacings h{spacing_m, spacing_z_m};
     const auto* box = std::get_if<Box>(&body.shape);
     std::vector<SectionMarker> markers =
         box ? on_rectangle(half_width_m(*box, along), 0.5 * box->size_m.z, h)

@@ -12,7 +12,8 @@ namespace shearwake::spectral {
 namespace {
 
 constexpr std::ptrdiff_t components = 3;
-constexpr std::ptrdiff_t together = 9; // number of planes that are exchanged between ranks at once
+constexpr std::ptrdiff_t planes_at_once =
+    9; // number of planes that are exchanged between ranks at once
 
 /// The minimum of viscosity over density within the uppermost `depth_m` [m^2/s].
 double least_diffusivity_m2_s(const Medium& medium, double depth_m) {
@@ -92,8 +93,8 @@ void LateralSponge::assemble(std::ptrdiff_t levels) {
     if (every_ == 0) return;
     count_ = components * levels;
     planes_.assign(static_cast<std::size_t>(count_ * runs_->lines_reals()), 0.0);
-    values_.assign(static_cast<std::size_t>(together * slabs_->share().x_count * vectors_.ny()),
-                   0.0);
+    values_.assign(
+        static_cast<std::size_t>(planes_at_once * slabs_->share().x_count * vectors_.ny()), 0.0);
 }
 
 void LateralSponge::take_velocity(const VerticalOperator& op, std::ptrdiff_t blocks,
@@ -119,9 +120,9 @@ void LateralSponge::take_velocity(const VerticalOperator& op, std::ptrdiff_t blo
         }
     }
     const auto cells = static_cast<std::size_t>(slabs_->share().x_count * vectors_.ny());
-    for (std::ptrdiff_t p = 0; p < count_; p += together) {
+    for (std::ptrdiff_t p = 0; p < count_; p += planes_at_once) {
         double* plane = planes_.data() + p * stride;
-        const std::ptrdiff_t planes = std::min(together, count_ - p);
+        const std::ptrdiff_t planes = std::min(planes_at_once, count_ - p);
         runs_->to_values(plane, planes, values_.data(), cells);
         lose(planes);
         runs_->to_lines(values_.data(), cells, planes, plane);

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/moving_load.hpp"
 
+#include "base/constants.hpp"
 #include "simd/kernels.hpp"
 #include "fft/reals.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::spectral {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double two_pi = 2.0 * std::numbers::pi;
 
 /// Times (in steps) of the load samples that contribute to a step, and their weights.
 struct Sample {
