@@ -23,7 +23,7 @@
 namespace shearwake::measures {
 namespace {
 
-constexpr double slack = 1e-9; // relative tolerance of times, for rounding
+constexpr double time_slack = 1e-9; // relative tolerance of times, for rounding
 
 /// Sums at the instant and over the period window, if these exist.
 struct Readings {
@@ -56,7 +56,7 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
                                 depth.frames.size(), depth.depth_m * 1e3, time.frames));
     Readings r;
     const double at = c.measure.at_s, in_frames = at / time.interval_s;
-    if (at > time.duration_s() * (1.0 + slack)) {
+    if (at > time.duration_s() * (1.0 + time_slack)) {
         r.instant_note = fmt::format("the instant, {:g} ms, is after the end of the run at {:g} ms",
                                      at * 1e3, time.duration_s() * 1e3);
     } else if (in_frames < 0.5) {
@@ -73,9 +73,9 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
         if (std::abs(time.frame_s(n) - at) > 1e-6 * time.interval_s)
             r.instant_note = fmt::format("frame at {:g} ms", time.frame_s(n) * 1e3);
     }
-    const bool within = at <= time.duration_s() * (1.0 + slack);
-    for (std::ptrdiff_t n = 0; within && n < time.frames && time.frame_s(n) <= at * (1.0 + slack);
-         ++n) {
+    const bool within = at <= time.duration_s() * (1.0 + time_slack);
+    for (std::ptrdiff_t n = 0;
+         within && n < time.frames && time.frame_s(n) <= at * (1.0 + time_slack); ++n) {
         const double peak = depth.frames[static_cast<std::size_t>(n)].peak;
         r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
     }

@@ -16,24 +16,24 @@ namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr int n = RadialInterpolant::order;
+constexpr int chebyshev_terms = RadialInterpolant::order;
 /// A component that is smaller than this share of the first one consists of rounding errors alone.
 constexpr double negligible = 1e-6;
 
 struct ChebyshevRule {
-    std::array<double, n> nodes; // on (-1, 1)
-    std::array<std::array<double, n>, n> to_coefficients;
+    std::array<double, chebyshev_terms> nodes; // on (-1, 1)
+    std::array<std::array<double, chebyshev_terms>, chebyshev_terms> to_coefficients;
 };
 
 /// Chebyshev nodes of the first kind and the discrete cosine transform from values to coefficients.
 ChebyshevRule make_rule() {
     ChebyshevRule rule;
-    for (int i = 0; i < n; ++i) {
-        const double theta = std::numbers::pi * (i + 0.5) / n;
+    for (int i = 0; i < chebyshev_terms; ++i) {
+        const double theta = std::numbers::pi * (i + 0.5) / chebyshev_terms;
         rule.nodes[static_cast<std::size_t>(i)] = std::cos(theta);
-        for (int j = 0; j < n; ++j)
+        for (int j = 0; j < chebyshev_terms; ++j)
             rule.to_coefficients[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] =
-                (j == 0 ? 1.0 : 2.0) / n * std::cos(j * theta);
+                (j == 0 ? 1.0 : 2.0) / chebyshev_terms * std::cos(j * theta);
     }
     return rule;
 }
@@ -45,12 +45,13 @@ public:
     Fitter(const RadialInterpolant::Function& function, std::size_t components, double tolerance,
            double absolute, double narrowest)
         : function_(function), components_(components), tolerance_(tolerance), absolute_(absolute),
-          narrowest_(narrowest), values_(components * n), panel_(components * n) {}
+          narrowest_(narrowest), values_(components * chebyshev_terms),
+          panel_(components * chebyshev_terms) {}
 
     void refine(double from, double to, std::vector<double>& edges,
                 std::vector<Complex>& coefficients) {
         const double centre = 0.5 * (from + to), half = 0.5 * (to - from);
-        for (int i = 0; i < n; ++i)
+        for (int i = 0; i < chebyshev_terms; ++i)
             function_(
                 centre + half * rule.nodes[static_cast<std::size_t>(i)],
                 std::span(values_).subspan(static_cast<std::size_t>(i) * components_, components_));
@@ -73,17 +74,18 @@ private:
         double first = 0.0;
         for (std::size_t c = 0; c < components_; ++c) {
             double largest = 0.0;
-            for (std::size_t j = 0; j < n; ++j) {
+            for (std::size_t j = 0; j < chebyshev_terms; ++j) {
                 Complex sum = 0.0;
-                for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t i = 0; i < chebyshev_terms; ++i)
                     sum += rule.to_coefficients[j][i] * values_[i * components_ + c];
-                panel_[c * n + j] = sum;
+                panel_[c * chebyshev_terms + j] = sum;
                 largest = std::max(largest, std::abs(sum));
             }
             if (!std::isfinite(largest))
                 throw CaseFailure("the transfer function H(k, omega) is not finite");
             const double tail =
-                std::max(std::abs(panel_[c * n + n - 1]), std::abs(panel_[c * n + n - 2]));
+                std::max(std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 1]),
+                         std::abs(panel_[c * chebyshev_terms + chebyshev_terms - 2]));
             if (c == 0) first = largest;
             const double allowed = tolerance_ * std::max(largest, negligible * first);
             fine = fine && tail <= std::max(allowed, negligible_tail);
@@ -122,8 +124,10 @@ void RadialInterpolant::evaluate(std::size_t component, std::span<const double> 
         x.clear();
         for (; k != ascending_k.end() && (is_last || *k <= to); ++k)
             x.push_back(std::clamp((2.0 * *k - from - to) / (to - from), -1.0, 1.0));
-        const Complex* c = coefficients_.data() + (panel * components_ + component) * n;
-        kernels.chebyshev(fft::reals(c), n, x.data(), std::ssize(x), fft::reals(out), stride);
+        const Complex* c =
+            coefficients_.data() + (panel * components_ + component) * chebyshev_terms;
+        kernels.chebyshev(fft::reals(c), chebyshev_terms, x.data(), std::ssize(x), fft::reals(out),
+                          stride);
         out += std::ssize(x) * stride;
     }
 }
@@ -137,7 +141,7 @@ std::vector<Complex> RadialInterpolant::packed() const {
 RadialInterpolant RadialInterpolant::unpacked(std::span<const Complex> packed,
                                               std::size_t components) {
     // size = (panels + 1) + panels * components * order.
-    const std::size_t panels = (packed.size() - 1) / (1 + components * n);
+    const std::size_t panels = (packed.size() - 1) / (1 + components * chebyshev_terms);
     RadialInterpolant result;
     result.components_ = components;
     for (std::size_t i = 0; i <= panels; ++i)

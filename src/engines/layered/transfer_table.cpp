@@ -16,7 +16,9 @@ namespace shearwake::layered {
 
 using namespace kinds;
 using Stage = CaseProgress::Stage;
+namespace {
 using Complex = std::complex<double>;
+} // namespace
 
 Complex TimeTransform::omega(std::ptrdiff_t m) const {
     const double period_s = static_cast<double>(samples) * step_s;

@@ -11,7 +11,7 @@
 namespace shearwake::spectral {
 namespace {
 
-constexpr std::ptrdiff_t components = 3;
+constexpr std::ptrdiff_t displacements = 3;
 constexpr std::ptrdiff_t planes_at_once =
     9; // number of planes that are exchanged between ranks at once
 
@@ -91,7 +91,7 @@ LateralSponge::LateralSponge(const Case& c, const WaveVectors& vectors,
 
 void LateralSponge::assemble(std::ptrdiff_t levels) {
     if (every_ == 0) return;
-    count_ = components * levels;
+    count_ = displacements * levels;
     planes_.assign(static_cast<std::size_t>(count_ * runs_->lines_reals()), 0.0);
     values_.assign(
         static_cast<std::size_t>(planes_at_once * slabs_->share().x_count * vectors_.ny()), 0.0);

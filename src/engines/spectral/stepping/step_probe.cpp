@@ -13,13 +13,13 @@ namespace shearwake::spectral {
 namespace {
 
 /// kx up to where the spectrum of the footprint is 1e-2; ky = 0 and half of that.
-constexpr std::ptrdiff_t columns = 2 * lane_count, rows = 2;
+constexpr std::ptrdiff_t probed_columns = 2 * lane_count, probed_rows = 2;
 /// Longest part of a run that is advanced, in output intervals. Longer runs are extrapolated, so
 /// that the effort does not grow with the number of frames.
 constexpr double most_intervals = 2500.0;
 
 Case with_few_wave_vectors(Case c) {
-    c.domain = {columns, 2 * rows,
+    c.domain = {probed_columns, 2 * probed_rows,
                 std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 1e-2), 0.0};
     return c;
 }
@@ -31,11 +31,11 @@ public:
           double step_s)
         : kernels_(simd::kernels<PencilKernels>()), vertical_(vertical), vectors_(vectors),
           load_(c, vectors, step_s), step_s_(step_s) {
-        factors_.resize(static_cast<std::size_t>(rows * vertical.factor_size()));
-        now_.assign(static_cast<std::size_t>(rows * size()), Block{});
+        factors_.resize(static_cast<std::size_t>(probed_rows * vertical.factor_size()));
+        now_.assign(static_cast<std::size_t>(probed_rows * size()), Block{});
         before_ = now_;
         force_.resize(static_cast<std::size_t>(size()));
-        for (std::ptrdiff_t row = 0; row < rows; ++row)
+        for (std::ptrdiff_t row = 0; row < probed_rows; ++row)
             vertical.factorise_implicit(vectors.waves(row, 0).k, step_s,
                                         factors_.data() + row * vertical.factor_size());
     }
@@ -43,7 +43,7 @@ public:
     void advance() {
         const double scale = step_ == 0 ? 0.5 : 1.0; // starts from rest
         load_.sample(step_);
-        for (std::ptrdiff_t row = 0; row < rows; ++row) {
+        for (std::ptrdiff_t row = 0; row < probed_rows; ++row) {
             const Block* u = now_.data() + row * size();
             Block *before = before_.data() + row * size(), *force = force_.data();
             std::fill(force_.begin(), force_.end(), Block{});
@@ -93,7 +93,7 @@ double extrapolated(const Deviation& half, const Deviation& whole, double ratio)
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
     const Case few = with_few_wave_vectors(c);
     fft::SlabShare share;
-    share.ky_count = rows; // without the Nyquist mode
+    share.ky_count = probed_rows; // without the Nyquist mode
     const WaveVectors vectors(few.domain, share);
     const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
     Probe whole(few, vertical, vectors, step_s), half(few, vertical, vectors, 0.5 * step_s);
@@ -105,7 +105,7 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
         whole.advance();
         half.advance();
         half.advance();
-        for (std::ptrdiff_t row = 0; row < rows; ++row) {
+        for (std::ptrdiff_t row = 0; row < probed_rows; ++row) {
             Counted counted = vectors.counted(row, 0);
             // The mean over the surface is pure compression, which no step resolves and which
             // hardly contributes to a complete field.
