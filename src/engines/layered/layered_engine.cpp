@@ -7,6 +7,7 @@
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
 #include "engines/layered/open_domain.hpp"
+#include "engines/layered/open_grid.hpp"
 #include "engines/layered/work_kinds.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
@@ -236,7 +237,14 @@ void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const Tran
     table.reset(); // freed first, as two tables may not fit into memory
     if (key.depths_m.empty()) return;
     const fft::SlabShare& share = slabs_->share();
-    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team, &progress);
+    const bool is_open = key.edges == DomainEdges::open;
+    if (is_open && (!open_grid_ || !open_grid_->is_of(key.nx, key.ny, key.spacing_m)))
+        together(team, [&] {
+            open_grid_.reset();
+            open_grid_ = std::make_shared<OpenGrid>(key.nx, key.ny, key.spacing_m);
+        });
+    table = std::make_unique<TransferTable>(key, share.ky_start, share.ky_count, team,
+                                            is_open ? open_grid_.get() : nullptr, &progress);
 }
 
 engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {

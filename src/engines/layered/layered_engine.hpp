@@ -21,8 +21,8 @@ TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
 /// per (k, omega), see docs/developer/physics.md. Passes the frames depth by depth and in order of
-/// time for each depth. Between cases it keeps the transfer table of the last medium and grid, and
-/// the transforms of the grid.
+/// time for each depth. Between cases it keeps the transfer table of the last medium and grid, the
+/// transforms of the grid, and the Bessel functions of a grid with open edges.
 class LayeredEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;
@@ -57,6 +57,7 @@ private:
     /// The second only for cases that request the stress, the third only for those that request the
     /// tangential displacement, the fourth only in the periodic regime.
     std::unique_ptr<TransferTable> table_, stress_table_, tangential_table_, loss_table_;
+    std::shared_ptr<OpenGrid> open_grid_;
     std::unique_ptr<fft::SlabTransform> slabs_;
     std::ptrdiff_t slabs_nx_ = 0, slabs_ny_ = 0;
     // The largest batch so far. Allocating it for each case would cost as much as its transforms.

@@ -2,8 +2,8 @@
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
-#include "engines/layered/loss_tables.hpp"
 #include "engines/layered/open_domain.hpp"
+#include "engines/layered/open_grid.hpp"
 #include "engines/layered/work_kinds.hpp"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ constexpr double largest_batch_B = 200e6;
 constexpr std::ptrdiff_t tried_frequencies = 6;
 
 double reach_m(const TransferKey& key) {
-    return key.spacing_m * std::hypot(key.nx / 2, key.ny / 2);
+    return open_reach_m(key.nx, key.ny, key.spacing_m);
 }
 
 /// Of the interpolation of the loss: a hundredth of the imbalance that causes a warning, and above
@@ -84,10 +84,21 @@ double radial_products(const TransferKey& key) {
     const double columns = std::floor(static_cast<double>(key.time.samples) / 2.0 + 1.0) *
                            static_cast<double>(key.depths_m.size());
     if (is_loss)
-        return static_cast<double>(loss_nodes(key.spacing_m, reach_m(key))) * radii *
-               (2.0 * columns + 150.0);
+        return static_cast<double>(FixedPanels(key.spacing_m, reach_m(key)).nodes_rad_m().size()) *
+               radii * (2.0 * columns + 150.0);
     return static_cast<double>(point_rule(key.spacing_m, reach_m(key)).k_rad_m.size()) * radii *
            (4.0 * columns + 600.0);
+}
+
+/// Memory in bytes of the Bessel functions that the table keeps for further media.
+double kept_bessel_B(const TransferKey& key) {
+    if (key.edges != DomainEdges::open || key.depths_m.empty()) return 0.0;
+    const std::size_t radii = table_radii(key.spacing_m, reach_m(key));
+    if (key.quantity == StackQuantity::loss)
+        return BesselBlocks<double>::kept_B(
+            FixedPanels(key.spacing_m, reach_m(key)).nodes_rad_m().size(), radii);
+    return BesselBlocks<Complex>::kept_B(point_rule(key.spacing_m, reach_m(key)).k_rad_m.size(),
+                                         radii);
 }
 
 /// Typical number of evaluations of H per frequency, until their time has been measured.
@@ -228,10 +239,12 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const auto kept = [&](double table_B) { return is_kept(table_B) ? table_B : 0.0; };
     const double kept_B = kept(own_B) + kept(stress_B) + loss_B;
     engines::Estimate e;
-    // The program, the spectra, H, the phases of the load, and the transformed plane.
+    // The program, the spectra, H, the phases of the load, the transformed plane, and Bessel
+    // functions.
     e.memory_per_rank_B = engines::program_B + batch_B + kept_B + points * sizeof(double) / ranks +
                           static_cast<double>(c.domain.nx * key.time.samples) * sizeof(Complex) +
-                          LoadSpectrum::memory_B(c, key.time, ky_count);
+                          LoadSpectrum::memory_B(c, key.time, ky_count) + kept_bessel_B(key) +
+                          kept_bessel_B(loss);
     const double far = engines::share_from_memory(batch_B + kept(own_B) / (depths - stresses));
     const double all_samples = batches * depths * samples * static_cast<double>(kept_nx) *
                                static_cast<double>(c.domain.ny);

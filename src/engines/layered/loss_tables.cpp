@@ -4,7 +4,6 @@
 #include "engines/layered/gauss_rule.hpp"
 #include "engines/layered/point_response.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -33,56 +32,6 @@ std::array<double, order> lagrange(double x) {
     return weights;
 }
 
-/// Panels of equal width on the real axis.
-class FixedPanels {
-public:
-    FixedPanels(double spacing_m, double reach_m)
-        : spacing_m_(spacing_m), end_rad_m_(end_of_pass_rad_m(spacing_m)),
-          count_(static_cast<std::size_t>(std::ceil(end_rad_m_ * reach_m / phase_of_panel))) {}
-
-    std::size_t nodes() const { return count_ * order; }
-    double node_rad_m(std::size_t n) const {
-        return width() *
-               (static_cast<double>(n / order) + 0.5 * (1.0 + gauss_rule().node[n % order]));
-    }
-
-    /// Values at the nodes whose sum with a function is the integral of L low_pass k / (2 pi) times
-    /// that function.
-    std::vector<Complex> project(const RadialInterpolant& loss) const {
-        std::vector<double> edges = loss.edges();
-        for (std::size_t panel = 0; panel <= count_; ++panel)
-            edges.push_back(width() * static_cast<double>(panel));
-        std::ranges::sort(edges);
-        std::vector<Complex> sums(nodes()), values(order);
-        std::vector<double> k(order);
-        const GaussRule& gauss = gauss_rule();
-        for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
-            const double half = 0.5 * (edges[i + 1] - edges[i]), middle = edges[i] + half;
-            if (half <= 0.0 || middle >= end_rad_m_) continue;
-            for (std::size_t g = 0; g < order; ++g)
-                k[order - 1 - g] = middle + half * gauss.node[g]; // the nodes descend
-            loss.evaluate(0, k, values.data(), 1);
-            const auto panel = std::min(static_cast<std::size_t>(middle / width()), count_ - 1);
-            for (std::size_t g = 0; g < order; ++g) {
-                const double at = k[order - 1 - g];
-                const Complex value = values[order - 1 - g] * gauss.weight[g] * half * at *
-                                      low_pass(at, spacing_m_).real() / (2.0 * std::numbers::pi);
-                const auto shares =
-                    lagrange(2.0 * (at / width() - static_cast<double>(panel)) - 1.0);
-                for (std::size_t j = 0; j < order; ++j)
-                    sums[panel * order + j] += value * shares[j];
-            }
-        }
-        return sums;
-    }
-
-private:
-    double width() const { return end_rad_m_ / static_cast<double>(count_); }
-
-    double spacing_m_, end_rad_m_;
-    std::size_t count_;
-};
-
 } // namespace
 
 RadialInterpolant fit_loss(const StackResponse& response, double spacing_m, double tolerance) {
@@ -95,43 +44,70 @@ RadialInterpolant fit_loss(const StackResponse& response, double spacing_m, doub
         negligible_share * largest);
 }
 
-std::size_t loss_nodes(double spacing_m, double reach_m) {
-    return FixedPanels(spacing_m, reach_m).nodes();
+FixedPanels::FixedPanels(double spacing_m, double reach_m)
+    : spacing_m_(spacing_m), end_rad_m_(end_of_pass_rad_m(spacing_m)),
+      count_(static_cast<std::size_t>(std::ceil(end_rad_m_ * reach_m / phase_of_panel))) {}
+
+std::vector<double> FixedPanels::nodes_rad_m() const {
+    std::vector<double> nodes;
+    for (std::size_t n = 0; n < count_ * order; ++n)
+        nodes.push_back(width() * (static_cast<double>(n / order) +
+                                   0.5 * (1.0 + gauss_rule().node[n % order])));
+    return nodes;
 }
 
-std::vector<Complex> loss_tables(std::span<const RadialInterpolant> losses, double spacing_m,
-                                 double reach_m, std::size_t radii,
-                                 const std::function<void()>& block_done) {
-    using Matrix = Eigen::MatrixXd;
-    const FixedPanels panels(spacing_m, reach_m);
-    const auto nodes = static_cast<Eigen::Index>(panels.nodes()), columns = std::ssize(losses);
+std::vector<Complex> FixedPanels::project(const RadialInterpolant& loss) const {
+    std::vector<double> edges = loss.edges();
+    for (std::size_t panel = 0; panel <= count_; ++panel)
+        edges.push_back(width() * static_cast<double>(panel));
+    std::ranges::sort(edges);
+    std::vector<Complex> sums(count_ * order), values(order);
+    std::vector<double> k(order);
+    const GaussRule& gauss = gauss_rule();
+    for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
+        const double half = 0.5 * (edges[i + 1] - edges[i]), middle = edges[i] + half;
+        if (half <= 0.0 || middle >= end_rad_m_) continue;
+        for (std::size_t g = 0; g < order; ++g)
+            k[order - 1 - g] = middle + half * gauss.node[g]; // the nodes descend
+        loss.evaluate(0, k, values.data(), 1);
+        const auto panel = std::min(static_cast<std::size_t>(middle / width()), count_ - 1);
+        for (std::size_t g = 0; g < order; ++g) {
+            const double at = k[order - 1 - g];
+            const Complex value = values[order - 1 - g] * gauss.weight[g] * half * at *
+                                  low_pass(at, spacing_m_).real() / (2.0 * std::numbers::pi);
+            const auto shares = lagrange(2.0 * (at / width() - static_cast<double>(panel)) - 1.0);
+            for (std::size_t j = 0; j < order; ++j)
+                sums[panel * order + j] += value * shares[j];
+        }
+    }
+    return sums;
+}
+
+LossResponse::LossResponse(double spacing_m, double reach_m)
+    : panels_(spacing_m, reach_m), bessel_(panels_.nodes_rad_m(), spacing_m / radii_per_spacing,
+                                           table_radii(spacing_m, reach_m)) {}
+
+std::vector<Complex> LossResponse::tables(std::span<const RadialInterpolant> losses,
+                                          const std::function<void()>& block_done) {
+    using Matrix = BesselBlocks<double>::Matrix;
+    const auto nodes = std::ssize(bessel_.k_rad_m()), columns = std::ssize(losses);
     Matrix weights(nodes, 2 * columns); // real and imaginary parts
     for (Eigen::Index c = 0; c < columns; ++c) {
-        const auto projected = panels.project(losses[static_cast<std::size_t>(c)]);
+        const auto projected = panels_.project(losses[static_cast<std::size_t>(c)]);
         for (Eigen::Index i = 0; i < nodes; ++i) {
             weights(i, 2 * c) = projected[static_cast<std::size_t>(i)].real();
             weights(i, 2 * c + 1) = projected[static_cast<std::size_t>(i)].imag();
         }
     }
+    const std::size_t radii = bessel_.radii();
     std::vector<Complex> tables(losses.size() * radii);
-    Matrix bessel;
-    for (std::size_t first = 0; first < radii; first += radii_together) {
-        const std::size_t count = std::min(radii_together, radii - first);
-        bessel.resize(static_cast<Eigen::Index>(count), nodes);
-        for (Eigen::Index i = 0; i < nodes; ++i) {
-            const double k = panels.node_rad_m(static_cast<std::size_t>(i));
-            for (Eigen::Index r = 0; r < bessel.rows(); ++r)
-                bessel(r, i) = ::j0(k * (static_cast<double>(first) + static_cast<double>(r)) *
-                                    spacing_m / radii_per_spacing);
-        }
-        const Matrix part = bessel * weights;
+    bessel_.multiply(weights, [&](std::size_t first, const Matrix& part) {
         for (Eigen::Index c = 0; c < columns; ++c)
-            for (std::size_t r = 0; r < count; ++r)
-                tables[static_cast<std::size_t>(c) * radii + first + r] = {
-                    part(static_cast<Eigen::Index>(r), 2 * c),
-                    part(static_cast<Eigen::Index>(r), 2 * c + 1)};
+            for (Eigen::Index r = 0; r < part.rows(); ++r)
+                tables[static_cast<std::size_t>(c) * radii + first + static_cast<std::size_t>(r)] =
+                    {part(r, 2 * c), part(r, 2 * c + 1)};
         if (block_done) block_done();
-    }
+    });
     return tables;
 }
 

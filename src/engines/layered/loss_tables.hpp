@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/layered/bessel_blocks.hpp"
 #include "engines/layered/radial_interpolant.hpp"
 #include "engines/layered/stack_response.hpp"
 
@@ -22,14 +23,36 @@ namespace shearwake::layered {
 /// Panels of L up to the end of low_pass. Throws CaseFailure if L is not finite. Not collective.
 RadialInterpolant fit_loss(const StackResponse& response, double spacing_m, double tolerance);
 
-/// Number of nodes of the fixed panels. Not collective.
-std::size_t loss_nodes(double spacing_m, double reach_m);
+/// Panels of equal width on the real axis.
+class FixedPanels {
+public:
+    FixedPanels(double spacing_m, double reach_m);
+    std::vector<double> nodes_rad_m() const;
+    /// Values at the nodes whose sum with a function is the integral of L low_pass k / (2 pi) times
+    /// that function.
+    std::vector<std::complex<double>> project(const RadialInterpolant& loss) const;
 
-/// For each function, l at the radii 0, spacing/4, ...: [function][radius]. `reach_m` is the
-/// largest radius for which it is accurate. Calls `block_done` after each block of radii_together
-/// radii. Not collective.
-std::vector<std::complex<double>> loss_tables(std::span<const RadialInterpolant> losses,
-                                              double spacing_m, double reach_m, std::size_t radii,
-                                              const std::function<void()>& block_done = {});
+private:
+    double width() const { return end_rad_m_ / static_cast<double>(count_); }
+
+    double spacing_m_, end_rad_m_;
+    std::size_t count_;
+};
+
+/// Tables of l at the same radii as those of PointResponse. Keeps Bessel functions for further
+/// tables. Not collective.
+class LossResponse {
+public:
+    LossResponse(double spacing_m, double reach_m);
+
+    /// For each function, l at all radii: [function][radius]. Calls `block_done` after each of
+    /// radial_blocks().
+    std::vector<std::complex<double>> tables(std::span<const RadialInterpolant> losses,
+                                             const std::function<void()>& block_done = {});
+
+private:
+    FixedPanels panels_;
+    BesselBlocks<double> bessel_;
+};
 
 } // namespace shearwake::layered

@@ -3,7 +3,6 @@
 
 #include "engines/layered/gauss_rule.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,48 +24,7 @@ double pass_rad_m(double spacing_m) {
     return pi / (spacing_m * std::pow(10.0 * std::numbers::ln10, 1.0 / exponent));
 }
 
-/// cos z with one exponential; std::cos(z) calls cosh and sinh. |z| is moderate here.
-Complex cosine(Complex z) {
-    const double growing = 0.5 * std::exp(z.imag()), falling = 0.25 / growing;
-    return {(falling + growing) * std::cos(z.real()), (falling - growing) * std::sin(z.real())};
-}
-
-/// The mean of cos(z cos(theta)) over the angles of a trapezoidal rule of 64 points, which is exact
-/// to J_64(z).
-Complex near_j0(Complex z) {
-    constexpr std::size_t quarter = 16;
-    static const std::array<double, quarter> nodes = [] {
-        std::array<double, quarter> found;
-        for (std::size_t j = 0; j < quarter; ++j)
-            found[j] = std::cos(0.5 * pi * (static_cast<double>(j) + 0.5) / quarter);
-        return found;
-    }();
-    Complex sum = 0.0;
-    for (const double node : nodes)
-        sum += cosine(z * node);
-    return sum / static_cast<double>(quarter);
-}
-
-/// Hankel's asymptotic expansion; its smallest term at |z| = 25 is e^-50.
-Complex far_j0(Complex z) {
-    Complex p = 0.0, q = 0.0, term = 1.0;
-    for (int k = 0; k < 40; ++k) {
-        const double sign = (k / 2) % 2 == 0 ? 1.0 : -1.0;
-        (k % 2 == 0 ? p : q) += sign * term;
-        const double odd = 2.0 * k + 1.0;
-        const Complex next = -term * (odd * odd) / (8.0 * (k + 1.0) * z);
-        if (std::abs(next) < 1e-17 || std::abs(next) > std::abs(term)) break;
-        term = next;
-    }
-    const Complex angle = z - 0.25 * pi;
-    return std::sqrt(2.0 / (pi * z)) * (p * std::cos(angle) - q * std::sin(angle));
-}
-
 } // namespace
-
-Complex bessel_j0(Complex z) {
-    return std::abs(z) < 25.0 ? near_j0(z) : far_j0(z);
-}
 
 Complex low_pass(Complex k_rad_m, double spacing_m) {
     Complex power = k_rad_m / pass_rad_m(spacing_m);
@@ -108,9 +66,12 @@ PointRule point_rule(double spacing_m, double reach_m) {
     return rule;
 }
 
+PointResponse::PointResponse(const PointRule& rule, double spacing_m, double reach_m)
+    : weight_(rule.weight),
+      bessel_(rule.k_rad_m, spacing_m / radii_per_spacing, table_radii(spacing_m, reach_m)) {}
+
 PointResponse::PointResponse(double spacing_m, double reach_m)
-    : rule_(point_rule(spacing_m, reach_m)), step_m_(spacing_m / radii_per_spacing),
-      radii_(table_radii(spacing_m, reach_m)) {}
+    : PointResponse(point_rule(spacing_m, reach_m), spacing_m, reach_m) {}
 
 std::size_t table_radii(double spacing_m, double reach_m) {
     const double step_m = spacing_m / radii_per_spacing;
@@ -122,31 +83,22 @@ std::size_t radial_blocks(double spacing_m, double reach_m) {
 }
 
 std::vector<Complex> PointResponse::tables(std::span<const Complex> h, std::size_t columns,
-                                           const std::function<void()>& block_done) const {
-    using Matrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic>;
-    const auto nodes = static_cast<Eigen::Index>(rule_.k_rad_m.size());
+                                           const std::function<void()>& block_done) {
+    using Matrix = BesselBlocks<Complex>::Matrix;
+    const auto nodes = std::ssize(weight_);
     Matrix weighted(nodes, static_cast<Eigen::Index>(columns));
     for (Eigen::Index c = 0; c < weighted.cols(); ++c)
         for (Eigen::Index i = 0; i < nodes; ++i)
-            weighted(i, c) = h[static_cast<std::size_t>(c * nodes + i)] *
-                             rule_.weight[static_cast<std::size_t>(i)];
-    std::vector<Complex> tables(columns * radii_);
-    Matrix bessel;
-    for (std::size_t first = 0; first < radii_; first += radii_together) {
-        const std::size_t count = std::min(radii_together, radii_ - first);
-        bessel.resize(static_cast<Eigen::Index>(count), nodes);
-        for (Eigen::Index i = 0; i < nodes; ++i)
-            for (Eigen::Index r = 0; r < bessel.rows(); ++r)
-                bessel(r, i) =
-                    bessel_j0(rule_.k_rad_m[static_cast<std::size_t>(i)] *
-                              (static_cast<double>(first) + static_cast<double>(r)) * step_m_);
-        const Matrix part = bessel * weighted;
-        for (std::size_t c = 0; c < columns; ++c)
-            for (std::size_t r = 0; r < count; ++r)
-                tables[c * radii_ + first + r] =
-                    part(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+            weighted(i, c) =
+                h[static_cast<std::size_t>(c * nodes + i)] * weight_[static_cast<std::size_t>(i)];
+    std::vector<Complex> tables(columns * radii());
+    bessel_.multiply(weighted, [&](std::size_t first, const Matrix& part) {
+        for (Eigen::Index c = 0; c < part.cols(); ++c)
+            std::ranges::copy(part.col(c), tables.begin() +
+                                               c * static_cast<std::ptrdiff_t>(radii()) +
+                                               static_cast<std::ptrdiff_t>(first));
         if (block_done) block_done();
-    }
+    });
     return tables;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/layered/stack_response.hpp"
+#include "engines/layered/bessel_blocks.hpp"
 
 #include <complex>
 #include <functional>
@@ -18,9 +18,6 @@ namespace shearwake::layered {
 // The low-pass filter removes wavenumbers above pi / spacing, so that g can be sampled on the grid.
 // The remainder H (1 - low_pass) contains no waves that travel across the grid and is treated as
 // periodic.
-
-/// J0 of a complex argument with |Im z| <= 10, to about 1e-15 e^{|Im z|}.
-std::complex<double> bessel_j0(std::complex<double> z);
 
 /// exp(-(k / k0)^16) with k0 such that it is 1e-10 at pi / spacing.
 std::complex<double> low_pass(std::complex<double> k_rad_m, double spacing_m);
@@ -40,31 +37,30 @@ PointRule point_rule(double spacing_m, double reach_m);
 /// Number of radii per grid spacing of a table of g, and of values used for interpolation.
 inline constexpr double radii_per_spacing = 4.0;
 inline constexpr int interpolated = 12;
-/// Number of radii that are computed together, which limits the memory.
-inline constexpr std::size_t radii_together = 256;
 /// Number of radii of a table up to this reach, and of the blocks in which they are computed.
 std::size_t table_radii(double spacing_m, double reach_m);
 std::size_t radial_blocks(double spacing_m, double reach_m);
 
 /// Tables of g at radii 0, spacing/4, ... up to a reach, with the values that interpolation needs
-/// beyond it. Not collective.
+/// beyond it. Keeps Bessel functions for further tables. Not collective.
 class PointResponse {
 public:
     PointResponse(double spacing_m, double reach_m);
-    std::size_t radii() const { return radii_; }
-    const std::vector<std::complex<double>>& nodes_rad_m() const { return rule_.k_rad_m; }
+    std::size_t radii() const { return bessel_.radii(); }
+    const std::vector<std::complex<double>>& nodes_rad_m() const { return bessel_.k_rad_m(); }
 
     /// For each of `columns` functions whose values at the nodes are columns of `h`
     /// ([column][node]), g at all radii: [column][radius]. Calls `block_done` after each of
     /// radial_blocks().
     std::vector<std::complex<double>> tables(std::span<const std::complex<double>> h,
                                              std::size_t columns,
-                                             const std::function<void()>& block_done = {}) const;
+                                             const std::function<void()>& block_done = {});
 
 private:
-    PointRule rule_;
-    double step_m_;
-    std::size_t radii_;
+    PointResponse(const PointRule& rule, double spacing_m, double reach_m);
+
+    std::vector<std::complex<double>> weight_;
+    BesselBlocks<std::complex<double>> bessel_;
 };
 
 /// Interpolates such tables at the points (i, j) spacing, i = 0 ... half_nx, j = 0 ... half_ny.

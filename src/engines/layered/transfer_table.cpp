@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/transfer_table.hpp"
 
-#include "engines/layered/loss_tables.hpp"
+#include "engines/layered/open_grid.hpp"
+#include "engines/layered/point_response.hpp"
 #include "engines/layered/work_kinds.hpp"
 
 #include "fft/cosine_transform.hpp"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 namespace shearwake::layered {
 
@@ -58,18 +58,13 @@ TransferTable::Panels TransferTable::fit(const Comm& team, CaseProgress* progres
 }
 
 TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
-                             std::ptrdiff_t ky_count, const Comm& team, CaseProgress* progress)
+                             std::ptrdiff_t ky_count, const Comm& team, OpenGrid* grid,
+                             CaseProgress* progress)
     : key_(key), ky_start_(ky_start), ky_count_(ky_count) {
     const std::size_t depths = key.depths_m.size();
     const Panels mine = fit(team, progress);
-    std::optional<PointResponse> point;
     std::vector<Complex> tables;
-    if (key.edges == DomainEdges::open) {
-        together(team, [&] {
-            point.emplace(key.spacing_m, key.spacing_m * std::hypot(key.nx / 2, key.ny / 2));
-        });
-        tables = team.all_gather(point_tables(*point, team, progress));
-    }
+    if (grid) tables = team.all_gather(point_tables(*grid, team, progress));
     const engines::Timed timed(of_response);
     const std::vector<double> all_sizes = team.all_gather(mine.sizes);
     const std::vector<Complex> all = team.all_gather(mine.values);
@@ -86,10 +81,10 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
             }
         }
         const auto row_size = static_cast<std::size_t>(half_nx() * frequencies());
-        expanded_ = point || expanded_bytes(key_, ky_count_) <= largest_expansion_B;
+        expanded_ = grid || expanded_bytes(key_, ky_count_) <= largest_expansion_B;
         values_.resize(expanded_ ? row_size * static_cast<std::size_t>(ky_count_) * depths
                                  : row_size);
-        if (!expanded_ || point) return;
+        if (!expanded_ || grid) return;
         for (std::size_t depth = 0; depth < depths; ++depth)
             for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky) {
                 expand(ky, depth,
@@ -99,13 +94,13 @@ TransferTable::TransferTable(const TransferKey& key, std::ptrdiff_t ky_start,
                 if (progress) progress->did(Stage::expansion);
             }
     });
-    if (point) expand_open(*point, tables, team, progress);
+    if (grid) expand_open(*grid, tables, team, progress);
 }
 
-std::vector<Complex> TransferTable::point_tables(const PointResponse& point, const Comm& team,
+std::vector<Complex> TransferTable::point_tables(OpenGrid& grid, const Comm& team,
                                                  CaseProgress* progress) const {
     const engines::Timed timed(of_response);
-    const std::size_t depths = key_.depths_m.size(), nodes = point.nodes_rad_m().size();
+    const std::size_t depths = key_.depths_m.size(), nodes = grid.point.nodes_rad_m().size();
     std::vector<Complex> tables;
     bool stops = false;
     const auto block_done = [&] {
@@ -123,10 +118,7 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
                 if (progress) progress->did(Stage::response);
             }
             const engines::Timed radial(of_radial);
-            if (!stops)
-                tables = loss_tables(losses, key_.spacing_m,
-                                     key_.spacing_m * std::hypot(key_.nx / 2, key_.ny / 2),
-                                     point.radii(), block_done);
+            if (!stops) tables = grid.loss.tables(losses, block_done);
             return;
         }
         std::vector<Complex> h, of_node(depths);
@@ -136,7 +128,7 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
             const std::size_t first = h.size();
             h.resize(first + depths * nodes);
             for (std::size_t i = 0; i < nodes; ++i) {
-                response.evaluate(point.nodes_rad_m()[i], of_node);
+                response.evaluate(grid.point.nodes_rad_m()[i], of_node);
                 for (std::size_t d = 0; d < depths; ++d)
                     h[first + d * nodes + i] = of_node[d];
             }
@@ -144,20 +136,20 @@ std::vector<Complex> TransferTable::point_tables(const PointResponse& point, con
         }
         stops = progress && progress->stop_asked();
         const engines::Timed radial(of_radial);
-        if (!stops) tables = point.tables(h, h.size() / nodes, block_done);
+        if (!stops) tables = grid.point.tables(h, h.size() / nodes, block_done);
     });
     if (stops) throw engines::StopRequested{};
     return tables;
 }
 
-void TransferTable::expand_open(const PointResponse& point, std::span<const Complex> tables,
+void TransferTable::expand_open(const OpenGrid& grid, std::span<const Complex> tables,
                                 const Comm& team, CaseProgress* progress) {
     const engines::Timed timed(of_open_expansion);
     const std::ptrdiff_t half_x = key_.nx / 2, half_y = key_.ny / 2;
     const std::size_t depths = key_.depths_m.size();
     together(team, [&] {
         if (ky_count_ == 0) return;
-        const PlaneSampling sampling(half_x, half_y);
+        const std::size_t radii = grid.point.radii();
         const fft::CosineTransform along_y(half_y, half_x + 1), along_x(half_x, ky_count_);
         fft::AlignedVector<Complex> plane(static_cast<std::size_t>((half_x + 1) * (half_y + 1)));
         fft::AlignedVector<Complex> rows(static_cast<std::size_t>((half_x + 1) * ky_count_));
@@ -165,8 +157,8 @@ void TransferTable::expand_open(const PointResponse& point, std::span<const Comp
         const Complex* table = tables.data();
         for (int rank = 0; rank < team.size(); ++rank)
             for (std::ptrdiff_t m = rank; m < frequencies(); m += team.size())
-                for (std::size_t depth = 0; depth < depths; ++depth, table += point.radii()) {
-                    sampling.sample({table, point.radii()}, plane.data());
+                for (std::size_t depth = 0; depth < depths; ++depth, table += radii) {
+                    grid.sampling.sample({table, radii}, plane.data());
                     along_y.execute(plane.data());
                     for (std::ptrdiff_t ky = 0; ky < ky_count_; ++ky)
                         for (std::ptrdiff_t i = 0; i <= half_x; ++i)

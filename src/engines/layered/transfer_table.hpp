@@ -3,7 +3,6 @@
 
 #include "case/case.hpp"
 #include "engines/layered/case_progress.hpp"
-#include "engines/layered/point_response.hpp"
 #include "engines/layered/radial_interpolant.hpp"
 #include "engines/layered/stack_response.hpp"
 #include "fft/aligned.hpp"
@@ -14,6 +13,8 @@
 #include <vector>
 
 namespace shearwake::layered {
+
+struct OpenGrid;
 
 /// Time transform of a run: `samples` steps of `step_s` form one period of the discrete transform.
 /// Evaluating at omega - i decay makes it aperiodic: the load is multiplied by e^{-decay t} and the
@@ -59,8 +60,10 @@ public:
     /// Distributes the frequencies over the team and exchanges the panels. This rank needs rows
     /// ky_start to ky_start + ky_count - 1 of the spectrum. Throws CaseFailure on all ranks if H
     /// cannot be resolved, and StopRequested if a stop was requested. Collective.
+    /// `grid`: kept by the caller for further tables on this grid with open edges; null if the
+    /// edges are periodic.
     TransferTable(const TransferKey& key, std::ptrdiff_t ky_start, std::ptrdiff_t ky_count,
-                  const Comm& team, CaseProgress* progress = nullptr);
+                  const Comm& team, OpenGrid* grid = nullptr, CaseProgress* progress = nullptr);
 
     const TransferKey& key() const { return key_; }
     std::ptrdiff_t frequencies() const { return key_.time.samples / 2 + 1; }
@@ -84,9 +87,9 @@ private:
     };
     Panels fit(const Comm& team, CaseProgress* progress) const;
     /// The tables of the response to a point load of the frequencies of this rank.
-    std::vector<std::complex<double>> point_tables(const PointResponse& point, const Comm& team,
+    std::vector<std::complex<double>> point_tables(OpenGrid& grid, const Comm& team,
                                                    CaseProgress* progress) const;
-    void expand_open(const PointResponse& point, std::span<const std::complex<double>> tables,
+    void expand_open(const OpenGrid& grid, std::span<const std::complex<double>> tables,
                      const Comm& team, CaseProgress* progress);
     void add_remainder(std::ptrdiff_t ky, std::size_t depth, std::complex<double>* row) const;
     std::vector<double> wavenumbers_rad_m(std::ptrdiff_t ky) const;

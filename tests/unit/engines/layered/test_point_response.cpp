@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/point_response.hpp"
+#include "engines/layered/stack_response.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>
@@ -28,7 +29,7 @@ TEST_CASE("the response to a static point load is that of Boussinesq", "[point_r
     const Layer layer = test::tissue();
     const double spacing = 1e-3, reach = 0.1, mu = 1000.0 * 25.0;
     const double ratio = 50.0 * 50.0 / 25.0, nu = 0.5 * (ratio - 2.0) / (ratio - 1.0);
-    const layered::PointResponse point(spacing, reach);
+    layered::PointResponse point(spacing, reach);
     const std::vector<double> depths = {0.0};
     const layered::StackResponse response(test::half_space(layer), 0.0, depths);
     std::vector<Complex> h, value(1);
