@@ -9,17 +9,26 @@ double shared_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& c
     return cost::shared_seconds_on(costs.of(c), ranks, costs.machine());
 }
 
-std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases, int ranks,
-                                         int teams, cost::CaseCosts& costs) {
-    std::vector<ExpectedCase> all;
-    const auto in_turn = static_cast<std::size_t>(teams); // the teams take similar cases
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        const Case& c = cases[i]->physics;
-        const Case* before = i >= in_turn ? &cases[i - in_turn]->physics : nullptr;
-        const cost::CaseCost& cost = costs.of(c);
-        all.push_back({engine_name(c.solver), cost.kinds,
-                       cost::seconds_on(cost, ranks, teams, costs.machine()) +
-                           shared_s(c, before, ranks, costs)});
+std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases,
+                                         const std::vector<Bundle>& bundles, int ranks, int teams,
+                                         cost::CaseCosts& costs) {
+    std::vector<ExpectedCase> all(cases.size());
+    const auto in_turn = static_cast<std::size_t>(teams); // the teams take similar bundles
+    for (std::size_t b = 0; b < bundles.size(); ++b) {
+        const Case* before = nullptr;
+        if (b >= in_turn) {
+            const Bundle& last = bundles[b - in_turn];
+            before = &cases[last.first + last.count - 1]->physics;
+        }
+        for (std::size_t n = 0; n < bundles[b].count; ++n) {
+            const std::size_t place = bundles[b].first + n;
+            const Case& c = cases[place]->physics;
+            const cost::CaseCost& cost = costs.of(c);
+            all[place] = {engine_name(c.solver), cost.kinds,
+                          cost::seconds_on(cost, ranks, teams, costs.machine()) +
+                              shared_s(c, before, ranks, costs)};
+            before = &c;
+        }
     }
     return all;
 }

@@ -3,6 +3,7 @@
 
 #include "case/plan.hpp"
 #include "cost/case_costs.hpp"
+#include "schedule/bundles.hpp"
 #include "schedule/learned_times.hpp"
 
 #include <vector>
@@ -13,9 +14,10 @@ namespace shearwake::schedule {
 /// that case has done it. `before`: null without a previous case. Not collective.
 double shared_s(const Case& c, const Case* before, int ranks, cost::CaseCosts& costs);
 
-/// The estimates of cases that `teams` teams of `ranks` ranks compute in this order. Not
+/// The estimates of cases that `teams` teams of `ranks` ranks compute in these bundles. Not
 /// collective.
-std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases, int ranks,
-                                         int teams, cost::CaseCosts& costs);
+std::vector<ExpectedCase> expected_cases(const std::vector<const PlannedCase*>& cases,
+                                         const std::vector<Bundle>& bundles, int ranks, int teams,
+                                         cost::CaseCosts& costs);
 
 } // namespace shearwake::schedule

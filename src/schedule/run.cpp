@@ -352,8 +352,18 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const pipeline::JobFacts facts{job.plan.title, job.text,
                                    fmt::format("{}", fmt::join(arguments.overrides, "\n")),
                                    memory_B};
-    const WorkList list{work.cases, work.numbers, facts,    folder,       part,
-                        arguments,  *costs,       deadline, layout.teams, layout.ranks_per_case};
+    const std::vector<Bundle> bundles = bundles_of(work.cases, layout, *costs);
+    const WorkList list{work.cases,
+                        work.numbers,
+                        bundles,
+                        facts,
+                        folder,
+                        part,
+                        arguments,
+                        *costs,
+                        deadline,
+                        layout.teams,
+                        layout.ranks_per_case};
     progress.start();
     Worker worker(list, beginning.journal, world, team, progress);
     worker.work();

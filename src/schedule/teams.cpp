@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/teams.hpp"
 
+#include "schedule/case_groups.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -20,42 +22,6 @@ std::vector<std::size_t> sample_of(std::size_t cases) {
     for (std::size_t i = 0; i < sample.size(); ++i)
         sample[i] = cases <= most_samples ? i : i * (cases - 1) / (most_samples - 1);
     return sample;
-}
-
-/// Equal for cases with the same medium and grid.
-std::size_t hash_of(const Case& c) {
-    std::size_t hash = static_cast<std::size_t>(c.domain.nx * 4099 + c.domain.ny);
-    for (const Layer& layer : c.scene().medium.layers)
-        for (const double value : {layer.thickness_m, layer.density_kg_m3, layer.c_s_m_s})
-            hash = 31 * hash + std::hash<double>{}(value);
-    return hash;
-}
-
-/// Whether an engine keeps data of one case for the other.
-bool share_data(const Case& a, const Case& b) {
-    return a.scene().medium == b.scene().medium && a.domain == b.domain && a.time == b.time &&
-           a.measure.depths_m == b.measure.depths_m;
-}
-
-/// The number of the group of each case. Cases of a group share data; a case that shares none forms
-/// a separate group.
-std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
-                                   cost::CaseCosts& costs) {
-    std::vector<std::size_t> groups;
-    std::unordered_map<std::size_t, std::vector<std::size_t>> found; // first cases by hash
-    for (std::size_t i = 0; i < cases.size(); ++i) {
-        const Case& c = cases[i]->physics;
-        groups.push_back(i);
-        if (!(costs.of(c).shared_s > 0.0)) continue;
-        std::vector<std::size_t>& firsts = found[hash_of(c)];
-        const auto same = std::ranges::find_if(
-            firsts, [&](std::size_t first) { return share_data(cases[first]->physics, c); });
-        if (same == firsts.end())
-            firsts.push_back(i);
-        else
-            groups.back() = *same;
-    }
-    return groups;
 }
 
 /// The number of cases that share data with each case, including itself.
@@ -86,18 +52,37 @@ struct Sample {
     std::vector<double> group_sizes;              // of each case of the sweep
 };
 
-/// All teams take cases of a group at the same time, so each of them computes the shared data
-/// itself.
+/// A group stays whole (bundles.hpp) if it takes at most this multiple of a team's share of the
+/// time.
+constexpr double largest_whole_share = 1.25;
+
+/// The number of teams that compute cases of a group, which takes `share` of the time of all cases.
+double teams_of_group(double share, double cases, int busy) {
+    return std::clamp(std::ceil(share * busy / largest_whole_share), 1.0,
+                      std::min(static_cast<double>(busy), cases));
+}
+
 SweepTime time_of(const Sample& sample, int size, int busy, cost::CaseCosts& costs) {
     SweepTime time;
+    struct Seconds {
+        double own, shared;
+    };
+    std::vector<Seconds> of_cases;
+    double sample_s = 0.0; // with each shared part once
     for (const std::size_t place : sample.places) {
         const cost::CaseCost& cost = costs.of(sample.cases[place]->physics);
-        const double seconds = cost::seconds_on(cost, size, busy, costs.machine());
-        const double shared = cost::shared_seconds_on(cost, size, costs.machine());
-        const double group = sample.group_sizes[place];
-        const double teams = std::min(static_cast<double>(busy), group);
-        time.longest_s = std::max(time.longest_s, seconds + shared);
-        time.work_s += seconds + shared * teams / group;
+        of_cases.push_back({cost::seconds_on(cost, size, busy, costs.machine()),
+                            cost::shared_seconds_on(cost, size, costs.machine())});
+        sample_s += of_cases.back().own + of_cases.back().shared / sample.group_sizes[place];
+    }
+    const double all_s = sample_s * static_cast<double>(sample.cases.size()) /
+                         static_cast<double>(std::max<std::size_t>(1, sample.places.size()));
+    for (std::size_t n = 0; n < of_cases.size(); ++n) {
+        const auto [own, shared] = of_cases[n];
+        const double group = sample.group_sizes[sample.places[n]];
+        const double teams = teams_of_group((group * own + shared) / all_s, group, busy);
+        time.longest_s = std::max(time.longest_s, own + shared);
+        time.work_s += own + shared * teams / group;
     }
     time.work_s *= static_cast<double>(sample.cases.size()) /
                    static_cast<double>(std::max<std::size_t>(1, sample.places.size()));

@@ -67,8 +67,8 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
                const Comm& team, Progress& progress)
     : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
       journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
-      times_(expected_cases(list.cases, list.ranks_per_case, list.teams, list.costs), world,
-             {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
+      times_(expected_cases(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
+             world, {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
     together(world, [&] {
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
     });
@@ -106,11 +106,15 @@ long Worker::next() {
         look_for_folder();
         if (stop_asked()) counters_.fetch_add(stopping, 1);
         if (counters_.read(stopping) != 0) return -1;
-        const long index = counters_.fetch_add(next_case, 1);
-        if (index >= static_cast<long>(list_.cases.size())) return -1;
-        const auto place = static_cast<std::size_t>(index);
+        if (bundle_.count == 0) {
+            const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_bundle, 1));
+            if (taken >= list_.bundles.size()) return -1;
+            bundle_ = list_.bundles[taken];
+        }
+        const std::size_t place = bundle_.first++;
+        --bundle_.count;
         try {
-            if (claim(place)) return index;
+            if (claim(place)) return static_cast<long>(place);
         } catch (const std::exception& error) { // the file system fails, or memory is lacking
             counters_.fetch_add(begun, 1);
             record(*list_.cases[place], error.what(), storage::Blame::files);

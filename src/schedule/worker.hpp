@@ -6,6 +6,7 @@
 #include "engines/engine.hpp"
 #include "parallel/shared_counters.hpp"
 #include "pipeline/run_case.hpp"
+#include "schedule/bundles.hpp"
 #include "schedule/deadline.hpp"
 #include "schedule/learned_times.hpp"
 #include "schedule/output_folder.hpp"
@@ -25,8 +26,9 @@ namespace shearwake::schedule {
 
 /// The cases that a run computes, and where. The references must outlive it.
 struct WorkList {
-    const std::vector<const PlannedCase*>& cases; // in the order in which they start
+    const std::vector<const PlannedCase*>& cases; // in the order of work
     const std::vector<std::size_t>& numbers;      // their positions in the plan
+    const std::vector<Bundle>& bundles;           // of the cases, in the order in which they start
     const pipeline::JobFacts& facts;
     const OutputFolder& folder;
     std::string part; // of the sweep; in the names of journal, index and lock
@@ -50,8 +52,8 @@ struct WorkResult {
     storage::RunTimes times;
 };
 
-/// Computes cases on one team. It takes them from a counter that all teams share until no case is
-/// left, the time limit is reached or a stop is requested.
+/// Computes cases on one team. It takes bundles of them from a counter that all teams share until
+/// none is left, the time limit is reached or a stop is requested.
 class Worker {
 public:
     /// Collective over the world. `learned`: the measured times of earlier runs.
@@ -65,7 +67,7 @@ public:
 private:
     /// Counters of all teams; times in microseconds.
     enum Shared {
-        next_case,
+        next_bundle,
         done,
         failed,
         failed_files,
@@ -110,7 +112,8 @@ private:
     std::optional<storage::CaseClaims> claims_; // on the root of the team
     SharedCounters counters_;
     LearnedTimes times_;
-    std::size_t at_ = 0; // position of the running case in the list
+    Bundle bundle_{0, 0}; // the remaining cases of the bundle of this team
+    std::size_t at_ = 0;  // position of the running case in the list
     std::unique_ptr<engines::Engine> engine_;
     const Case* before_ =
         nullptr; // previous case of the team, which may share work with the next one
