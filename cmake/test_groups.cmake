@@ -20,12 +20,11 @@ endif()
 
 # Groups that take minutes start first, so that they do not run last and on their own.
 set(long_groups "mpi_tests on 5 ranks" "mpi_tests on 3 ranks" "mpi_tests on 8 ranks" "mpi_tests on 2 ranks"
-    tests/docs/test_blocks.py tests/faults/test_faults.py)
+    tests/docs/test_blocks.py tests/faults/test_faults.py tests/slurm/test_slurm.py)
 
-# add_group(NAME LABEL VERDICTS ALONE|BESIDE COMMAND...): a group that is BESIDE uses about one core on average
-# and may run concurrently with any other group; groups that are ALONE use several cores and never run
-# concurrently with each other. There is no time limit: run_group.py ends groups that make no progress.
-function(add_group name label verdicts beside)
+# add_group(NAME LABEL VERDICTS COMMAND...): a group that uses about one core on average and may run concurrently
+# with any other group. There is no time limit: run_group.py ends groups that make no progress.
+function(add_group name label verdicts)
     if(NOT SHEARWAKE_TEST_PYTHON)
         return()
     endif()
@@ -36,14 +35,11 @@ function(add_group name label verdicts beside)
     if(name IN_LIST long_groups)
         set_tests_properties(${name} PROPERTIES COST 100)
     endif()
-    if(beside STREQUAL "ALONE")
-        set_tests_properties(${name} PROPERTIES RESOURCE_LOCK several_cores)
-    endif()
 endfunction()
 
 # Adds the test cases of a Catch2 runner that ARGN selects, on one rank. -# tags them with their file.
 function(add_catch_group name label runner)
-    add_group(${name} ${label} catch BESIDE $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+    add_group(${name} ${label} catch $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
 endfunction()
 
 # Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle, since
@@ -54,17 +50,17 @@ function(add_mpi_group name label runner ranks)
     if(ranks GREATER 1)
         set(launch mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 -n ${ranks})
     endif()
-    add_group(${name} ${label} catch ALONE ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
+    add_group(${name} ${label} catch ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
     if(ranks GREATER 1) # more than there are: nothing runs beside it
         set_tests_properties(${name} PROPERTIES PROCESSORS 1000)
     endif()
 endfunction()
 
 # Adds each tests/FOLDER/test_*.py as a group, with the folder as label.
-function(add_python_groups folder beside)
+function(add_python_groups folder)
     file(GLOB files CONFIGURE_DEPENDS RELATIVE ${CMAKE_SOURCE_DIR} ${CMAKE_SOURCE_DIR}/tests/${folder}/test_*.py)
     foreach(file IN LISTS files)
-        add_group(${file} ${folder} unittest ${beside} ${SHEARWAKE_TEST_PYTHON}
+        add_group(${file} ${folder} unittest ${SHEARWAKE_TEST_PYTHON}
             ${CMAKE_SOURCE_DIR}/scripts/test_runner/unittest_main.py ${CMAKE_SOURCE_DIR}/${file} REPORT)
     endforeach()
 endfunction()

@@ -6,9 +6,13 @@
 #include <nlohmann/json.hpp>
 
 namespace shearwake::config {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+} // namespace
 
 nlohmann::ordered_json uncertain_schema() {
-    using Json = nlohmann::ordered_json;
     const Json number = {{"type", "number"}}, word = {{"type", "string"}};
     const Json pair = {{"type", "array"}, {"items", word}, {"minItems", 2}, {"maxItems", 2}};
     const Json correlation = {{"type", "object"},

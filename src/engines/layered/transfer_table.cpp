@@ -16,8 +16,11 @@ namespace shearwake::layered {
 
 using namespace kinds;
 using Stage = CaseProgress::Stage;
+
 namespace {
+
 using Complex = std::complex<double>;
+
 } // namespace
 
 Complex TimeTransform::omega(std::ptrdiff_t m) const {
