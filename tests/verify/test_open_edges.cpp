@@ -66,7 +66,7 @@ TEST_CASE("open edges agree with a periodic domain four times as wide", "[open_e
     periodic.domain.edges = DomainEdges::periodic;
     const test::FrameStore on_open = test::frames_of(open), on_wide = test::frames_of(wide),
                            on_periodic = test::frames_of(periodic);
-    for (const std::size_t depth : {0, 1}) {
+    for (const std::size_t depth : {0U, 1U}) {
         // What remains of waves that cross 190 mm in 8 ms is 1e-5 of the field.
         CHECK(difference(open, on_open, wide, on_wide, depth) < 1e-4);
         // Waves do return on the domain itself: without open edges the error is 7 %.
@@ -103,7 +103,7 @@ TEST_CASE("the stress at the receptors has open edges too", "[open_edges]") {
     Stresses on_open, on_wide;
     engines::make_engine(open.solver)->run(open, alone, on_open);
     engines::make_engine(wide.solver)->run(wide, alone, on_wide);
-    for (const std::size_t depth : {10, 11, 12})
+    for (const std::size_t depth : {10U, 11U, 12U})
         CHECK(difference(open, on_open, wide, on_wide, depth) < 1e-4);
 }
 
