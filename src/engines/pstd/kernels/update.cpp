@@ -94,7 +94,8 @@ template <class Real, class First, class Second>
     };
     for (const SplitRun* run = row.first_run; run != row.last_run; ++run) {
         unsplit_until(run->begin);
-        Real* s = row.part[0] + (run->offset - run->begin);
+        // Nothing is stored if all runs have one factor.
+        Real* s = row.part[0] ? row.part[0] + (run->offset - run->begin) : nullptr;
         if (run->face < 0 || run->face == row.axes[1])
             update_two(*run, total, s, of[1], second, of[0], first);
         else if (run->face == row.axes[0])

@@ -53,7 +53,7 @@ public:
     /// The spectrum of plane 0 between begin_row() and end_row(); that of the next plane begins
     /// stride() doubles later.
     double* line(std::ptrdiff_t row) {
-        return window_ ? spectra_.data() : planes_.data() + 2 * row * slabs_.line_pitch();
+        return window_ ? spectra_.data() : reals_from(2 * row * slabs_.line_pitch());
     }
     std::ptrdiff_t stride() const { return window_ ? window_->line_reals() : slabs_.lines_reals(); }
     /// Wave vectors with the format of the spectrum.
@@ -65,10 +65,14 @@ public:
     const engines::WorkKind& kind() const;
 
 private:
+    /// A place in planes_, which are empty in a medium without bodies.
+    double* reals_from(std::ptrdiff_t offset) {
+        return planes_.empty() ? nullptr : planes_.data() + offset;
+    }
     /// Number of doubles between planes as stored, and the stored part of a line of plane 0.
     std::ptrdiff_t stored_stride() const;
     double* stored(std::ptrdiff_t row) {
-        return window_ ? planes_.data() + 2 * row * window_->count() : line(row);
+        return window_ ? reals_from(2 * row * window_->count()) : line(row);
     }
     PlaneCells cells_;
     const fft::SlabTransform& slabs_;
