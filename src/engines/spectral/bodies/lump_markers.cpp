@@ -15,6 +15,11 @@ namespace {
 
 /// Part of the distance of levels within which points share a depth.
 constexpr double same_depth = 0.3;
+/// Distance of the rings of an ellipsoid along a meridian, in spacings. With marker_spacing, the
+/// rings near a pole overlap: their horizontal forces alternate, by up to a quarter of the largest
+/// one on a sphere of 6 spacings per radius. The forces vary half as much with this distance, and
+/// the force on the sphere is in error by 0.7 % instead of 1.3 %.
+constexpr double ring_spacing = 1.4;
 
 /// Spacings of the grid and of the levels.
 struct Spacings {
@@ -71,10 +76,10 @@ void fill_ellipse(double a_m, double b_m, double z_m, double spacing_m, std::vec
 /// Rings of constant depth, as far apart as the points on them.
 std::vector<Vec3> on_ellipsoid(Vec3 r, const Spacings& h) {
     const double between_m = inner_spacing * h.across_m;
-    double last_inside_m = std::numeric_limits<double>::infinity();
+    double last_inside_m = r.z;
     std::vector<Vec3> points;
     for (const double angle :
-         quarter_angles(std::sqrt(r.x * r.y) / h.across_m, r.z / h.down_m, marker_spacing)) {
+         quarter_angles(std::sqrt(r.x * r.y) / h.across_m, r.z / h.down_m, ring_spacing)) {
         const double s = std::sin(angle), c = std::cos(angle); // from the pole
         std::vector<Vec3> ring;
         add_ellipse(r.x * s, r.y * s, r.z * c, marker_spacing * h.across_m, ring);
@@ -85,7 +90,7 @@ std::vector<Vec3> on_ellipsoid(Vec3 r, const Spacings& h) {
             p = p - (curved_inset * h.across_m * std::hypot(normal.x, normal.y)) * normal;
             depth_m += p.z / static_cast<double>(ring.size());
         }
-        if (last_inside_m - depth_m > 2.0 * h.down_m || !std::isfinite(last_inside_m)) {
+        if (last_inside_m - depth_m > 2.0 * h.down_m) {
             const std::size_t begin = ring.size();
             fill_ellipse(r.x * s, r.y * s, depth_m, between_m, ring);
             if (ring.size() > begin) last_inside_m = depth_m;

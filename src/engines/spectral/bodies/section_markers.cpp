@@ -115,8 +115,10 @@ double level_spacing_m(const DepthMesh& mesh, double top_m, double bottom_m) {
     double widest = 0.0, spacing_m = 0.0;
     for (std::size_t i = 1; i < mesh.rule.nodes.size(); ++i)
         widest = std::max(widest, 0.5 * (mesh.rule.nodes[i] - mesh.rule.nodes[i - 1]));
+    // Elements end at bodies; rounding does not make the next one belong to a body.
+    const double margin_m = 1e-6 * (bottom_m - top_m);
     for (std::size_t e = 0; e < mesh.elements(); ++e)
-        if (mesh.ends_m[e] < bottom_m && mesh.ends_m[e + 1] > top_m)
+        if (mesh.ends_m[e] < bottom_m - margin_m && mesh.ends_m[e + 1] > top_m + margin_m)
             spacing_m = std::max(spacing_m, widest * mesh.length_m(e));
     return spacing_m;
 }
