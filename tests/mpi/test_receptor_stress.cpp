@@ -23,7 +23,15 @@ Case small_case(double contrast) {
 } // namespace
 
 TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]") {
-    const Case c = small_case(GENERATE(1.0, 16.0));
+    Case c = small_case(GENERATE(1.0, 16.0));
+    SECTION("with or without an elastic body") {}
+    SECTION("above a rigid lump across the periodic edge") {
+        c.scene().medium.bodies.push_back({.name = "lump",
+                                           .shape = Ellipsoid{{3e-3, 2.5e-3, 0.7e-3}},
+                                           .centre_m = {-8.3e-3, -6.1e-3, 3e-3},
+                                           .density_kg_m3 = 1900.0,
+                                           .rigid = true});
+    }
     const Comm world = Comm::world();
     test::StressStore together;
     engines::make_engine(c.solver)->run(c, world, together);

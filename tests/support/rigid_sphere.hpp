@@ -2,9 +2,11 @@
 #pragma once
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
+#include "engines/spectral/receptor_stress.hpp"
 #include "support/displacement_at.hpp"
 #include "support/growing_motion.hpp"
 #include "support/spectral_cases.hpp"
+#include "support/stress_store.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -106,6 +108,54 @@ public:
     }
     /// The displacement [m] of the solid at offsets from the centre due to forces at the markers.
     std::vector<Vec3> field(const std::vector<double>& forces, const std::vector<Vec3>& offsets) {
+        const fft::AlignedVector<Block> all = displacement(forces);
+        std::vector<Vec3> displacements;
+        for (const Vec3& offset : offsets)
+            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
+                                                    centre() + offset,
+                                                    [](double, double) { return 1.0; }));
+        return displacements;
+    }
+
+    /// sigma_zz [Pa] in the plane at a height above the centre, as receptors receive it, and its
+    /// points, as offsets from the centre.
+    struct Plane {
+        std::vector<Vec3> offsets;
+        std::vector<double> sigma_zz_Pa;
+    };
+    /// The planes at which stress() evaluates the stress.
+    void set_heights(const std::vector<double>& heights_m) {
+        heights_m_ = heights_m;
+        std::vector<double> depths_m;
+        for (const double height_m : heights_m)
+            depths_m.push_back(centre().z - height_m);
+        const Comm alone = Comm::world().split(Comm::world().rank());
+        receptors_.emplace(case_, depths_m, mesh_, *slabs_, 1.0, alone, &*bodies_);
+    }
+    std::vector<Plane> stress(const std::vector<double>& forces) {
+        const fft::AlignedVector<Block> u = displacement(forces);
+        StressStore store;
+        store.begin({.x_start = 0, .x_count = case_.domain.nx});
+        receptors_->remember(u.data());
+        receptors_->give({u.data(), u.data()}, forces, 0, store);
+        std::vector<Plane> planes;
+        for (std::size_t n = 0; n < heights_m_.size(); ++n) {
+            Plane& plane = planes.emplace_back(std::vector<Vec3>{}, store.at(0, n));
+            for (double& value : plane.sigma_zz_Pa)
+                value = -value;
+            for (std::ptrdiff_t i = 0; i < case_.domain.nx; ++i)
+                for (std::ptrdiff_t j = 0; j < case_.domain.ny; ++j)
+                    plane.offsets.push_back({case_.domain.x_m(i) - centre().x,
+                                             case_.domain.y_m(j) - centre().y, -heights_m_[n]});
+        }
+        return planes;
+    }
+    double area_m2() const { return case_.domain.extent_x_m() * case_.domain.extent_y_m(); }
+    double spacing_m() const { return case_.domain.spacing_m; }
+
+private:
+    /// The pencils of the displacement due to forces at the markers.
+    fft::AlignedVector<Block> displacement(const std::vector<double>& forces) {
         bodies_->exert(forces);
         const std::ptrdiff_t size = operator_->unknowns() * spectral::parts;
         fft::AlignedVector<Block> all(static_cast<std::size_t>(vectors_->pencils() * size));
@@ -118,15 +168,8 @@ public:
                 solve(row, block, pencil);
             }
         }
-        std::vector<Vec3> displacements;
-        for (const Vec3& offset : offsets)
-            displacements.push_back(displacement_at(case_.domain, mesh_, *vectors_, all.data(),
-                                                    centre() + offset,
-                                                    [](double, double) { return 1.0; }));
-        return displacements;
+        return all;
     }
-
-private:
     Vec3 centre() const { return case_.scene().medium.bodies[0].centre_m; }
     void solve(std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) const {
         operator_->solve_implicit(factors_.data() +
@@ -142,6 +185,8 @@ private:
     std::optional<spectral::VerticalOperator> operator_;
     fft::AlignedVector<Block> factors_;
     std::optional<spectral::LumpBodies> bodies_;
+    std::vector<double> heights_m_;
+    std::optional<spectral::ReceptorStress> receptors_;
 };
 
 /// Force per displacement, radius and mu on a rigid sphere full of background: Stokes (1851) and

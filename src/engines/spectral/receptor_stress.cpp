@@ -71,14 +71,15 @@ void add_scaled(double factor, const Times& more, Times& to) {
 
 } // namespace
 
-ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh,
-                               const fft::SlabTransform& slabs, double step_s, const Comm& team)
+ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
+                               const fft::SlabTransform& slabs, double step_s, const Comm& team,
+                               const LumpBodies* lumps)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
-      depths_(stress_depths_m(c).size()), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
+      depths_m_(std::move(depths_m)), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
     if (!wanted()) return;
     together(team, [&] {
-        for (std::size_t depth = 0; depth < depths_; ++depth) {
-            const double depth_m = stress_depths_m(c)[depth];
+        for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
+            const double depth_m = depths_m_[depth];
             const auto elements = elements_at(mesh_, depth_m);
             for (const std::size_t element : elements)
                 add_parts(depth, depth_m, element, 1.0 / static_cast<double>(elements.size()));
@@ -87,6 +88,8 @@ ReceptorStress::ReceptorStress(const Case& c, const DepthMesh& mesh,
         plane_.resize(plane);
         compression_.resize(plane);
         kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
+        if (lumps)
+            near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), depths_m_);
     });
 }
 
@@ -162,31 +165,31 @@ void ReceptorStress::each_pencil(const Part& part, Use use) {
         }
 }
 
-void ReceptorStress::remember(const Stepper& stepper) {
+void ReceptorStress::remember(const Block* before) {
     const engines::Timed timed(kinds::of_felt);
     for (const Part& part : parts_)
-        each_pencil(
-            part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
-                std::fill_n(kept, parts, Block{});
-                add(part, 0, vectors_.waves(row, block).k, stepper.before().data() + at, kept);
-            });
+        each_pencil(part,
+                    [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
+                        std::fill_n(kept, parts, Block{});
+                        add(part, 0, vectors_.waves(row, block).k, before + at, kept);
+                    });
 }
 
-void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame,
-                          engines::Observer& observer) {
+void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
+                          std::ptrdiff_t frame, engines::Observer& observer) {
     const engines::Timed timed(kinds::of_felt);
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
     const LineKernels& lines = simd::kernels<LineKernels>();
-    for (std::size_t depth = 0; depth < depths_; ++depth) {
+    for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
         std::fill(compression_.begin(), compression_.end(), 0.0);
         for (const Part& part : parts_) {
             if (part.depth != depth) continue;
             each_pencil(part, [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at,
                                   Block* value) {
                 const WaveBlock waves = vectors_.waves(row, block);
-                add(part, 1, waves.k, stepper.before().data() + at, value);
-                add(part, 2, waves.k, stepper.now().data() + at, value);
+                add(part, 1, waves.k, steps.before + at, value);
+                add(part, 2, waves.k, steps.now + at, value);
                 lines.put(waves, {}, value, plane_.data() + 2 * row * vectors_.nx());
             });
             vectors_.clear_nyquist(plane_.data());
@@ -200,6 +203,7 @@ void ReceptorStress::give(const Stepper& stepper, std::ptrdiff_t frame,
                                  : part.factors[static_cast<std::size_t>(i * ny + j)] * from[j];
             }
         }
+        if (near_) near_->add_zz(depth, forces, -1.0, compression_.data());
         observer.stress({.number = frame,
                          .depth = depth,
                          .compression_Pa = View2<const double>(compression_.data(), slab.x_count,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/spectral/bodies/near_stress.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include <array>
@@ -14,21 +15,30 @@ namespace shearwake::spectral {
 /// step before, at and after the frame. Each wave vector contributes sums over the element that
 /// contains the depth, followed by one transform per depth. If the medium varies laterally within
 /// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed. At
-/// an element boundary the result is the mean of both sides.
+/// an element boundary the result is the mean of both sides. Around lumps, the error of the forces
+/// at their markers is corrected (NearStress).
 class ReceptorStress {
 public:
-    /// Allocates memory only if the case requests the stress. Throws CaseFailure on all ranks
-    /// together. Collective.
-    ReceptorStress(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                   double step_s, const Comm& team);
+    /// The pencils of the displacement at two consecutive steps, row by row.
+    struct Steps {
+        const Block *before, *now;
+    };
 
-    /// Whether the case requests the stress.
-    bool wanted() const { return depths_ > 0; }
-    /// Saves what the next step overwrites; to be called before the step that follows a frame. Not
-    /// collective.
-    void remember(const Stepper& stepper);
-    /// Passes the stress at `frame` to the observer; to be called after that step. Collective.
-    void give(const Stepper& stepper, std::ptrdiff_t frame, engines::Observer& observer);
+    /// For these depths; allocates memory only if there are any. `lumps` may be null; the bodies
+    /// must outlive this object. Throws CaseFailure on all ranks together. Collective.
+    ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
+                   const fft::SlabTransform& slabs, double step_s, const Comm& team,
+                   const LumpBodies* lumps);
+
+    /// Whether there are any depths.
+    bool wanted() const { return !depths_m_.empty(); }
+    /// Saves what the next step overwrites; to be called with the displacement `before` the step
+    /// that ends at a frame. Not collective.
+    void remember(const Block* before);
+    /// Passes the stress at `frame` to the observer, for the displacement at the frame and after
+    /// the next step, and the forces [N] at the markers of the lumps in this step. Collective.
+    void give(const Steps& steps, const std::vector<double>& forces, std::ptrdiff_t frame,
+              engines::Observer& observer);
     /// Number of planes that are transformed per frame, as far as it follows from the case.
     static double planes(const Case& c, const DepthMesh& mesh);
 
@@ -54,11 +64,12 @@ private:
     const fft::SlabTransform& slabs_;
     double step_s_;
     WaveVectors vectors_;
-    std::size_t depths_;
+    std::vector<double> depths_m_;
     std::ptrdiff_t levels_; // number of moving levels
     std::vector<Part> parts_;
     fft::AlignedVector<Block> kept_; // contribution of the step before the frame, for each part
     fft::AlignedVector<double> plane_, compression_;
+    std::optional<NearStress> near_; // if there are lumps
 };
 
 } // namespace shearwake::spectral

@@ -2,6 +2,7 @@
 #include "engines/spectral/spectral_estimate.hpp"
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
+#include "engines/spectral/bodies/near_stress.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
@@ -120,7 +121,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
     if (rigid)
         memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks) +
-                        lump_memory_B(c, mesh, ranks);
+                        lump_memory_B(c, mesh, ranks) + near_stress_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));

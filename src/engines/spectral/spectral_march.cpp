@@ -15,7 +15,8 @@ SpectralMarch::SpectralMarch(const Case& c, const DepthMesh& mesh, const fft::Sl
     : case_(c), layers_(without_rigid_bodies(c)), slabs_(slabs), per_frame_(time.per_frame),
       stepper_(c, mesh, slabs, time.step_s, team), inside_(c, slabs.share()),
       tensors_(layers_, mesh, slabs, time.step_s, team),
-      receptors_(layers_, mesh, slabs, time.step_s, team) {
+      receptors_(layers_, stress_depths_m(c), mesh, slabs, time.step_s, team,
+                 stepper_.bodies().as_lumps()) {
     for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
         levels_m_.push_back(mesh.z_m(level));
     together(team, [&] { plane_.resize(static_cast<std::size_t>(slabs.share().reals)); });
@@ -32,7 +33,7 @@ void SpectralMarch::advance() {
     if (receptors_.wanted() && began > 0 && began % per_frame_ == 0)
         remembered_frame_ = began / per_frame_ - 1;
     if (remembered_snapshot_) tensors_.remember(stepper_);
-    if (remembered_frame_) receptors_.remember(stepper_);
+    if (remembered_frame_) receptors_.remember(stepper_.before().data());
     stepper_.advance();
 }
 
@@ -49,7 +50,9 @@ void SpectralMarch::give(engines::Observer& observer) {
 /// Passes the output that refers to the start of the last step.
 void SpectralMarch::give_earlier(engines::Observer& observer) {
     if (remembered_snapshot_) tensors_.give(stepper_, inside_, *remembered_snapshot_, observer);
-    if (remembered_frame_) receptors_.give(stepper_, *remembered_frame_, observer);
+    if (remembered_frame_)
+        receptors_.give({stepper_.before().data(), stepper_.now().data()},
+                        stepper_.bodies().step_forces(), *remembered_frame_, observer);
     remembered_snapshot_.reset();
     remembered_frame_.reset();
 }

@@ -195,6 +195,7 @@ void LumpBodies::solve(const std::vector<double>& target, double scale) {
     std::vector<double> forces = inverse_.multiply(lack);
     move(lack.data(), forces.data());
     exert(forces);
+    set_forces(std::move(forces));
 }
 
 void LumpBodies::exert(const std::vector<double>& forces) {

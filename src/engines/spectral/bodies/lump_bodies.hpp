@@ -46,6 +46,8 @@ public:
     std::vector<RigidMotion> motions() const override;
     double memory_B() const override;
 
+    const LumpBodies* as_lumps() const override { return this; }
+    const std::vector<Body>& lumps() const { return bodies(); }
     const std::vector<Marker>& markers() const { return markers_; }
     /// Forces [N], [marker][x, y, z], for such displacements [m] of all markers. Collective.
     std::vector<double> forces(const std::vector<double>& displacement) const {

@@ -14,6 +14,8 @@
 
 namespace shearwake::spectral {
 
+class LumpBodies;
+
 /// The displacement of a rigid body: of its centre, and a small rotation about it.
 struct RigidMotion {
     Vec3 shift_m, turn;
@@ -73,6 +75,11 @@ public:
     /// negative to the previous one. Not collective.
     void add_to_next(double scale);
     void add_impulse();
+    /// The forces [N] of the last step, in the order in which solve() returns them. They balance
+    /// the stress at the start of the step. Empty if the bodies do not provide them.
+    const std::vector<double>& step_forces() const { return step_forces_; }
+    /// The bodies themselves if they are lumps, or null.
+    virtual const LumpBodies* as_lumps() const { return nullptr; }
     /// The next position becomes the current one. Not collective.
     void end_step() { now_.swap(before_); }
 
@@ -108,9 +115,10 @@ protected:
     void move(const double* lack, double* forces);
     /// The acceleration of all ranks is that of the root. Collective.
     void share_acceleration() { team_.broadcast(acceleration_); }
-    /// Replaces the displacements of the markers by the forces that move them to `target`.
-    /// Collective.
+    /// Replaces the displacements of the markers by the forces that move them to `target`, and
+    /// passes these to set_forces() if they are available on this rank. Collective.
     virtual void solve(const std::vector<double>& target, double scale) = 0;
+    void set_forces(std::vector<double> forces) { forces_ = std::move(forces); }
 
 private:
     DistributedRows state_rows() const;
@@ -121,8 +129,9 @@ private:
     double step_s_, per_area_ = 0.0;
     std::size_t freedoms_; // of one body
     std::vector<double> now_, before_, acceleration_;
-    std::vector<std::size_t> free_; // degrees of freedom that are not held
-    std::vector<double> mass_;      // of the free ones, [row][column]
+    std::vector<double> forces_, step_forces_; // of the last solve, and of all in the last step
+    std::vector<std::size_t> free_;            // degrees of freedom that are not held
+    std::vector<double> mass_;                 // of the free ones, [row][column]
     /// With K = M/dt^2 + R' G^-1 R: G^-1 R and K^-1 of the free degrees of freedom.
     std::vector<double> per_freedom_, mobility_;
 };

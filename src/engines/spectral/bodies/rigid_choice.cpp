@@ -21,6 +21,11 @@ constexpr int overlap_samples = 24;
 /// and a step takes longer than one with an elastic body.
 constexpr std::size_t most_markers = 2000;
 
+bool has_edges(const Body& body) {
+    const auto* cylinder = std::get_if<Cylinder>(&body.shape);
+    return std::holds_alternative<Box>(body.shape) || (cylinder && !cylinder->is_endless());
+}
+
 bool spans(double centre_m, double size_m, double extent_m) {
     const double most_m = 0.5 * extent_m * (1.0 - 1e-9);
     return centre_m - 0.5 * size_m <= -most_m && centre_m + 0.5 * size_m >= most_m;
@@ -231,18 +236,19 @@ std::vector<Remark> receptors_near_lumps(const Case& c) {
     std::vector<Remark> warnings;
     if (lump_bodies(c).empty()) return warnings;
     const std::vector<Body>& bodies = c.scene().medium.bodies;
-    const double near_m = near_lump * c.domain.spacing_m;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid || !has_markers(bodies[i], c.scene().medium, c.domain)) continue;
         const Bounds box = bounds(bodies[i]);
+        const double spacings = has_edges(bodies[i]) ? near_edges : near_lump,
+                     near_m = spacings * c.domain.spacing_m;
         for (const double depth_m : stress_depths_m(c)) {
             if (depth_m < box.low_m.z - near_m || depth_m > box.high_m.z + near_m) continue;
             warnings.push_back(
                 {Severity::warning, fmt::format("medium.body[{}].rigid", i + 1),
                  fmt::format(
-                     "receptors at a depth of {:.3g} mm may lie within {:.3g} grid spacings "
-                     "of this body, where their stress is in error by 8 to 40 %",
-                     1e3 * depth_m, near_lump)});
+                     "receptors at a depth of {:.3g} mm may lie inside this body or within {:.3g} "
+                     "grid spacings of it, where their stress is not accurate",
+                     1e3 * depth_m, spacings)});
             break;
         }
     }

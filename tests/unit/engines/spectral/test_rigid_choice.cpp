@@ -132,16 +132,25 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     }
 }
 
-TEST_CASE("receptors of stress close to a rigid lump are reported", "[rigid_choice]") {
+TEST_CASE("receptors of stress that may lie inside a rigid lump are reported", "[rigid_choice]") {
     Case c = bone_case(); // spacing 1 mm, receptors down to 2 mm
     Body& bone = c.scene().medium.bodies[0];
     bone.rigid = true;
     bone.shape = Ellipsoid{{5e-3, 5e-3, 2e-3}};
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
-    bone.centre_m.z = 7.5e-3; // its top is 3.5 mm below the deepest receptors
+    bone.centre_m.z = 4.5e-3; // its top is 0.5 mm below the deepest receptors
     CHECK(spectral::receptors_near_lumps(c).empty());
-    bone.centre_m.z = 6.5e-3;
+    SECTION("from further away if it has edges") {
+        bone.shape = Cylinder{.radius_m = 2e-3, .length_m = 5e-3};
+        CHECK(spectral::receptors_near_lumps(c).size() == 1);
+        bone.shape = Box{{5e-3, 5e-3, 4e-3}};
+        CHECK(spectral::receptors_near_lumps(c).size() == 1);
+        bone.centre_m.z = 5.7e-3; // 1.7 spacings
+        CHECK(spectral::receptors_near_lumps(c).empty());
+    }
+    bone.shape = Ellipsoid{{5e-3, 5e-3, 2e-3}};
+    bone.centre_m.z = 3.5e-3;
     REQUIRE(spectral::receptors_near_lumps(c).size() == 1);
     CHECK(spectral::receptors_near_lumps(c)[0].severity == Severity::warning);
     SECTION("but not to a body across the domain") {
