@@ -38,7 +38,15 @@ TEST_CASE("volumes are unchanged when a run stops at or near a snapshot", "[mpi]
 }
 
 TEST_CASE("strain and stress volumes are identical on any number of ranks", "[mpi]") {
-    const Case c = small_case(GENERATE(1.0, 16.0));
+    Case c = small_case(GENERATE(1.0, 16.0));
+    SECTION("with or without an elastic body") {}
+    SECTION("around a rigid lump across the periodic edge") {
+        c.scene().medium.bodies.push_back({.name = "lump",
+                                           .shape = Ellipsoid{{3e-3, 2.5e-3, 0.7e-3}},
+                                           .centre_m = {-8.3e-3, -6.1e-3, 3e-3},
+                                           .density_kg_m3 = 1900.0,
+                                           .rigid = true});
+    }
     const Comm world = Comm::world();
     test::VolumeStore together, alone;
     engines::make_engine(c.solver)->run(c, world, together);

@@ -140,7 +140,8 @@ public:
         receptors_->give({u.data(), u.data()}, forces, 0, store);
         std::vector<Plane> planes;
         for (std::size_t n = 0; n < heights_m_.size(); ++n) {
-            Plane& plane = planes.emplace_back(std::vector<Vec3>{}, store.at(0, n));
+            planes.push_back({{}, store.at(0, n)});
+            Plane& plane = planes.back();
             for (double& value : plane.sigma_zz_Pa)
                 value = -value;
             for (std::ptrdiff_t i = 0; i < case_.domain.nx; ++i)
@@ -149,6 +150,36 @@ public:
                                              case_.domain.y_m(j) - centre().y, -heights_m_[n]});
         }
         return planes;
+    }
+    /// The correction of volumes in the planes of set_heights(), that of sigma_zz also as receptors
+    /// receive it.
+    struct Correction {
+        Vec3 offset_m; // from the centre
+        spectral::Stress stress_Pa;
+        double of_receptor_Pa;
+    };
+    std::vector<Correction> corrections(const std::vector<double>& forces) const {
+        std::vector<double> depths_m;
+        for (const double height_m : heights_m_)
+            depths_m.push_back(centre().z - height_m);
+        const fft::SlabShare& share = slabs_->share();
+        spectral::NearStress near(*bodies_, case_.scene().medium, case_.domain, mesh_, share,
+                                  depths_m);
+        near.prepare_zz();
+        std::vector<Correction> all;
+        for (std::size_t n = 0; n < depths_m.size(); ++n) {
+            std::vector<double> plane(static_cast<std::size_t>(share.reals), 0.0);
+            near.add_zz(n, forces, 1.0, plane.data());
+            for (const auto& [place, stress_Pa] : near.corrections(n, forces)) {
+                const auto at = static_cast<std::ptrdiff_t>(place);
+                all.push_back(
+                    {{case_.domain.x_m(at / share.padded_ny) - centre().x,
+                      case_.domain.y_m(at % share.padded_ny) - centre().y, -heights_m_[n]},
+                     stress_Pa,
+                     plane[place]});
+            }
+        }
+        return all;
     }
     double area_m2() const { return case_.domain.extent_x_m() * case_.domain.extent_y_m(); }
     double spacing_m() const { return case_.domain.spacing_m; }

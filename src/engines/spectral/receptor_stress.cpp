@@ -88,8 +88,9 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         plane_.resize(plane);
         compression_.resize(plane);
         kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
-        if (lumps)
-            near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), depths_m_);
+        if (!lumps) return;
+        near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), depths_m_);
+        near_->prepare_zz();
     });
 }
 

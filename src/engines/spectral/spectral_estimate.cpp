@@ -136,6 +136,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .felt = ReceptorStress::planes(layers, mesh),
               .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
               .lumps = lump_sizes(c, mesh),
+              .near_pairs = rigid ? near_stress_pairs(c, mesh) : 0.0,
               .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});

@@ -24,6 +24,8 @@ constexpr double second_solve = 0.7;
 /// Time of the solves for a column of the matrices of a box, relative to those of an iteration on
 /// the plane (box_response.cpp).
 constexpr double column_cost = 2.0 / 3.0;
+/// Time for the stress of one force at one point, relative to that of a point of a volume.
+constexpr double pair_cost = 1.0;
 /// Points of a window whose sums take as long as the other work on a line.
 constexpr double window_overhead = 24.0;
 
@@ -139,6 +141,7 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     const double snapshots = static_cast<double>(c.record.volumes_s.size());
     for (const VolumeField field : c.record.volume_fields)
         add(field == VolumeField::u ? of_displacement : of_tensor, snapshots * m.levels * points);
+    add(of_tensor, pair_cost * snapshots * m.near_pairs);
     add(of_felt, points * frames * m.felt);
 }
 

@@ -25,7 +25,7 @@ std::vector<double> smoothing_of(const GaussLobatto& rule) {
 } // namespace
 
 TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                             double step_s, const Comm& team)
+                             double step_s, const Comm& team, const LumpBodies* lumps)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), team_(team),
       vectors_(c.domain, slabs.share()),
       wanted_(!c.record.volumes_s.empty() &&
@@ -41,6 +41,11 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         pressure_.assign(mesh.rule.nodes.size() * plane, 0.0);
         pencil_.assign(pencil, Block{});
         earlier_.assign(static_cast<std::size_t>(vectors_.pencils()) * pencil, Block{});
+        std::vector<double> levels_m;
+        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
+            levels_m.push_back(mesh.z_m(level));
+        if (lumps)
+            near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), levels_m);
     });
 }
 
@@ -211,7 +216,25 @@ void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std
             find_strain(stepper, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // the adjacent element follows
+            if (near_) together(team_, [&] { correct(stepper, {element, node}); });
             give_level(inside, snapshot, level, observer);
+        }
+    }
+}
+
+/// The strain changes as that of an elastic solid by Hooke's law.
+void TensorVolumes::correct(const Stepper& stepper, const StrainPoint& point) {
+    const std::size_t level = point.element * static_cast<std::size_t>(mesh_.degree) +
+                              static_cast<std::size_t>(point.node);
+    const Material m = material_of(case_.scene().medium.layers[mesh_.layers[point.element]]);
+    const double of_trace = m.lambda_Pa / (3.0 * m.lambda_Pa + 2.0 * m.mu_Pa);
+    for (const auto& [place, more_Pa] : near_->corrections(level, stepper.bodies().step_forces())) {
+        const double trace_Pa = more_Pa[xx] + more_Pa[yy] + more_Pa[zz];
+        for (int c = 0; c < strain_components; ++c) {
+            const double stress_Pa = more_Pa[static_cast<std::size_t>(c)];
+            plane(stress_, c)[place] += stress_Pa;
+            plane(strain_, c)[place] +=
+                (stress_Pa - (c < yz ? of_trace * trace_Pa : 0.0)) / (2.0 * m.mu_Pa);
         }
     }
 }

@@ -194,21 +194,24 @@ RadialStress mean_stress(double below_m, double lambda_per_mu) {
 
 } // namespace
 
-ForceStress kelvin_stress(Vec3 r_m, double lambda_per_mu) {
+Stress kelvin_stress(Vec3 r_m, double lambda_per_mu, Vec3 force_N) {
     const double nu = 0.5 * lambda_per_mu / (lambda_per_mu + 1.0);
     const double r = norm(r_m), scale = -1.0 / (8.0 * std::numbers::pi * (1.0 - nu) * r * r);
-    const double n[3] = {r_m.x / r, r_m.y / r, r_m.z / r};
-    constexpr std::size_t pair[strain_components][2] = {{0, 0}, {1, 1}, {2, 2},
-                                                        {1, 2}, {0, 2}, {0, 1}};
-    ForceStress all;
-    for (std::size_t f = 0; f < 3; ++f)
-        for (std::size_t c = 0; c < strain_components; ++c) {
-            const auto [i, j] = pair[c];
-            const double shear =
-                (i == f ? n[j] : 0.0) + (j == f ? n[i] : 0.0) - (i == j ? n[f] : 0.0);
-            all[f][c] = scale * ((1.0 - 2.0 * nu) * shear + 3.0 * n[i] * n[j] * n[f]);
-        }
-    return all;
+    const Vec3 n = (1.0 / r) * r_m, f = force_N;
+    const double along = n.x * f.x + n.y * f.y + n.z * f.z;
+    const double shear = scale * (1.0 - 2.0 * nu), all = 3.0 * scale * along;
+    return {shear * (2.0 * f.x * n.x - along) + all * n.x * n.x,
+            shear * (2.0 * f.y * n.y - along) + all * n.y * n.y,
+            shear * (2.0 * f.z * n.z - along) + all * n.z * n.z,
+            shear * (f.y * n.z + f.z * n.y) + all * n.y * n.z,
+            shear * (f.x * n.z + f.z * n.x) + all * n.x * n.z,
+            shear * (f.x * n.y + f.y * n.x) + all * n.x * n.y};
+}
+
+ForceStress kelvin_stress(Vec3 r_m, double lambda_per_mu) {
+    return {kelvin_stress(r_m, lambda_per_mu, {1.0, 0.0, 0.0}),
+            kelvin_stress(r_m, lambda_per_mu, {0.0, 1.0, 0.0}),
+            kelvin_stress(r_m, lambda_per_mu, {0.0, 0.0, 1.0})};
 }
 
 GridForces::GridForces(const DepthMesh& mesh, double spacing_m, double lambda_per_mu,

@@ -18,6 +18,8 @@ using ForceStress = std::array<Stress, 3>;
 /// Kelvin's solution: the static stress [1/m^2] at `r_m` from unit forces in a solid without
 /// boundaries with this ratio lambda/mu.
 ForceStress kelvin_stress(Vec3 r_m, double lambda_per_mu);
+/// The same [Pa] from a force [N].
+Stress kelvin_stress(Vec3 r_m, double lambda_per_mu, Vec3 force_N);
 
 /// Amplitudes of the stress of one wave vector due to unit forces along it (r), across it (t) and
 /// along z, without factors i.

@@ -58,7 +58,12 @@ NearStress::NearStress(const LumpBodies& lumps, const Medium& medium, const Doma
       grid_(mesh, domain.spacing_m, lambda_per_mu_, marker_depths(lumps), depths_m_),
       rows_(depths_m_.size()) {
     for (std::size_t depth = 0; depth < depths_m_.size(); ++depth)
-        for (const Point& p : points(depth))
+        points_.push_back(find_points(depth));
+}
+
+void NearStress::prepare_zz() {
+    for (std::size_t depth = 0; depth < depths_m_.size(); ++depth)
+        for (const Point& p : points_[depth])
             rows_[depth].push_back(row(depth, p));
 }
 
@@ -92,7 +97,7 @@ bool NearStress::moves_out(Vec3& at_m) const {
     return true;
 }
 
-std::vector<NearStress::Point> NearStress::points(std::size_t depth) const {
+std::vector<NearStress::Point> NearStress::find_points(std::size_t depth) const {
     std::vector<Point> all;
     const double far_m = reach * domain_.spacing_m;
     std::vector<char> used(static_cast<std::size_t>(share_.reals), 0);
@@ -155,7 +160,7 @@ NearStress::Row NearStress::row(std::size_t depth, const Point& point) const {
     }
     Row row{point.place, {}};
     row.entries.reserve(
-        static_cast<std::size_t>(std::count(point.is_near.begin(), point.is_near.end(), 1)));
+        static_cast<std::size_t>(std::count(point.is_near.begin(), point.is_near.end(), true)));
     for (std::size_t m = 0; m < entries.size(); ++m) {
         if (!point.is_near[m]) continue;
         const ForceStress of_engine = of_grid(depth, point, m);
@@ -178,10 +183,95 @@ void NearStress::add_zz(std::size_t depth, const std::vector<double>& forces, do
     }
 }
 
+/// Adds the stress of the forces on the patches.
+void NearStress::add_patches(const Point& point, const std::vector<Vec3>& forces,
+                             Stress& sum) const {
+    for (const SurfacePatches::Point& p : patches_.points) {
+        const Vec3 r_m = between(p.at_m, point.at_m);
+        if (norm(r_m) > (marker_reach + patch_radius + 1.0) * domain_.spacing_m) continue;
+        Vec3 force_N{};
+        for (const SurfacePatches::Share& share : p.shares)
+            force_N = force_N + share.weight * forces[share.marker];
+        if (norm(force_N) == 0.0) continue; // its markers are far away
+        const Stress stress = kelvin_stress(r_m, lambda_per_mu_, force_N);
+        for (std::size_t c = 0; c < strain_components; ++c)
+            sum[c] += stress[c];
+    }
+}
+
+/// Subtracts the stress that the engine computes for the same forces.
+void NearStress::add_grid(std::size_t depth, const Point& point, const std::vector<Vec3>& forces,
+                          Stress& sum) const {
+    for (std::size_t m = 0; m < forces.size(); ++m) {
+        if (!point.is_near[m]) continue;
+        const ForceStress unit = of_grid(depth, point, m);
+        const Vec3 f = forces[m];
+        for (std::size_t c = 0; c < strain_components; ++c)
+            sum[c] -= unit[0][c] * f.x + unit[1][c] * f.y + unit[2][c] * f.z;
+    }
+}
+
+std::vector<NearStress::Correction>
+NearStress::corrections(std::size_t depth, const std::vector<double>& forces) const {
+    std::vector<Vec3> near_forces(marker_m_.size());
+    std::vector<Correction> all;
+    for (const Point& p : points_[depth]) {
+        Correction correction{p.place, {}};
+        for (std::size_t m = 0; m < near_forces.size(); ++m)
+            near_forces[m] =
+                p.is_near[m] ? Vec3{forces[3 * m], forces[3 * m + 1], forces[3 * m + 2]} : Vec3{};
+        add_patches(p, near_forces, correction.stress_Pa);
+        add_grid(depth, p, near_forces, correction.stress_Pa);
+        all.push_back(correction);
+    }
+    return all;
+}
+
+namespace {
+
+/// Points of the patches per marker.
+constexpr double points_per_marker = 10.0;
+
+bool records_tensors(const Case& c) {
+    return !c.record.volumes_s.empty() &&
+           std::any_of(c.record.volume_fields.begin(), c.record.volume_fields.end(),
+                       [](VolumeField field) { return field != VolumeField::u; });
+}
+
+/// Points of all levels of a volume that are corrected.
+double volume_points(const Case& c, const DepthMesh& mesh) {
+    const double far_m = NearStress::reach * c.domain.spacing_m;
+    double points = 0.0;
+    for (const Body& body : lump_bodies(c)) {
+        const Bounds box = bounds(lump_in(body, c.domain));
+        const Vec3 length_m = box.high_m - box.low_m + Vec3{2 * far_m, 2 * far_m, 2 * far_m};
+        double levels = 0.0;
+        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
+            if (std::abs(mesh.z_m(level) - body.centre_m.z) < 0.5 * length_m.z) levels += 1.0;
+        // Without the body and the corners, about half of the box.
+        points += 0.5 * levels * std::min(length_m.x, c.domain.extent_x_m()) *
+                  std::min(length_m.y, c.domain.extent_y_m()) /
+                  (c.domain.spacing_m * c.domain.spacing_m);
+    }
+    return points;
+}
+
+} // namespace
+
+double near_stress_pairs(const Case& c, const DepthMesh& mesh) {
+    if (!records_tensors(c) || lump_bodies(c).empty()) return 0.0;
+    return volume_points(c, mesh) * points_per_marker * lump_sizes(c, mesh).markers;
+}
+
 double near_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const LumpSizes sizes = lump_sizes(c, mesh);
     const auto depths = static_cast<double>(stress_depths_m(c).size());
-    if (sizes.markers == 0.0 || depths == 0.0) return 0.0;
+    const double volumes_B =
+        records_tensors(c)
+            ? GridForces::memory_B(sizes.depths, static_cast<double>(mesh.clear_levels())) +
+                  volume_points(c, mesh) * (100.0 + sizes.markers / 8.0) / ranks
+            : 0.0;
+    if (sizes.markers == 0.0 || (depths == 0.0 && volumes_B == 0.0)) return 0.0;
     // Markers within marker_reach of a point: those of a surface that passes through it.
     const double near = std::min(sizes.markers, 300.0);
     const double points =
@@ -189,7 +279,7 @@ double near_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
         std::min(sizes.points_y + 2.0 * NearStress::reach, static_cast<double>(c.domain.ny));
     const double of_patch =
         3.2 * std::pow(patch_radius / patch_points, 2) * sizeof(SurfacePatches::Share);
-    return GridForces::memory_B(sizes.depths, depths) + sizes.markers * of_patch +
+    return volumes_B + GridForces::memory_B(sizes.depths, depths) + sizes.markers * of_patch +
            depths * points * near * 4.0 * sizeof(double) / ranks;
 }
 

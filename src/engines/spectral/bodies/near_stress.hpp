@@ -26,21 +26,32 @@ public:
     /// Within this distance of the surface, in spacings, stresses are corrected.
     static constexpr double reach = 5.0;
 
-    /// `lumps` must outlive this object. Not collective.
+    /// `lumps` must outlive this object. Forces have three components [N] for each marker. Not
+    /// collective.
     NearStress(const LumpBodies& lumps, const Medium& medium, const Domain& domain,
                const DepthMesh& mesh, const fft::SlabShare& share, std::vector<double> depths_m);
 
+    /// Computes the matrix of add_zz(). Not collective.
+    void prepare_zz();
     /// Adds the correction of sigma_zz [Pa] at a depth, times `factor`, to a plane
-    /// [x_count][padded_ny], for forces [N] at the markers. Not collective.
+    /// [x_count][padded_ny]. Not collective.
     void add_zz(std::size_t depth, const std::vector<double>& forces, double factor,
                 double* plane) const;
+
+    struct Correction {
+        std::size_t place; // in a plane
+        Stress stress_Pa;
+    };
+    /// The correction of the stress at all points of a depth where it does not vanish. Slower than
+    /// add_zz() for a single component, but needs no preparation. Not collective.
+    std::vector<Correction> corrections(std::size_t depth, const std::vector<double>& forces) const;
 
 private:
     struct Point {
         std::size_t place;         // in a plane
         std::ptrdiff_t x, y;       // of the grid
         Vec3 at_m;                 // moved away from the surface if it is very close
-        std::vector<char> is_near; // per marker
+        std::vector<bool> is_near; // per marker
     };
     struct Entry {
         std::size_t marker;
@@ -50,11 +61,14 @@ private:
         std::size_t place;
         std::vector<Entry> entries;
     };
-    std::vector<Point> points(std::size_t depth) const;
+    std::vector<Point> find_points(std::size_t depth) const;
     bool moves_out(Vec3& at_m) const;
     Vec3 between(Vec3 from_m, Vec3 to_m) const;
     ForceStress of_grid(std::size_t depth, const Point& point, std::size_t marker) const;
     Row row(std::size_t depth, const Point& point) const;
+    void add_patches(const Point& point, const std::vector<Vec3>& forces, Stress& sum) const;
+    void add_grid(std::size_t depth, const Point& point, const std::vector<Vec3>& forces,
+                  Stress& sum) const;
 
     const LumpBodies& lumps_;
     Domain domain_;
@@ -64,9 +78,13 @@ private:
     SurfacePatches patches_;
     std::vector<Vec3> marker_m_;
     GridForces grid_;
-    std::vector<std::vector<Row>> rows_; // per depth; the points of this rank
+    std::vector<std::vector<Point>> points_; // per depth
+    std::vector<std::vector<Row>> rows_; // per depth; the points of this rank, after prepare_zz()
 };
 
+/// Number of pairs of points and points of patches in the corrections of one volume. Not
+/// collective.
+double near_stress_pairs(const Case& c, const DepthMesh& mesh);
 /// Memory of the corrections of a case on the rank that needs most, in bytes. Not collective.
 double near_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks);
 
