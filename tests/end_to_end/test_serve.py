@@ -11,7 +11,7 @@ from program import ProgramTest, case_files
 from serving import Server, one
 
 RECEPTORS = '[afferents]\nwhere = "grid"\nextent_mm = [16.0, 8.0]\npitch_mm = 8.0\nclasses = ["RA"]\n'
-LARGE = one().replace("48.0]", "600.0]").replace("64.0,", "600.0,")  # 160 000 points
+LARGE = one().replace("48.0]", "1200.0]").replace("64.0,", "1200.0,")  # 640 000 points
 
 
 def columns(message):
@@ -39,7 +39,10 @@ class Serve(ProgramTest):
             if not numpy.isfinite(value):
                 self.assertIsNone(found[name], name)
             else:  # the same arithmetic; only the order of sums over ranks may differ
-                self.assertLessEqual(abs(found[name] - value), 1e-9 * max(abs(value), 1e-30), name)
+                # At the instant of the reading the waves have left: IPR is 1e-7 of its value in the period, and rounding
+                # errors of transforms, 1e-16 of that value, are 1.3e-9 of it.
+                limit = 1e-8 if name.startswith("ipr_at") else 1e-9
+                self.assertLessEqual(abs(found[name] - value), limit * max(abs(value), 1e-30), name)
         # Frames have single precision, whose relative error is 6e-8.
         self.assertLessEqual(numpy.abs(arrays["u_z"] - frames).max(), 1e-7 * numpy.abs(frames).max())
         if spikes is not None:
