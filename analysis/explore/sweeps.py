@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the sweeps that the page starts, one at a time."""
 import asyncio
+import itertools
 import math
 import os
 import re
@@ -39,6 +40,12 @@ def clean(value):
     """The number, or None for a cell without a value, which JSON cannot express."""
     number = float(value)
     return number if math.isfinite(number) else None
+
+
+def unused(folder, name):
+    """The name, followed by a number if this folder contains it: two sweeps can start within a second."""
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(new for new in names if not (Path(folder) / new).exists())
 
 
 class Sweeps:
@@ -84,7 +91,7 @@ class Sweeps:
 
     def run(self, job, key, values, progress):
         """Runs the sweep in an output folder of its own and returns its table."""
-        name = time.strftime("explore-%Y%m%d-%H%M%S")
+        name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
         with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
             tables = shearwake.Job(job + "\n").tables
             for other in OTHER_CASES:

@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import socket
+import time
 import unittest
 from pathlib import Path
 
@@ -204,6 +205,22 @@ class Explore(InFolder):
         (first, second) = message["rows"]
         self.assertAlmostEqual(second[peak] / first[peak], 2.0, places=6)  # tables have nine digits
         self.assertTrue((Path(message["folder"]) / "plan.json").is_file())
+
+    def test_a_sweep_uses_a_new_folder(self):
+        async def talk(ws):
+            await ws.send_str(json.dumps({"type": "compute", "id": 1, "job": one()}))
+            self.assertEqual((await self.answer(ws, 1))[0]["type"], "result")
+            for later_s in range(120):  # as if sweeps had been started in each of these seconds
+                name = time.strftime("explore-%Y%m%d-%H%M%S", time.localtime(time.time() + later_s))
+                (Path(self.folder) / name).mkdir(exist_ok=True)
+            await ws.send_str(json.dumps({"type": "sweep", "id": 2, "job": one(), "key": "load.peak_Pa", "values": [50, 100]}))
+            while True:
+                message, _ = await self.answer(ws, 2)
+                if message.get("state") != "running":
+                    return message
+        message = self.connected(talk)
+        self.assertEqual(message["state"], "done", message)
+        self.assertRegex(message["folder"], r"explore-\d{8}-\d{6}-\d+$")
 
     def test_a_sweep_ignores_tables_that_add_cases(self):
         async def talk(ws):
