@@ -7,6 +7,7 @@
 #include "case/vibrometer.hpp"
 #include "case/volume.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -223,6 +224,12 @@ struct RecordOptions {
     std::vector<VolumeField> volume_fields; // without duplicates; empty without volumes
     bool operator==(const RecordOptions&) const = default;
 };
+
+/// Whether volumes of strain or stress are requested.
+inline bool records_tensors(const RecordOptions& record) {
+    return std::ranges::any_of(record.volume_fields,
+                               [](VolumeField field) { return field != VolumeField::u; });
+}
 
 template <class Walk, Is<RecordOptions> Options>
 void walk_fields(Walk& walk, Options& o) {

@@ -47,6 +47,17 @@ TEST_CASE("strain and stress volumes are identical on any number of ranks", "[mp
                                            .density_kg_m3 = 1900.0,
                                            .rigid = true});
     }
+    SECTION("around a rigid cylinder across the domain") {
+        // Across the periodic edge; without the elastic body.
+        const double azimuth_deg = GENERATE(0.0, 90.0);
+        c = small_case(1.0);
+        c.scene().medium.bodies.push_back(
+            {.name = "cylinder",
+             .shape = Cylinder{.radius_m = 1.2e-3, .azimuth_deg = azimuth_deg},
+             .centre_m = {-8.3e-3, -6.1e-3, 3e-3},
+             .density_kg_m3 = 1900.0,
+             .rigid = true});
+    }
     const Comm world = Comm::world();
     test::VolumeStore together, alone;
     engines::make_engine(c.solver)->run(c, world, together);

@@ -163,14 +163,15 @@ public:
         for (const double height_m : heights_m_)
             depths_m.push_back(centre().z - height_m);
         const fft::SlabShare& share = slabs_->share();
-        spectral::NearStress near(*bodies_, case_.scene().medium, case_.domain, mesh_, share,
-                                  depths_m);
-        near.prepare_zz();
+        const auto near =
+            spectral::stress_correction(*bodies_, case_.scene().medium, case_.domain, mesh_, share,
+                                        depths_m, spectral::Corrected::zz);
+        near->take(forces);
         std::vector<Correction> all;
         for (std::size_t n = 0; n < depths_m.size(); ++n) {
             std::vector<double> plane(static_cast<std::size_t>(share.reals), 0.0);
-            near.add_zz(n, forces, 1.0, plane.data());
-            for (const auto& [place, stress_Pa] : near.corrections(n, forces)) {
+            near->add_zz(n, 1.0, plane.data());
+            for (const auto& [place, stress_Pa] : near->changes(n)) {
                 const auto at = static_cast<std::ptrdiff_t>(place);
                 all.push_back(
                     {{case_.domain.x_m(at / share.padded_ny) - centre().x,

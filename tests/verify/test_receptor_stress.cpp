@@ -111,6 +111,14 @@ TEST_CASE("receptor stress equals the stress volumes at the same depth", "[verif
         c.scene().medium.bodies[0].centre_m.z = 3.6e-3; // its top is at 2.1 mm
         c.scene().medium.bodies[0].rigid = true;
     }
+    SECTION("just above a rigid cylinder across the domain") {
+        c.scene().medium.bodies = {
+            {.name = "cylinder",
+             .shape = Cylinder{.radius_m = 1.5e-3, .azimuth_deg = GENERATE(0.0, 90.0)},
+             .centre_m = {1e-3, -1e-3, 3.6e-3},
+             .density_kg_m3 = 1900.0,
+             .rigid = true}};
+    }
     c.time.frames = 10;
     c.record.volumes_s = {c.time.frame_s(9)};
     c.record.volume_fields = {VolumeField::stress};

@@ -2,12 +2,8 @@
 // Rigid cylinders in engine "spectral" compared with closed forms: the forces that move one, and
 // the scattering of a shear wave. Both are evaluated at real exponential growth e^{st} instead of
 // e^{i omega t}, where the engine's implicit operator is that of a viscoelastic medium.
-#include "engines/spectral/bodies/endless_systems.hpp"
-#include "engines/spectral/bodies/section_markers.hpp"
-#include "support/growing_motion.hpp"
-#include "support/spectral_cases.hpp"
+#include "support/rigid_cylinder.hpp"
 
-#include <Eigen/Dense>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -16,85 +12,12 @@ using namespace shearwake;
 
 namespace {
 
+using test::bessel_i;
+using test::bessel_k;
 using test::body_radius_m;
+using test::RigidCylinder;
 using test::solid_mu_Pa;
 constexpr double pi = std::numbers::pi;
-
-double bessel_i(int n, double x) {
-    return std::cyl_bessel_i(static_cast<double>(n), x);
-}
-double bessel_k(int n, double x) {
-    return std::cyl_bessel_k(static_cast<double>(n), x);
-}
-
-/// The forces at the markers of a cylinder along y in the middle of a large domain, for motion
-/// that is constant along the axis.
-class Cylinder2D {
-public:
-    /// kappa = s radius/c_s for growth e^{st}.
-    Cylinder2D(double spacings_per_radius, double kappa) {
-        const double spacing_m = body_radius_m / spacings_per_radius;
-        const auto nx = 2 * std::lround(0.5 * 20.0 * spacings_per_radius);
-        Case c = test::small_tissue();
-        Layer layer = test::tissue(1500.0, 0.0);
-        layer.thickness_m = 20.0 * body_radius_m;
-        c.scene().medium = {{layer}, Base::rigid};
-        c.scene().medium.bodies = {
-            {.name = "cylinder",
-             .shape = Cylinder{.radius_m = body_radius_m, .azimuth_deg = 90.0},
-             .centre_m = {0.2 * spacing_m, 0.0, 10.0 * body_radius_m},
-             .rigid = true}};
-        c.domain = {nx, 4, spacing_m, 0.0};
-        const SpectralOptions options{.time_step_s = 1e-3,
-                                      .longest_element_m = 2.0 * body_radius_m};
-        c.solver = options;
-        const Comm alone = Comm::world().split(Comm::world().rank());
-        const fft::SlabTransform slabs(c.domain.nx, c.domain.ny, alone);
-        const spectral::WaveVectors vectors(c.domain, slabs.share());
-        const spectral::DepthMesh mesh = spectral::choose_mesh(c, options, 1e-3);
-        const spectral::VerticalOperator op(
-            mesh, test::growing_background(mesh, c.scene().medium, kappa));
-        const spectral::SectionMarkers markers(c, mesh, vectors);
-        markers_ = markers.all();
-        spectral::EndlessSystems systems(markers, vectors, alone);
-        fft::AlignedVector<Block> factor(static_cast<std::size_t>(op.factor_size()));
-        systems.assemble(op, [&](std::ptrdiff_t row, std::ptrdiff_t block, Block* pencil) {
-            op.factorise_implicit(vectors.waves(row, block).k, 1.0, factor.data());
-            op.solve_implicit(factor.data(), pencil);
-        });
-        const auto n = static_cast<Eigen::Index>(systems.unknowns());
-        inverse_ = Eigen::Map<const Eigen::MatrixXd>(systems.inverse(0), n, n);
-    }
-
-    const std::vector<spectral::SectionMarkers::Marker>& markers() const { return markers_; }
-
-    /// The forces per length [N/m] for a displacement (along, across, down) of the markers [m].
-    template <class Displacement>
-    Eigen::VectorXd forces(const Displacement& displacement) const {
-        return inverse_ * values(displacement);
-    }
-    /// The same vector of (along, across, down) at all markers.
-    template <class Displacement>
-    Eigen::VectorXd values(const Displacement& displacement) const {
-        Eigen::VectorXd all(inverse_.rows());
-        for (std::size_t i = 0; i < markers_.size(); ++i) {
-            const Vec3 u = displacement(markers_[i].across_m, markers_[i].down_m);
-            const auto at = static_cast<Eigen::Index>(3 * i);
-            all[at] = u.x, all[at + 1] = u.y, all[at + 2] = u.z;
-        }
-        return all;
-    }
-    /// Work of the forces of a motion on this motion, in units of mu.
-    template <class Displacement>
-    double stiffness(const Displacement& displacement) const {
-        const Eigen::VectorXd motion = values(displacement);
-        return motion.dot(inverse_ * motion) / solid_mu_Pa;
-    }
-
-private:
-    std::vector<spectral::SectionMarkers::Marker> markers_;
-    Eigen::MatrixXd inverse_;
-};
 
 /// Forces per length, displacement and mu that move a rigid cylinder full of background. Outside:
 /// Stokes' second problem (K_0 and K_1); inside: its mass.
@@ -110,7 +33,7 @@ double about_axis(double x) { // torque over radius^2
 
 /// Relative errors of the force along the axis, across it, and of the torque.
 Vec3 errors(double spacings_per_radius, double kappa) {
-    const Cylinder2D cylinder(spacings_per_radius, kappa);
+    const RigidCylinder cylinder(spacings_per_radius, kappa);
     const double axial = cylinder.stiffness([](double, double) { return Vec3{1.0, 0.0, 0.0}; });
     const double level = cylinder.stiffness([](double, double) { return Vec3{0.0, 1.0, 0.0}; });
     const double upright = cylinder.stiffness([](double, double) { return Vec3{0.0, 0.0, 1.0}; });
@@ -155,7 +78,7 @@ TEST_CASE("a rigid cylinder scatters a shear wave as the closed form", "[verify]
     const double kappa = GENERATE(0.5, 1.0);
     const bool is_level = GENERATE(true, false); // the wave travels across the axis or upwards
     const double per_radius = 12.0;
-    const Cylinder2D cylinder(per_radius, kappa);
+    const RigidCylinder cylinder(per_radius, kappa);
     const auto wave = [&](double across_m, double down_m, double phi) {
         // At a marker it is smoothed across the axis.
         const double smoothing = spectral::marker_smoothing * std::cos(phi) / per_radius;

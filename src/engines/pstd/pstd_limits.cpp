@@ -55,8 +55,7 @@ std::vector<Remark> PstdEngine::limits(const Case& c) const {
     }
     const auto& options = std::get<PstdOptions>(c.solver);
     std::vector<Remark> refused;
-    if (std::ranges::any_of(c.record.volume_fields,
-                            [](VolumeField field) { return field != VolumeField::u; }))
+    if (records_tensors(c.record))
         refused.push_back(
             {Severity::error, "record.volume_fields",
              "requests more than the displacement \"u\", which is all that the engine \"pstd\" "

@@ -73,7 +73,7 @@ void add_scaled(double factor, const Times& more, Times& to) {
 
 ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
                                const fft::SlabTransform& slabs, double step_s, const Comm& team,
-                               const LumpBodies* lumps)
+                               const RigidBodies* bodies)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), vectors_(c.domain, slabs.share()),
       depths_m_(std::move(depths_m)), levels_(static_cast<std::ptrdiff_t>(mesh.levels() - 1)) {
     if (!wanted()) return;
@@ -88,9 +88,9 @@ ReceptorStress::ReceptorStress(const Case& c, std::vector<double> depths_m, cons
         plane_.resize(plane);
         compression_.resize(plane);
         kept_.resize(parts_.size() * static_cast<std::size_t>(vectors_.pencils() * parts));
-        if (!lumps) return;
-        near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), depths_m_);
-        near_->prepare_zz();
+        if (bodies)
+            near_ = stress_correction(*bodies, c.scene().medium, c.domain, mesh_, slabs.share(),
+                                      depths_m_, Corrected::zz);
     });
 }
 
@@ -181,6 +181,7 @@ void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
     const engines::Timed timed(kinds::of_felt);
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
+    if (near_) near_->take(forces);
     const LineKernels& lines = simd::kernels<LineKernels>();
     for (std::size_t depth = 0; depth < depths_m_.size(); ++depth) {
         std::fill(compression_.begin(), compression_.end(), 0.0);
@@ -204,7 +205,7 @@ void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
                                  : part.factors[static_cast<std::size_t>(i * ny + j)] * from[j];
             }
         }
-        if (near_) near_->add_zz(depth, forces, -1.0, compression_.data());
+        if (near_) near_->add_zz(depth, -1.0, compression_.data());
         observer.stress({.number = frame,
                          .depth = depth,
                          .compression_Pa = View2<const double>(compression_.data(), slab.x_count,

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/spectral/bodies/near_stress.hpp"
+#include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 
 #include <array>
@@ -15,8 +15,8 @@ namespace shearwake::spectral {
 /// step before, at and after the frame. Each wave vector contributes sums over the element that
 /// contains the depth, followed by one transform per depth. If the medium varies laterally within
 /// that element, one transform per node (lambda div u) and two more (mu, viscosity) are needed. At
-/// an element boundary the result is the mean of both sides. Around lumps, the error of the forces
-/// at their markers is corrected (NearStress).
+/// an element boundary the result is the mean of both sides. Around rigid bodies the error of the
+/// forces at their markers is corrected (StressCorrection).
 class ReceptorStress {
 public:
     /// The pencils of the displacement at two consecutive steps, row by row.
@@ -24,11 +24,11 @@ public:
         const Block *before, *now;
     };
 
-    /// For these depths; allocates memory only if there are any. `lumps` may be null; the bodies
+    /// For these depths; allocates memory only if there are any. `bodies` may be null; they
     /// must outlive this object. Throws CaseFailure on all ranks together. Collective.
     ReceptorStress(const Case& c, std::vector<double> depths_m, const DepthMesh& mesh,
                    const fft::SlabTransform& slabs, double step_s, const Comm& team,
-                   const LumpBodies* lumps);
+                   const RigidBodies* bodies);
 
     /// Whether there are any depths.
     bool wanted() const { return !depths_m_.empty(); }
@@ -36,7 +36,8 @@ public:
     /// that ends at a frame. Not collective.
     void remember(const Block* before);
     /// Passes the stress at `frame` to the observer, for the displacement at the frame and after
-    /// the next step, and the forces [N] at the markers of the lumps in this step. Collective.
+    /// the next step, and the forces at the markers of the bodies, RigidBodies::step_forces().
+    /// Collective.
     void give(const Steps& steps, const std::vector<double>& forces, std::ptrdiff_t frame,
               engines::Observer& observer);
     /// Number of planes that are transformed per frame, as far as it follows from the case.
@@ -69,7 +70,7 @@ private:
     std::vector<Part> parts_;
     fft::AlignedVector<Block> kept_; // contribution of the step before the frame, for each part
     fft::AlignedVector<double> plane_, compression_;
-    std::optional<NearStress> near_; // if there are lumps
+    std::unique_ptr<StressCorrection> near_; // may be null
 };
 
 } // namespace shearwake::spectral

@@ -2,7 +2,8 @@
 #include "engines/spectral/spectral_estimate.hpp"
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/bodies/near_stress.hpp"
+#include "engines/spectral/bodies/stress/endless_stress.hpp"
+#include "engines/spectral/bodies/stress/lump_stress.hpp"
 #include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
@@ -84,8 +85,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
     const double sponge_B = sponge_values_of(sponge, levels) * sizeof(double) /
                             std::min<double>(ranks, static_cast<double>(sponge.ny));
-    const bool tensors = std::any_of(c.record.volume_fields.begin(), c.record.volume_fields.end(),
-                                     [](VolumeField f) { return f != VolumeField::u; });
+    const bool tensors = records_tensors(c.record);
     const double felt = ReceptorStress::planes(c, mesh);
     Memory memory;
     // With a box, the next step is predicted.
@@ -121,7 +121,8 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
     Memory memory = memory_of(layers, mesh, v, sponge, ranks);
     if (rigid)
         memory.all_B += endless_memory_B(c, mesh, ranks) + slab_memory_B(c, mesh, ranks) +
-                        lump_memory_B(c, mesh, ranks) + near_stress_memory_B(c, mesh, ranks);
+                        lump_memory_B(c, mesh, ranks) + lump_stress_memory_B(c, mesh, ranks) +
+                        endless_stress_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
@@ -136,7 +137,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .felt = ReceptorStress::planes(layers, mesh),
               .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
               .lumps = lump_sizes(c, mesh),
-              .near_pairs = rigid ? near_stress_pairs(c, mesh) : 0.0,
+              .near_pairs = rigid ? lump_stress_pairs(c, mesh) : 0.0,
               .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});

@@ -15,7 +15,7 @@ struct Measures {
     double felt = 0.0;                              // planes of receptor stress per frame
     double reactions = 0.0;                         // solves per step for forces of rigid bodies
     LumpSizes lumps;                                // rigid ones
-    double near_pairs = 0.0;                        // near_stress_pairs()
+    double near_pairs = 0.0;                        // lump_stress_pairs()
     double from_memory = 0.0;                       // share of the solves that is limited by memory
 };
 

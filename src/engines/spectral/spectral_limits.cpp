@@ -20,7 +20,7 @@ std::vector<Remark> SpectralEngine::limits(const Case& c) const {
         refused.push_back(std::move(remark));
     for (Remark& remark : rigid_limits(c))
         refused.push_back(std::move(remark));
-    for (Remark& warning : receptors_near_lumps(with_rigid_bodies(c)))
+    for (Remark& warning : receptors_near_bodies(with_rigid_bodies(c)))
         refused.push_back(std::move(warning));
     for (Remark& warning : engines::warnings_of(
              variation_choices(with_rigid_bodies(c), std::get<SpectralOptions>(c.solver))))

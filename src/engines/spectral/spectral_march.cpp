@@ -14,9 +14,8 @@ SpectralMarch::SpectralMarch(const Case& c, const DepthMesh& mesh, const fft::Sl
                              const TimeStep& time, const Comm& team)
     : case_(c), layers_(without_rigid_bodies(c)), slabs_(slabs), per_frame_(time.per_frame),
       stepper_(c, mesh, slabs, time.step_s, team), inside_(c, slabs.share()),
-      tensors_(layers_, mesh, slabs, time.step_s, team, stepper_.bodies().as_lumps()),
-      receptors_(layers_, stress_depths_m(c), mesh, slabs, time.step_s, team,
-                 stepper_.bodies().as_lumps()) {
+      tensors_(layers_, mesh, slabs, time.step_s, team, &stepper_.bodies()),
+      receptors_(layers_, stress_depths_m(c), mesh, slabs, time.step_s, team, &stepper_.bodies()) {
     for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
         levels_m_.push_back(mesh.z_m(level));
     together(team, [&] { plane_.resize(static_cast<std::size_t>(slabs.share().reals)); });

@@ -25,12 +25,9 @@ std::vector<double> smoothing_of(const GaussLobatto& rule) {
 } // namespace
 
 TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                             double step_s, const Comm& team, const LumpBodies* lumps)
+                             double step_s, const Comm& team, const RigidBodies* bodies)
     : case_(c), mesh_(mesh), slabs_(slabs), step_s_(step_s), team_(team),
-      vectors_(c.domain, slabs.share()),
-      wanted_(!c.record.volumes_s.empty() &&
-              std::any_of(c.record.volume_fields.begin(), c.record.volume_fields.end(),
-                          [](VolumeField field) { return field != VolumeField::u; })) {
+      vectors_(c.domain, slabs.share()), wanted_(records_tensors(c.record)) {
     if (!wanted_) return;
     smoothing_ = smoothing_of(mesh.rule);
     const auto plane = static_cast<std::size_t>(slabs.share().reals);
@@ -44,8 +41,9 @@ TensorVolumes::TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::Sl
         std::vector<double> levels_m;
         for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
             levels_m.push_back(mesh.z_m(level));
-        if (lumps)
-            near_.emplace(*lumps, c.scene().medium, c.domain, mesh_, slabs.share(), levels_m);
+        if (bodies)
+            near_ = stress_correction(*bodies, c.scene().medium, c.domain, mesh_, slabs.share(),
+                                      levels_m, Corrected::all_components);
     });
 }
 
@@ -202,6 +200,7 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
 void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std::size_t snapshot,
                          engines::Observer& observer) {
     const engines::Timed timed(kinds::of_tensor);
+    if (near_) near_->take(stepper.bodies().step_forces());
     for (std::size_t element = 0; element < mesh_.elements(); ++element) {
         find_pressure(stepper, element);
         for (std::ptrdiff_t node = 0; node <= mesh_.degree; ++node) {
@@ -216,19 +215,19 @@ void TensorVolumes::give(const Stepper& stepper, const InsideBodies& inside, std
             find_strain(stepper, {element, node});
             add({element, node}, first || second ? 0.5 : 1.0);
             if (first) continue; // the adjacent element follows
-            if (near_) together(team_, [&] { correct(stepper, {element, node}); });
+            if (near_) together(team_, [&] { correct({element, node}); });
             give_level(inside, snapshot, level, observer);
         }
     }
 }
 
 /// The strain changes as that of an elastic solid by Hooke's law.
-void TensorVolumes::correct(const Stepper& stepper, const StrainPoint& point) {
+void TensorVolumes::correct(const StrainPoint& point) {
     const std::size_t level = point.element * static_cast<std::size_t>(mesh_.degree) +
                               static_cast<std::size_t>(point.node);
     const Material m = material_of(case_.scene().medium.layers[mesh_.layers[point.element]]);
     const double of_trace = m.lambda_Pa / (3.0 * m.lambda_Pa + 2.0 * m.mu_Pa);
-    for (const auto& [place, more_Pa] : near_->corrections(level, stepper.bodies().step_forces())) {
+    for (const auto& [place, more_Pa] : near_->changes(level)) {
         const double trace_Pa = more_Pa[xx] + more_Pa[yy] + more_Pa[zz];
         for (int c = 0; c < strain_components; ++c) {
             const double stress_Pa = more_Pa[static_cast<std::size_t>(c)];

@@ -3,7 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "engines/spectral/bodies/inside_bodies.hpp"
-#include "engines/spectral/bodies/near_stress.hpp"
+#include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "medium/material_field.hpp"
 
@@ -20,14 +20,14 @@ namespace shearwake::spectral {
 /// from node to node where the face of a body cuts an element. Therefore the two highest degrees of
 /// its polynomial over depth are removed, as in P_N - P_(N-2) elements (Maday and Patera 1989). The
 /// materials are those of the computation (with capped stiffness). At an element boundary the
-/// result is the mean of both sides. Around lumps, the error of the forces at their markers is
-/// corrected (NearStress).
+/// result is the mean of both sides. Around rigid bodies the error of the forces at their markers
+/// is corrected (StressCorrection).
 class TensorVolumes {
 public:
     /// Allocates memory only if the case records strain or stress. Throws CaseFailure on all ranks
     /// together. Collective.
     TensorVolumes(const Case& c, const DepthMesh& mesh, const fft::SlabTransform& slabs,
-                  double step_s, const Comm& team, const LumpBodies* lumps);
+                  double step_s, const Comm& team, const RigidBodies* bodies);
 
     /// Whether the case records strain or stress.
     bool wanted() const { return wanted_; }
@@ -58,8 +58,8 @@ private:
     void find_strain(const Stepper& stepper, const StrainPoint& point);
     /// Adds the results at a node times `share` to strain_ and stress_.
     void add(const StrainPoint& point, double share);
-    /// Corrects strain_ and stress_ of a level around lumps.
-    void correct(const Stepper& stepper, const StrainPoint& point);
+    /// Corrects strain_ and stress_ of a level around rigid bodies.
+    void correct(const StrainPoint& point);
     void give_level(const InsideBodies& inside, std::size_t snapshot, std::size_t level,
                     engines::Observer& observer);
     double* plane(fft::AlignedVector<double>& planes, std::ptrdiff_t number) const;
@@ -76,7 +76,7 @@ private:
     std::vector<double> smoothing_;              // of the nodal values of an element
     fft::AlignedVector<double> now_, rate_;      // strain at a node: planes of six components
     fft::AlignedVector<double> strain_, stress_; // accumulated results
-    std::optional<NearStress> near_;             // if there are lumps
+    std::unique_ptr<StressCorrection> near_;     // may be null
     fft::AlignedVector<double> pressure_;        // one plane per node of an element
     fft::AlignedVector<Block> earlier_, pencil_; // displacement one step before; of one pencil
 };

@@ -14,6 +14,7 @@
 
 namespace shearwake::spectral {
 
+class EndlessBodies;
 class LumpBodies;
 
 /// The displacement of a rigid body: of its centre, and a small rotation about it.
@@ -75,11 +76,12 @@ public:
     /// negative to the previous one. Not collective.
     void add_to_next(double scale);
     void add_impulse();
-    /// The forces [N] of the last step, in the order in which solve() returns them. They balance
-    /// the stress at the start of the step. Empty if the bodies do not provide them.
+    /// The forces at the markers in the last step, in the order of set_forces(). They balance the
+    /// stress at the start of the step.
     const std::vector<double>& step_forces() const { return step_forces_; }
-    /// The bodies themselves if they are lumps, or null.
+    /// The bodies themselves if they are of this kind, or null.
     virtual const LumpBodies* as_lumps() const { return nullptr; }
+    virtual const EndlessBodies* as_endless() const { return nullptr; }
     /// The next position becomes the current one. Not collective.
     void end_step() { now_.swap(before_); }
 
@@ -116,7 +118,7 @@ protected:
     /// The acceleration of all ranks is that of the root. Collective.
     void share_acceleration() { team_.broadcast(acceleration_); }
     /// Replaces the displacements of the markers by the forces that move them to `target`, and
-    /// passes these to set_forces() if they are available on this rank. Collective.
+    /// passes these to set_forces(). Collective.
     virtual void solve(const std::vector<double>& target, double scale) = 0;
     void set_forces(std::vector<double> forces) { forces_ = std::move(forces); }
 

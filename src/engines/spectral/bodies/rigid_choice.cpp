@@ -232,14 +232,13 @@ std::vector<Remark> rigid_limits(const Case& c) {
     return refused;
 }
 
-std::vector<Remark> receptors_near_lumps(const Case& c) {
+std::vector<Remark> receptors_near_bodies(const Case& c) {
     std::vector<Remark> warnings;
-    if (lump_bodies(c).empty()) return warnings;
     const std::vector<Body>& bodies = c.scene().medium.bodies;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         if (!bodies[i].rigid || !has_markers(bodies[i], c.scene().medium, c.domain)) continue;
         const Bounds box = bounds(bodies[i]);
-        const double spacings = has_edges(bodies[i]) ? near_edges : near_lump,
+        const double spacings = has_edges(bodies[i]) ? near_edges : near_surface,
                      near_m = spacings * c.domain.spacing_m;
         for (const double depth_m : stress_depths_m(c)) {
             if (depth_m < box.low_m.z - near_m || depth_m > box.high_m.z + near_m) continue;

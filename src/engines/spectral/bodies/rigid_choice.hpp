@@ -45,10 +45,10 @@ std::string held_by(const Body& body, const Medium& medium, const Domain& domain
 /// Errors for rigid bodies that the engine does not support: bodies that overlap or touch the
 /// surface, and bodies that the grid does not resolve. Not collective.
 std::vector<Remark> rigid_limits(const Case& c);
-/// Warnings for receptors of stress that are at the depths of a lump or within this number of
-/// spacings of them, where they may lie inside it or too close to it: near_lump, or near_edges for
-/// bodies with edges, at which the stress is singular. Not collective.
-constexpr double near_lump = 0.4, near_edges = 1.5;
-std::vector<Remark> receptors_near_lumps(const Case& c);
+/// Warnings for receptors of stress that are at the depths of a body with markers or within this
+/// number of spacings of them, where they may lie inside it or too close to it: near_surface, or
+/// near_edges for bodies with edges, at which the stress is singular. Not collective.
+constexpr double near_surface = 0.4, near_edges = 1.5;
+std::vector<Remark> receptors_near_bodies(const Case& c);
 
 } // namespace shearwake::spectral

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/grid_forces.hpp"
+#include "engines/spectral/bodies/stress/grid_forces.hpp"
 
-#include "engines/spectral/bodies/surface_patches.hpp"
+#include "engines/spectral/bodies/lump_markers.hpp"
+#include "engines/spectral/bodies/stress/section_forces.hpp"
+#include "engines/spectral/bodies/stress/surface_patches.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -98,17 +100,15 @@ TEST_CASE("patches of markers carry the forces of their markers", "[grid_forces]
         CHECK(volume_fraction(body, at - 1e-5 * point.normal, {}) > 0.5);
     }
     CHECK(sum_m2 == Approx(area_m2).epsilon(2e-3)); // midpoint rule
-    std::vector<spectral::LumpBodies::Marker> markers;
+    std::vector<spectral::PatchedMarker> markers;
     for (const Vec3& offset_m : spectral::lump_markers(body, domain, 0.5e-3))
-        markers.push_back({.body = 0,
-                           .depth = 0,
-                           .offset_m = offset_m,
-                           .x = 0,
-                           .y = 0,
-                           .along_x = {},
-                           .along_y = {}});
+        markers.push_back({0, offset_m});
     std::vector<double> weight(markers.size(), 0.0);
-    for (const auto& point : spectral::surface_patches({body}, markers, domain, 1.0).points)
+    const spectral::PatchedBody patched{
+        body.centre_m, spectral::surface_points(body, domain, 0.2e-3), spectral::curved_inset};
+    for (const auto& point :
+         spectral::surface_patches({patched}, markers, domain.spacing_m, spectral::patch_ring)
+             .points)
         for (const auto& share : point.shares)
             weight[share.marker] += share.weight;
     for (const double sum : weight)

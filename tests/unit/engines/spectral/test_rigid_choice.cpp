@@ -132,7 +132,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
     }
 }
 
-TEST_CASE("receptors of stress that may lie inside a rigid lump are reported", "[rigid_choice]") {
+TEST_CASE("receptors of stress that may lie inside a rigid body are reported", "[rigid_choice]") {
     Case c = bone_case(); // spacing 1 mm, receptors down to 2 mm
     Body& bone = c.scene().medium.bodies[0];
     bone.rigid = true;
@@ -140,25 +140,29 @@ TEST_CASE("receptors of stress that may lie inside a rigid lump are reported", "
     c.afferents = AfferentOptions{};
     c.afferents->input = StressInput{};
     bone.centre_m.z = 4.5e-3; // its top is 0.5 mm below the deepest receptors
-    CHECK(spectral::receptors_near_lumps(c).empty());
+    CHECK(spectral::receptors_near_bodies(c).empty());
     SECTION("from further away if it has edges") {
         bone.shape = Cylinder{.radius_m = 2e-3, .length_m = 5e-3};
-        CHECK(spectral::receptors_near_lumps(c).size() == 1);
+        CHECK(spectral::receptors_near_bodies(c).size() == 1);
         bone.shape = Box{{5e-3, 5e-3, 4e-3}};
-        CHECK(spectral::receptors_near_lumps(c).size() == 1);
+        CHECK(spectral::receptors_near_bodies(c).size() == 1);
         bone.centre_m.z = 5.7e-3; // 1.7 spacings
-        CHECK(spectral::receptors_near_lumps(c).empty());
+        CHECK(spectral::receptors_near_bodies(c).empty());
     }
     bone.shape = Ellipsoid{{5e-3, 5e-3, 2e-3}};
     bone.centre_m.z = 3.5e-3;
-    REQUIRE(spectral::receptors_near_lumps(c).size() == 1);
-    CHECK(spectral::receptors_near_lumps(c)[0].severity == Severity::warning);
-    SECTION("but not to a body across the domain") {
+    REQUIRE(spectral::receptors_near_bodies(c).size() == 1);
+    CHECK(spectral::receptors_near_bodies(c)[0].severity == Severity::warning);
+    SECTION("as of a body across the domain, whose section may be round") {
         bone.shape = Cylinder{.radius_m = 2e-3, .azimuth_deg = 90.0};
-        CHECK(spectral::receptors_near_lumps(c).empty());
+        CHECK(spectral::receptors_near_bodies(c).size() == 1);
+        bone.centre_m.z = 4.5e-3;
+        CHECK(spectral::receptors_near_bodies(c).empty());
+        bone.shape = Box{{5e-3, c.domain.extent_y_m(), 4e-3}};
+        CHECK(spectral::receptors_near_bodies(c).size() == 1);
     }
     SECTION("and only if the case requests the stress") {
         c.afferents.reset();
-        CHECK(spectral::receptors_near_lumps(c).empty());
+        CHECK(spectral::receptors_near_bodies(c).empty());
     }
 }

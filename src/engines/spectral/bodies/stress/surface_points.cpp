@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/surface_points.hpp"
+#include "engines/spectral/bodies/stress/surface_points.hpp"
 
 #include "base/overloaded.hpp"
 #include "engines/spectral/bodies/lump_markers.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/spectral/bodies/surface_patches.hpp"
+#include "engines/spectral/bodies/stress/surface_patches.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ double dot(Vec3 a, Vec3 b) {
 std::vector<std::pair<std::size_t, double>> patch_of(Vec3 marker_m,
                                                      const std::vector<SurfacePoint>& surface,
                                                      const std::vector<Vec3>& markers_surface_m,
-                                                     double spacing_m) {
+                                                     double spacing_m, double ring) {
     std::vector<std::pair<std::size_t, double>> patch;
     double least_m = std::numeric_limits<double>::infinity();
     Vec3 normal;
@@ -31,7 +31,7 @@ std::vector<std::pair<std::size_t, double>> patch_of(Vec3 marker_m,
         const double x =
             std::pow(norm(markers_surface_m[i] - marker_m) / (patch_radius * spacing_m), 2);
         if (x >= 1.0 || dot(surface[i].normal, normal) < -0.1) continue;
-        const double weight = std::pow(1.0 - x, 2) * (1.0 - patch_ring * x);
+        const double weight = std::pow(1.0 - x, 2) * (1.0 - ring * x);
         patch.push_back({i, weight * surface[i].area_m2});
         sum += patch.back().second;
     }
@@ -42,23 +42,17 @@ std::vector<std::pair<std::size_t, double>> patch_of(Vec3 marker_m,
 
 } // namespace
 
-SurfacePatches surface_patches(const std::vector<Body>& bodies,
-                               const std::vector<LumpBodies::Marker>& markers, const Domain& domain,
-                               double base_m) {
+SurfacePatches surface_patches(const std::vector<PatchedBody>& bodies,
+                               const std::vector<PatchedMarker>& markers, double spacing_m,
+                               double ring) {
     SurfacePatches all;
     for (std::size_t body = 0; body < bodies.size(); ++body) {
-        std::vector<SurfacePoint> surface =
-            surface_points(bodies[body], domain, patch_points * domain.spacing_m);
-        const Vec3 centre_m = bodies[body].centre_m;
-        std::erase_if(surface,
-                      [&](const SurfacePoint& p) { return centre_m.z + p.offset_m.z > base_m; });
-        const double inset =
-            std::holds_alternative<Box>(bodies[body].shape) ? flat_inset : curved_inset;
+        const auto& [centre_m, surface, inset] = bodies[body];
         const std::size_t first = all.points.size();
         std::vector<Vec3> markers_surface_m;
         for (const SurfacePoint& p : surface) {
             const Vec3 inwards_m =
-                (-inset * domain.spacing_m * std::hypot(p.normal.x, p.normal.y)) * p.normal;
+                (-inset * spacing_m * std::hypot(p.normal.x, p.normal.y)) * p.normal;
             markers_surface_m.push_back(p.offset_m + inwards_m);
             all.points.push_back({centre_m + p.offset_m + patch_inset * inwards_m, {}});
             all.faces.push_back({centre_m + p.offset_m, p.normal});
@@ -66,7 +60,7 @@ SurfacePatches surface_patches(const std::vector<Body>& bodies,
         for (std::size_t m = 0; m < markers.size(); ++m) {
             if (markers[m].body != body) continue;
             const auto patch =
-                patch_of(markers[m].offset_m, surface, markers_surface_m, domain.spacing_m);
+                patch_of(markers[m].offset_m, surface, markers_surface_m, spacing_m, ring);
             for (const auto& [point, weight] : patch)
                 all.points[first + point].shares.push_back({m, weight});
             if (patch.empty()) all.points.push_back({centre_m + markers[m].offset_m, {{m, 1.0}}});

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/spectral/bodies/stress/static_response.hpp"
 #include "engines/spectral/kernels/transfer.hpp"
 #include "medium/material_field.hpp"
 
@@ -20,16 +20,6 @@ using ForceStress = std::array<Stress, 3>;
 ForceStress kelvin_stress(Vec3 r_m, double lambda_per_mu);
 /// The same [Pa] from a force [N].
 Stress kelvin_stress(Vec3 r_m, double lambda_per_mu, Vec3 force_N);
-
-/// Amplitudes of the stress of one wave vector due to unit forces along it (r), across it (t) and
-/// along z, without factors i.
-struct RadialStress {
-    struct Vertical {
-        double rr, tt, zz, rz;
-    };
-    Vertical along_r, along_z;
-    double rt, tz; // of the force along t
-};
 
 /// Kelvin's solution for a force that acts on one point of the grid, as the engine computes it:
 /// with the elements of a mesh over depth and the wave vectors that the grid resolves, the pressure

@@ -1,25 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/bodies/lump_bodies.hpp"
-#include "engines/spectral/bodies/surface_points.hpp"
+#include "base/vec3.hpp"
+#include "engines/spectral/bodies/stress/surface_points.hpp"
+
+#include <vector>
 
 namespace shearwake::spectral {
 
 /// Distance of the points of a patch, and the radius of a patch, in spacings.
 constexpr double patch_points = 0.4, patch_radius = 4.0;
-/// The weight of a patch is (1 - x)^2 (1 - patch_ring x), x = r^2/radius^2. Its negative ring
+/// The weight of a patch is (1 - x)^2 (1 - ring x), x = r^2/radius^2. Its negative ring
 /// reduces the smoothing of forces that vary along the surface (2.5 would remove its second
 /// moment), while forces that alternate from marker to marker vanish. Without the ring, forces with
 /// three waves around a sphere of 6 spacings per radius are a quarter too small, and the stress
 /// above it due to a focus of 6 spacings is in error by 5 % at two spacings instead of 2 %.
 constexpr double patch_ring = 1.85;
+/// The same on the outline of a section, where 3 would remove the second moment.
+constexpr double section_ring = 2.6;
 /// The forces of a patch are inside the surface by this part of the distance of the markers: a
 /// patch smooths them, which acts like a layer further out. Calibrated with the ring by the stress
 /// around a sphere of 6 spacings per radius.
 constexpr double patch_inset = 0.4;
 
-/// The forces of the markers of lumps, distributed over their surfaces: each over a patch around
+/// The forces of the markers of bodies, distributed over their surfaces: each over a patch around
 /// the marker, without the opposite side of a thin body.
 /// Markers inside a body keep their places.
 struct SurfacePatches {
@@ -39,9 +43,19 @@ struct SurfacePatches {
     std::vector<Face> faces;
 };
 
-/// For markers at these places above `base_m`. Not collective.
-SurfacePatches surface_patches(const std::vector<Body>& bodies,
-                               const std::vector<LumpBodies::Marker>& markers, const Domain& domain,
-                               double base_m);
+/// The surface of a body, or the outline of its section, whose points have lengths as areas.
+struct PatchedBody {
+    Vec3 centre_m;
+    std::vector<SurfacePoint> surface; // without what the base covers
+    double inset;                      // of its markers, in spacings
+};
+struct PatchedMarker {
+    std::size_t body;
+    Vec3 offset_m; // from the centre
+};
+/// `ring` is the coefficient of the weight, patch_ring or section_ring. Not collective.
+SurfacePatches surface_patches(const std::vector<PatchedBody>& bodies,
+                               const std::vector<PatchedMarker>& markers, double spacing_m,
+                               double ring);
 
 } // namespace shearwake::spectral

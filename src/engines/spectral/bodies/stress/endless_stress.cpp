@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/spectral/bodies/stress/endless_stress.hpp"
+
+#include "engines/spectral/bodies/section_markers.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace shearwake::spectral {
+namespace {
+
+/// Markers of a section within marker_reach of a point next to it.
+constexpr double near_markers = 30.0;
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Domain section_of(const Domain& domain, bool along_x) {
+    return {along_x ? domain.ny : domain.nx, 1, domain.spacing_m, 0.0};
+}
+
+fft::SlabShare section_share(const fft::SlabShare& share, const Domain& section, bool along_x) {
+    const std::ptrdiff_t first = along_x ? 0 : share.x_start,
+                         count = along_x ? section.nx : share.x_count;
+    return {.x_start = first,
+            .x_count = count,
+            .ky_start = 0,
+            .ky_count = 0,
+            .padded_ny = 1,
+            .reals = count};
+}
+
+/// The body with its axis along y through y = 0.
+Body turned(Body body, bool along_x) {
+    body.centre_m = {along_x ? body.centre_m.y : body.centre_m.x, 0.0, body.centre_m.z};
+    if (auto* box = std::get_if<Box>(&body.shape))
+        box->size_m = {along_x ? box->size_m.y : box->size_m.x, 1.0, box->size_m.z};
+    else
+        body.shape =
+            Cylinder{.radius_m = std::get<Cylinder>(body.shape).radius_m, .azimuth_deg = 90.0};
+    return body;
+}
+
+Vec3 half_section_m(const Body& body) {
+    if (const auto* box = std::get_if<Box>(&body.shape))
+        return {0.5 * box->size_m.x, 0.0, 0.5 * box->size_m.z};
+    const double radius_m = std::get<Cylinder>(body.shape).radius_m;
+    return {radius_m, 0.0, radius_m};
+}
+
+/// Points of the outline with the lengths that they represent.
+std::vector<SurfacePoint> outline(const Body& body, double spacing_m) {
+    std::vector<SurfacePoint> points;
+    const auto parts_of = [&](double length_m) {
+        return std::max(1L, std::lround(std::ceil(length_m / spacing_m)));
+    };
+    const Vec3 half_m = half_section_m(body);
+    if (std::holds_alternative<Cylinder>(body.shape)) {
+        const double around_m = 2.0 * std::numbers::pi * half_m.x;
+        const long parts = parts_of(around_m);
+        for (long i = 0; i < parts; ++i) {
+            const double angle =
+                2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(parts);
+            const Vec3 normal{std::sin(angle), 0.0, std::cos(angle)};
+            points.push_back({half_m.x * normal, normal, around_m / static_cast<double>(parts)});
+        }
+        return points;
+    }
+    for (const double sign : {-1.0, 1.0}) {
+        const auto side = [&](double half_length_m, auto at) {
+            const long parts = parts_of(2.0 * half_length_m);
+            for (long i = 0; i < parts; ++i)
+                at(half_length_m *
+                       (2.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(parts) - 1.0),
+                   2.0 * half_length_m / static_cast<double>(parts));
+        };
+        side(half_m.x, [&](double x_m, double length_m) {
+            points.push_back({{x_m, 0.0, sign * half_m.z}, {0.0, 0.0, sign}, length_m});
+        });
+        side(half_m.z, [&](double z_m, double length_m) {
+            points.push_back({{sign * half_m.x, 0.0, z_m}, {sign, 0.0, 0.0}, length_m});
+        });
+    }
+    return points;
+}
+
+SurfacePatches section_patches(const std::vector<Body>& turned_bodies,
+                               const SectionMarkers& markers, double spacing_m, double base_m) {
+    std::vector<PatchedBody> bodies;
+    for (const Body& body : turned_bodies) {
+        bodies.push_back({body.centre_m, outline(body, patch_points * spacing_m),
+                          std::holds_alternative<Box>(body.shape) ? flat_inset : curved_inset});
+        std::erase_if(bodies.back().surface, [&](const SurfacePoint& p) {
+            return body.centre_m.z + p.offset_m.z > base_m;
+        });
+    }
+    std::vector<PatchedMarker> all;
+    for (const SectionMarkers::Marker& m : markers.all())
+        all.push_back({m.body, {m.across_m, 0.0, m.down_m}});
+    return surface_patches(bodies, all, spacing_m, section_ring);
+}
+
+} // namespace
+
+EndlessStress::EndlessStress(const EndlessBodies& bodies, const Medium& medium,
+                             const Domain& domain, const DepthMesh& mesh,
+                             const fft::SlabShare& share, std::vector<double> depths_m)
+    : bodies_(bodies), domain_(domain), share_(share), rows_(depths_m.size()) {
+    const SectionMarkers& markers = bodies.markers();
+    const Domain section = section_of(domain, markers.along_x());
+    std::vector<Body> all;
+    for (const Body& body : bodies.endless())
+        all.push_back(turned(body, markers.along_x()));
+    const double lambda_per_mu = ratio_at(medium, all.front().centre_m.z);
+    std::vector<double> force_m;
+    for (std::size_t m = 0; m < markers.all().size(); ++m)
+        if (markers.depth_of(m) == force_m.size()) force_m.push_back(markers.all()[m].depth_m);
+    const SectionForces of_engine(mesh, domain.spacing_m, lambda_per_mu, force_m, depths_m);
+    NearSolid solid{
+        .bodies = {},
+        .domain = section,
+        .share = section_share(share, section, markers.along_x()),
+        .depths_m = std::move(depths_m),
+        .patches = section_patches(all, markers, domain.spacing_m, mesh.ends_m.back()),
+        .marker_m = {},
+        .of_engine =
+            [&](std::size_t depth, std::ptrdiff_t x, std::ptrdiff_t, std::size_t marker) {
+                const double period_m = section.extent_x_m();
+                const double across_m =
+                    static_cast<double>(x) * section.spacing_m - markers.all()[marker].at_m;
+                return of_engine.at(depth, markers.depth_of(marker),
+                                    across_m - period_m * std::nearbyint(across_m / period_m));
+            },
+        .exact = [lambda_per_mu](Vec3 r_m,
+                                 Vec3 force) { return line_stress(r_m, lambda_per_mu, force); }};
+    for (const Body& body : all)
+        solid.bodies.push_back(
+            {body, {body.centre_m - half_section_m(body), body.centre_m + half_section_m(body)}});
+    for (const SectionMarkers::Marker& m : markers.all())
+        solid.marker_m.push_back({section.x_m(0) + m.at_m, 0.0, m.depth_m});
+    const NearStress near(std::move(solid));
+    put_phases();
+    for (std::size_t depth = 0; depth < rows_.size(); ++depth)
+        near.each_row(depth,
+                      [&](NearStress::Row&& row) { rows_[depth].push_back(std::move(row)); });
+}
+
+std::ptrdiff_t EndlessStress::points_along() const {
+    return bodies_.markers().along_x() ? domain_.nx : domain_.ny;
+}
+
+std::ptrdiff_t EndlessStress::points() const {
+    return bodies_.markers().along_x() ? share_.x_count : domain_.ny;
+}
+
+std::ptrdiff_t EndlessStress::first_point() const {
+    return bodies_.markers().along_x() ? share_.x_start : 0;
+}
+
+std::size_t EndlessStress::place(std::size_t in_section, std::ptrdiff_t point) const {
+    const auto at = static_cast<std::ptrdiff_t>(in_section);
+    return static_cast<std::size_t>(bodies_.markers().along_x() ? point * share_.padded_ny + at
+                                                                : at * share_.padded_ny + point);
+}
+
+/// The sum over both signs of each wavenumber, [point][wavenumber][of the real, of the imaginary
+/// part].
+void EndlessStress::put_phases() {
+    const std::ptrdiff_t period = points_along();
+    for (std::ptrdiff_t j = 0; j < points(); ++j)
+        for (std::ptrdiff_t k = 0; 2 * k < period; ++k) {
+            const double angle = 2.0 * std::numbers::pi *
+                                 static_cast<double>(k * (first_point() + j) % period) /
+                                 static_cast<double>(period);
+            phases_.push_back((k > 0 ? 2.0 : 1.0) * std::cos(angle));
+            phases_.push_back((k > 0 ? -2.0 : -1.0) * std::sin(angle));
+        }
+}
+
+/// Transforms the forces along the axis. The component along it has been divided by i.
+void EndlessStress::take(const std::vector<double>& step_forces) {
+    const std::vector<double> all = bodies_.gathered(step_forces);
+    const std::ptrdiff_t waves = (points_along() + 1) / 2, // without the Nyquist wavenumber
+        values = marker_components * bodies_.markers().count();
+    RowMajor amplitudes(2 * waves, values);
+    for (std::ptrdiff_t k = 0; k < waves; ++k)
+        for (std::ptrdiff_t i = 0; i < values; ++i) {
+            const double* at = all.data() + 2 * (k * values + i);
+            const bool is_along = i % marker_components == along;
+            // NearStress has x across the axis and y along it.
+            const std::ptrdiff_t to = i % marker_components == down ? i : is_along ? i + 1 : i - 1;
+            amplitudes(2 * k, to) = is_along ? -at[1] : at[0];
+            amplitudes(2 * k + 1, to) = is_along ? at[0] : at[1];
+        }
+    forces_.resize(static_cast<std::size_t>(points() * values));
+    Eigen::Map<RowMajor>(forces_.data(), points(), values).noalias() =
+        Eigen::Map<const RowMajor>(phases_.data(), points(), 2 * waves) * amplitudes;
+}
+
+const double* EndlessStress::forces_at(std::ptrdiff_t point) const {
+    return forces_.data() + point * marker_components * bodies_.markers().count();
+}
+
+void EndlessStress::add_zz(std::size_t depth, double factor, double* plane) const {
+    for (const NearStress::Row& row : rows_[depth])
+        for (std::ptrdiff_t j = 0; j < points(); ++j) {
+            const double* forces = forces_at(j);
+            double sum = 0.0;
+            for (const auto& [marker, per_force] : row.entries)
+                for (std::size_t f = 0; f < 3; ++f)
+                    sum += per_force[f][zz] * forces[3 * marker + f];
+            plane[place(row.place, j)] += factor * sum;
+        }
+}
+
+std::vector<StressCorrection::Change> EndlessStress::changes(std::size_t depth) const {
+    std::vector<Change> all;
+    for (const NearStress::Row& row : rows_[depth])
+        for (std::ptrdiff_t j = 0; j < points(); ++j) {
+            Change change{place(row.place, j), {}};
+            const double* forces = forces_at(j);
+            for (const auto& [marker, per_force] : row.entries)
+                for (std::size_t f = 0; f < 3; ++f)
+                    for (std::size_t c = 0; c < strain_components; ++c)
+                        change.stress_Pa[c] += per_force[f][c] * forces[3 * marker + f];
+            if (bodies_.markers().along_x()) {
+                std::swap(change.stress_Pa[xx], change.stress_Pa[yy]);
+                std::swap(change.stress_Pa[yz], change.stress_Pa[xz]);
+            }
+            all.push_back(change);
+        }
+    return all;
+}
+
+double endless_stress_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
+    const std::vector<Body> bodies = section_bodies(c);
+    std::vector<double> depths_m = stress_depths_m(c);
+    if (records_tensors(c.record))
+        for (std::size_t level = 0; level < mesh.clear_levels(); ++level)
+            depths_m.push_back(mesh.z_m(level));
+    if (bodies.empty() || depths_m.empty()) return 0.0;
+    const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
+    const double far_m = NearStress::reach * c.domain.spacing_m;
+    double pairs = 0.0;
+    for (const Body& body : bodies) {
+        const Body section = turned(body, markers.along_x());
+        const Vec3 half_m = half_section_m(section) + Vec3{far_m, 0.0, far_m};
+        for (const double depth_m : depths_m)
+            if (std::abs(depth_m - section.centre_m.z) < half_m.z)
+                pairs += 2.0 * half_m.x / c.domain.spacing_m *
+                         std::min(near_markers, static_cast<double>(markers.count()));
+    }
+    const auto count = static_cast<double>(markers.count());
+    const auto nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
+    const double period = markers.along_x() ? nx : ny,
+                 points = markers.along_x() ? std::ceil(nx / ranks) : ny;
+    // Rows; phases, forces and their amplitudes, while taken twice; the response of the engine.
+    return pairs * sizeof(NearStress::Entry) +
+           sizeof(double) * (points * (period + 3.0 * count) + 4.0 * 3.0 * count * period) +
+           SectionForces::memory_B(count / 2.0, static_cast<double>(depths_m.size()));
+}
+
+} // namespace shearwake::spectral

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/spectral/bodies/rigid_bodies.hpp"
+#include "engines/spectral/bodies/stress/grid_forces.hpp"
+#include "fft/slab_transform.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace shearwake::spectral {
+
+/// The difference between the stress close to rigid bodies and the stress that the engine computes
+/// from the forces at their markers (docs/explanation/engine-spectral.md).
+class StressCorrection {
+public:
+    /// At one point of a plane [x_count][padded_ny].
+    struct Change {
+        std::size_t place;
+        Stress stress_Pa;
+    };
+
+    StressCorrection() = default;
+    StressCorrection(const StressCorrection&) = delete;
+    StressCorrection& operator=(const StressCorrection&) = delete;
+    virtual ~StressCorrection() = default;
+    /// Takes RigidBodies::step_forces(). Collective.
+    virtual void take(const std::vector<double>& step_forces) = 0;
+    /// Adds the correction of sigma_zz [Pa] at a depth, times `factor`, to a plane. Not collective.
+    virtual void add_zz(std::size_t depth, double factor, double* plane) const = 0;
+    /// The correction at all points of a depth where it does not vanish. Not collective.
+    virtual std::vector<Change> changes(std::size_t depth) const = 0;
+};
+
+/// What a correction is used for.
+enum class Corrected { zz, all_components };
+
+/// The correction at these depths, on this rank's part of the plane; null for bodies without
+/// markers. The bodies must outlive it. Not collective.
+std::unique_ptr<StressCorrection> stress_correction(const RigidBodies& bodies, const Medium& medium,
+                                                    const Domain& domain, const DepthMesh& mesh,
+                                                    const fft::SlabShare& share,
+                                                    std::vector<double> depths_m, Corrected use);
+
+} // namespace shearwake::spectral

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The stress around rigid cylinders across the domain, under a load that varies along the axis.
+#include "support/rigid_cases.hpp"
+#include "support/volume_store.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+using namespace shearwake;
+using test::Along;
+
+namespace {
+
+constexpr std::size_t components = 6;
+
+/// The stress after 1 ms. The load crosses the cylinder at an angle.
+Case stress_case(Along axis) {
+    Case c = test::bone_case(axis, 1.0);
+    c.time.frames = 11;
+    c.record.volumes_s = {c.time.frame_s(10)};
+    c.record.volume_fields = {VolumeField::stress};
+    return c;
+}
+
+test::VolumeStore stresses(const Case& c) {
+    test::VolumeStore all;
+    engines::make_engine(c.solver)->run(c, Comm::world().split(Comm::world().rank()), all);
+    return all;
+}
+
+struct Difference {
+    double largest = 0.0; // of the values
+    double difference = 0.0;
+};
+
+/// The largest difference of each component at all points that `use` accepts.
+/// `at` returns the place in the other volume.
+template <class Use, class At>
+std::array<Difference, components>
+differences(const Case& c, const test::VolumeStore& one, const test::VolumeStore& other,
+            const std::array<std::size_t, components>& swapped, const Use& use, const At& at) {
+    std::array<Difference, components> all;
+    for (std::size_t k = 0; k < components; ++k)
+        for (std::size_t level = 0; level < one.z_m().size(); ++level)
+            for (std::ptrdiff_t i = 0; i < c.domain.nx; ++i)
+                for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j) {
+                    if (!use(Vec3{c.domain.x_m(i), c.domain.y_m(j), one.z_m()[level]})) continue;
+                    const double value =
+                        one.at(0, 0, k, level)[static_cast<std::size_t>(i * c.domain.ny + j)];
+                    const double same =
+                        other.at(0, 0, swapped[k], level)[static_cast<std::size_t>(at(i, j))];
+                    all[k].largest = std::max(all[k].largest, std::abs(value));
+                    all[k].difference = std::max(all[k].difference, std::abs(value - same));
+                }
+    return all;
+}
+
+bool everywhere(Vec3) {
+    return true;
+}
+
+constexpr std::array<std::size_t, components> not_swapped = {0, 1, 2, 3, 4, 5};
+
+} // namespace
+
+TEST_CASE("the stress around a cylinder does not depend on the axis along which it lies",
+          "[verify]") {
+    const Case c = stress_case(Along::x), other = stress_case(Along::y);
+    const std::ptrdiff_t ny = other.domain.ny;
+    // xx and yy, yz and xz exchange their places.
+    for (const Difference& d :
+         differences(c, stresses(c), stresses(other), {1, 0, 2, 4, 3, 5}, everywhere,
+                     [&](std::ptrdiff_t i, std::ptrdiff_t j) { return j * ny + i; }))
+        CHECK(d.difference < 1e-8 * d.largest); // rounding, which lambda/mu = 1e5 amplifies
+}
+
+TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify]") {
+    const Case c = stress_case(Along::y);
+    Case moved = c;
+    constexpr std::ptrdiff_t points = 7;
+    const double way_m = points * c.domain.spacing_m;
+    std::get<Travel>(moved.scene().load.modulation.trajectory.parts[0]).path =
+        Curve({-7e-3, 2e-3 + way_m}, {7e-3, 1e-3 + way_m});
+    const std::ptrdiff_t ny = c.domain.ny;
+    for (const Difference& d : differences(
+             c, stresses(c), stresses(moved), not_swapped, everywhere,
+             [&](std::ptrdiff_t i, std::ptrdiff_t j) { return i * ny + (j + points) % ny; }))
+        CHECK(d.difference < 1e-8 * d.largest); // rounding
+}
+
+TEST_CASE("the stress around a cylinder is that of its markers in three dimensions", "[verify]") {
+    // With a distant lump the cylinder is treated as one, with Kelvin's solution at every marker.
+    Case c = stress_case(Along::y);
+    c.domain = {48, 28, 0.5e-3, 0.0};
+    Case as_lumps = c;
+    as_lumps.scene().medium.bodies.push_back(
+        {.name = "distant",
+         .shape = Ellipsoid{{1e-3, 1e-3, 3e-3}}, // as high as the cylinder: the same elements
+         .centre_m = {-10.5e-3, 0.0, 6e-3},
+         .density_kg_m3 = 1000.0,
+         .rigid = true});
+    const test::VolumeStore one = stresses(c), other = stresses(as_lumps);
+    REQUIRE(one.z_m() == other.z_m());
+    const Vec3 centre_m = c.scene().medium.bodies[0].centre_m;
+    const std::ptrdiff_t ny = c.domain.ny;
+    struct Band {
+        double from, to, limit; // distance from the surface in spacings
+    };
+    // Relative to the largest stress. The treatments have errors of this size (see
+    // test_cylinder_stress and test_rigid_stress); 3.0, 1.6, 1.2 and 0.6 % are observed. With the
+    // wrong sign of the forces along the axis 6 % are.
+    for (const Band band : {Band{0.4, 1.0, 0.035}, Band{1.0, 1.5, 0.020}, Band{1.5, 2.5, 0.015},
+                            Band{2.5, 5.0, 0.010}}) {
+        const auto is_in_band = [&](Vec3 at_m) {
+            const double spacings =
+                (std::hypot(at_m.x - centre_m.x, at_m.z - centre_m.z) - 3e-3) / c.domain.spacing_m;
+            return spacings > band.from && spacings < band.to;
+        };
+        const auto all =
+            differences(c, one, other, not_swapped, is_in_band,
+                        [&](std::ptrdiff_t i, std::ptrdiff_t j) { return i * ny + j; });
+        double largest = 0.0;
+        for (const Difference& d : all)
+            largest = std::max(largest, d.largest);
+        for (const Difference& d : all) {
+            CAPTURE(band.from, d.difference / largest);
+            CHECK(d.difference < band.limit * largest);
+        }
+    }
+}
