@@ -19,7 +19,7 @@ from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids,
 
 FEW = LONG.replace("1000, 12]", "1000, 30]")
 SOME = LONG.replace("1000, 12]", "1000, 75]")
-MANY = LONG.replace("1000, 12]", "1000, 150]")
+MANY = LONG.replace("1000, 12]", "1000, 800]")
 
 
 class Stops(FaultTest):
@@ -59,7 +59,7 @@ class Stops(FaultTest):
                   "must be seconds or days-hours:minutes:seconds", "1:30:00")
         for limit in ("0:04", "0:16", "1:04"):  # a busy machine needs longer for the first case
             said = self.shearwake("run", "job.toml", "--walltime", limit, expect=75).said
-            self.says(said, "stopped early", "150 cases")
+            self.says(said, "stopped early", "800 cases")
             first = len(case_files(self.out))
             if first:
                 break
@@ -84,13 +84,14 @@ class Stops(FaultTest):
 
 
 class LargeCase(FaultTest):
-    """A case of engine layered, which writes no checkpoints, that takes a minute."""
+    """A case of engine layered that takes minutes. It writes no checkpoints, so it has some seconds to end when a
+    stop is requested."""
 
     def setUp(self):
         super().setUp()
         self.write_job(without_reference(
             ("frames = true\n", ""), (SWEEP, '"load.modulation.am_frequency_Hz" = [500]'),
-            ("extent_mm = [64.0, 48.0]", "extent_mm = [320.0, 320.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
+            ("extent_mm = [64.0, 48.0]", "extent_mm = [640.0, 640.0]"), ("spacing_mm = 1.5", "spacing_mm = 0.5"),
             ("output_interval_us = 100.0", "output_interval_us = 5.0")))
 
     def assert_stops(self, ranks, after_s):
@@ -101,14 +102,14 @@ class LargeCase(FaultTest):
         asked = time.monotonic()
         process.send_signal(signal.SIGTERM if ranks == 1 else signal.SIGUSR1)
         said = process.communicate(timeout=PATIENCE_s)[0]
-        self.assertLess(time.monotonic() - asked, 30.0)  # required by issue 16
+        self.assertLess(time.monotonic() - asked, 30.0)  # batch systems grant at least as much
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "0 computed now", "stopped early")
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.assert_nothing_left(self.out)
 
     def test_a_stop_request_is_honoured_in_each_phase(self):
-        for ranks, after_s in ((1, 0.0), (1, 2.0), (2, 2.0)):
+        for ranks, after_s in ((2, 0.0), (1, 2.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
                 self.assert_stops(ranks, after_s)
 

@@ -16,6 +16,15 @@
 using namespace shearwake;
 using Sharing = storage::RunLock::Sharing;
 
+namespace {
+
+/// Overwrites the file as a run does, which never leaves it empty.
+void write_count(const std::filesystem::path& file, int beat) {
+    std::fstream(file, std::ios::in | std::ios::out) << fmt::format("another-host 17 {}\n", beat);
+}
+
+} // namespace
+
 TEST_CASE("a folder is locked by one complete run or by several runs of parts", "[lock]") {
     const test::TemporaryFolder folder;
     CHECK_FALSE(storage::is_locked(folder / "run").has_value()); // there is none
@@ -36,14 +45,11 @@ TEST_CASE("a folder with an increasing count of another host is in use, independ
           "[lock]") {
     const test::TemporaryFolder folder;
     std::atomic<bool> ends = false;
-    const auto count = [&](int beat) {
-        std::ofstream(folder / "run") << fmt::format("another-host 17 {}\n", beat);
-    };
-    count(0);
+    std::ofstream(folder / "run") << "another-host 17 0\n";
     std::thread host([&] {
         for (int beat = 1; !ends; ++beat) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
-            count(beat);
+            write_count(folder / "run", beat);
         }
     });
     std::string words;
@@ -68,7 +74,7 @@ TEST_CASE("a part with an increasing count of another host is reported and preve
     std::atomic<bool> ends = false;
     std::thread host([&] {
         for (int beat = 6; !ends; ++beat) {
-            std::ofstream(folder / "2-of-3") << fmt::format("another-host 17 {}\n", beat);
+            write_count(folder / "2-of-3", beat);
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         }
     });
