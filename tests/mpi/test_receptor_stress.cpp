@@ -46,7 +46,7 @@ TEST_CASE("receptor stress is identical on any number of ranks", "[mpi][neural]"
     const Comm world = Comm::world();
     test::StressStore together;
     engines::make_engine(c.solver)->run(c, world, together);
-    const test::StressStore alone = test::stresses_of(c);
+    const test::StressStore alone = test::stresses_of_root(c, world);
     const auto ny = static_cast<std::size_t>(c.domain.ny);
     const auto rows = static_cast<std::size_t>(together.slab().x_count) * ny,
                start = static_cast<std::size_t>(together.slab().x_start) * ny;

@@ -3,6 +3,7 @@
 
 #include "parallel/comm.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <exception>
@@ -35,14 +36,17 @@ void on_root_alone(const Comm& world, F&& f) {
 }
 
 /// Copies a map from the root to all ranks. Collective.
-inline void broadcast(std::map<std::array<long, 2>, std::vector<double>>& values,
-                      const Comm& world) {
+template <std::size_t size>
+void broadcast(std::map<std::array<long, size>, std::vector<double>>& values, const Comm& world) {
     std::vector<long> keys;
     for (const auto& [key, value] : values)
         keys.insert(keys.end(), key.begin(), key.end());
     world.broadcast(keys);
-    for (std::size_t n = 0; n < keys.size(); n += 2)
-        world.broadcast(values[{keys[n], keys[n + 1]}]);
+    for (std::size_t n = 0; n < keys.size(); n += size) {
+        std::array<long, size> key;
+        std::copy_n(keys.data() + n, size, key.begin());
+        world.broadcast(values[key]);
+    }
 }
 
 } // namespace shearwake::test

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "support/cases.hpp"
+#include "support/on_root.hpp"
 
 #include <array>
 #include <map>
@@ -15,7 +16,7 @@ public:
     void volume_levels(const std::vector<double>& z_m) override { z_m_ = z_m; }
     void volume(const engines::VolumePlane& plane) override {
         std::vector<double>& values =
-            planes_[{plane.snapshot, plane.field, plane.component, plane.level}];
+            planes_[key(plane.snapshot, plane.field, plane.component, plane.level)];
         values.clear();
         for (std::ptrdiff_t i = 0; i < plane.values.rows(); ++i) {
             const auto row = plane.values.row(i);
@@ -26,12 +27,20 @@ public:
     std::size_t planes() const { return planes_.size(); }
     const std::vector<double>& at(std::size_t snapshot, std::size_t field, std::size_t component,
                                   std::size_t level) const {
-        return planes_.at({snapshot, field, component, level});
+        return planes_.at(key(snapshot, field, component, level));
     }
+    /// Replaces the planes by those of the root. Collective.
+    void take_from_root(const Comm& world) { broadcast(planes_, world); }
 
 private:
+    using Key = std::array<long, 4>;
+    static Key key(std::size_t snapshot, std::size_t field, std::size_t component,
+                   std::size_t level) {
+        return {static_cast<long>(snapshot), static_cast<long>(field), static_cast<long>(component),
+                static_cast<long>(level)};
+    }
     std::vector<double> z_m_;
-    std::map<std::array<std::size_t, 4>, std::vector<double>> planes_;
+    std::map<Key, std::vector<double>> planes_;
 };
 
 } // namespace shearwake::test
