@@ -20,7 +20,8 @@ endif()
 
 # Groups that take minutes start first, so that they do not run last and on their own.
 set(long_groups "mpi_tests on 5 ranks" "mpi_tests on 3 ranks" "mpi_tests on 8 ranks" "mpi_tests on 2 ranks"
-    tests/docs/test_blocks.py tests/faults/test_faults.py tests/slurm/test_slurm.py)
+    tests/docs/test_blocks.py tests/faults/test_faults.py tests/slurm/test_slurm.py "verify_tests test_known_indices"
+    tests/end_to_end/test_optimise.py tests/end_to_end/test_adaptive.py tests/python/test_explore_page.py)
 
 # add_group(NAME LABEL VERDICTS COMMAND...): a group that uses about one core on average and may run concurrently
 # with any other group. There is no time limit: run_group.py ends groups that make no progress.

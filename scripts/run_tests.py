@@ -101,7 +101,8 @@ def run_ctest(build, screen, stopping, selection=()):
     watcher = Watcher(results, screen)
     junit = results / "ctest.xml"
     junit.unlink(missing_ok=True)
-    command = ["ctest", "--test-dir", str(build), "--parallel", str(len(os.sched_getaffinity(0)) + 1),
+    # Groups wait for files, time limits and browsers: with as many groups as cores a fifth of the cores rests.
+    command = ["ctest", "--test-dir", str(build), "--parallel", str(len(os.sched_getaffinity(0)) + 2),
                "--output-junit", str(junit), "--no-tests=error", *selection]
     with open(results / "ctest.log", "w", encoding="utf-8") as log:
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,

@@ -108,7 +108,7 @@ class LargeCase(FaultTest):
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.assert_nothing_left(self.out)
 
-    def test_a_stop_request_is_honoured_in_each_phase(self):
+    def test_a_stop_request_ends_a_long_case_on_one_and_two_ranks(self):
         for ranks, after_s in ((2, 0.0), (1, 2.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
                 self.assert_stops(ranks, after_s)
