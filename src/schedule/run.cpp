@@ -6,6 +6,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
+#include "schedule/arrangement.hpp"
 #include "schedule/closing_message.hpp"
 #include "schedule/deadline.hpp"
 #include "schedule/job_source.hpp"
@@ -14,7 +15,6 @@
 #include "schedule/progress.hpp"
 #include "schedule/select_cases.hpp"
 #include "schedule/stop_signal.hpp"
-#include "schedule/teams.hpp"
 #include "schedule/worker.hpp"
 #include "simd/instruction_set.hpp"
 #include "storage/case_file/case_index.hpp"
@@ -49,12 +49,6 @@ struct Beginning {
     storage::JournalContents journal;
     std::vector<SetAside> damaged; // on rank 0 only, like the warning
     std::string warning;
-};
-
-/// The remaining cases in the order in which they are started.
-struct OrderedWork {
-    std::vector<const PlannedCase*> cases;
-    std::vector<std::size_t> numbers; // of the cases in the plan
 };
 
 /// Whether the folder contains complete cases of another version of the program. Throws UsageError
@@ -189,16 +183,6 @@ void note_beginning(const storage::RunStart& start, const Beginning& beginning,
     journal.run_started(start);
     for (const SetAside& damaged : beginning.damaged)
         journal.damaged(damaged.id, damaged.reason);
-}
-
-OrderedWork ordered(const std::vector<const PlannedCase*>& cases, const Selection& selection,
-                    cost::CaseCosts& costs) {
-    OrderedWork work;
-    for (const std::size_t index : order_of_work(cases, costs)) {
-        work.cases.push_back(cases[index]);
-        work.numbers.push_back(selection.work[index]);
-    }
-    return work;
 }
 
 /// Throws UsageError if the cases to be computed need more memory or disk space than there is,
@@ -339,10 +323,9 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
         return concluded(folder, job, selection, none, arguments, world, document);
     }
     calibrate_for(*costs, world.size(), world, say, stop_requested);
-    const OrderedWork work = ordered(cases, selection, *costs);
-
-    const TeamLayout layout =
-        choose_teams(work.cases, world.size(), arguments.ranks_per_case, memory_B, *costs);
+    const Arrangement work =
+        arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
+    const TeamLayout& layout = work.layout;
     on_root(world, [&] { say(work_text(job, selection, layout, world.size(), folder)); });
     start.teams = layout.teams;
     start.cases_left = work.cases.size();
@@ -352,18 +335,9 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const pipeline::JobFacts facts{job.plan.title, job.text,
                                    fmt::format("{}", fmt::join(arguments.overrides, "\n")),
                                    memory_B};
-    const std::vector<Bundle> bundles = bundles_of(work.cases, layout, *costs);
-    const WorkList list{work.cases,
-                        work.numbers,
-                        bundles,
-                        facts,
-                        folder,
-                        part,
-                        arguments,
-                        *costs,
-                        deadline,
-                        layout.teams,
-                        layout.ranks_per_case};
+    const WorkList list{
+        work.cases, work.numbers, work.bundles,         facts, folder, part, arguments, *costs,
+        deadline,   layout.teams, layout.ranks_per_case};
     progress.start();
     Worker worker(list, beginning.journal, world, team, progress);
     worker.work();
