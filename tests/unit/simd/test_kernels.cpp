@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/kernels/strains.hpp"
+#include "engines/spectral/kernels/symmetric.hpp"
 #include "engines/spectral/kernels/transfer.hpp"
 #include "measures/kernels/row_sums.hpp"
 #include "neural/kernels/neuron.hpp"
@@ -189,4 +190,41 @@ TEST_CASE("products of strains have the same bits at all vector widths with fuse
         return simd::kernels<spectral::StrainKernels>(set).product(1003, a.data(), b.data());
     };
     CHECK(product(InstructionSet::avx2) == product(InstructionSet::avx512));
+}
+
+TEST_CASE("products with symmetric matrices equal those of a plain loop", "[simd]") {
+    using namespace spectral;
+    for (const std::size_t unknowns : {1u, 2u, 5u, 8u, 27u}) {
+        const std::size_t entries = unknowns * (unknowns + 1) / 2;
+        const std::vector<double> numbers = random_numbers(entries * lane_count, 3);
+        std::vector<float> high(numbers.begin(), numbers.end()), low;
+        for (std::size_t n = 0; n < numbers.size(); ++n)
+            low.push_back(static_cast<float>(numbers[n] - static_cast<double>(high[n])));
+        const std::vector<Block> x = random_blocks(unknowns * parts, 4);
+        const auto expected = [&](std::size_t i, std::size_t p, std::size_t lane, bool rounded) {
+            double sum = 0.0;
+            for (std::size_t j = 0; j < unknowns; ++j) {
+                const std::size_t row = std::max(i, j), column = std::min(i, j);
+                const std::size_t at = (row * (row + 1) / 2 + column) * lane_count + lane;
+                sum += (rounded ? static_cast<double>(high[at]) : numbers[at]) *
+                       x[j * parts + p].lane[lane];
+            }
+            return sum;
+        };
+        for (const auto set : available_sets()) {
+            INFO(simd::name_of(set) << ", " << unknowns << " unknowns");
+            const auto& kernels = simd::kernels<SymmetricKernels>(set);
+            for (const bool rounded : {false, true}) {
+                std::vector<Block> y = random_blocks(unknowns * parts, 5); // to be overwritten
+                (rounded ? kernels.multiply_rounded : kernels.multiply)(
+                    std::ssize(x) / parts, {high.data(), low.data()}, x.data(), y.data());
+                for (std::size_t i = 0; i < unknowns; ++i)
+                    for (std::size_t p = 0; p < parts; ++p)
+                        for (std::size_t lane = 0; lane < lane_count; ++lane)
+                            // 27 products of order 1; an entry of two floats has 49 bits.
+                            CHECK(y[i * parts + p].lane[lane] ==
+                                  Approx(expected(i, p, lane, rounded)).margin(1e-13));
+            }
+        }
+    }
 }
