@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/* Loaded in front of the C library (LD_PRELOAD): a system in a bad way, for the tests beside this.
- *
- * Writes, flushes and renames of files whose path holds FAULT_PATH are counted in each process:
- *   FAULT_CALL=name      counts these calls alone
- *   FAULT_KILL_AT=n     the n-th ends the process at once, half of what it writes being written
- *   FAULT_EIO_AT=n      the n-th fails with an I/O error; FAULT_EIO_COUNT=m: and the m - 1 after
- * it; FAULT_ERRNO=e: with another error What C++ allocates in pieces of 1 KB and more is counted as
- * well: FAULT_NEW_AT=n      the n-th fails The time of day: FAULT_CLOCK=s       is wrong by s
- * seconds from the 20th time that it is asked FAULT_RANK=r          all this on MPI rank r only
- */
+// Loaded before the C library (LD_PRELOAD), this file makes the system fail.
+//
+// Each process counts writes, flushes and renames of files whose path contains FAULT_PATH:
+//   FAULT_CALL=name       counts only these calls
+//   FAULT_KILL_AT=n       the n-th kills the process after half of its data is written
+//   FAULT_EIO_AT=n        the n-th fails with an I/O error
+//   FAULT_EIO_COUNT=m     the m - 1 calls after it fail as well
+//   FAULT_ERRNO=e         they fail with this error instead
+// It also counts the allocations of C++ of at least 1 KB:
+//   FAULT_NEW_AT=n        the n-th fails
+//   FAULT_NEW_COUNT=file  their number is written to this file at the end
+// Others:
+//   FAULT_CLOCK=s         the time of day is wrong by s seconds from the 20th reading on
+//   FAULT_RANK=r          only MPI rank r is affected
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -23,12 +27,17 @@
 
 namespace {
 
-long number(const char* name) {
+/* The variable, unless it is meant for another rank. */
+const char* value(const char* name) {
     const char* rank = getenv("FAULT_RANK");
     const char* mine = getenv("OMPI_COMM_WORLD_RANK");
     const char* text = getenv(name);
-    if (!text || (rank && (!mine || strcmp(rank, mine) != 0))) return 0;
-    return atol(text);
+    return rank && (!mine || strcmp(rank, mine) != 0) ? nullptr : text;
+}
+
+long number(const char* name) {
+    const char* text = value(name);
+    return text ? atol(text) : 0;
 }
 
 int counts(const char* path) {
@@ -129,10 +138,23 @@ time_t time(time_t* out) {
 
 } // extern "C"
 
+namespace {
+
+long allocations = 0;
+
+__attribute__((destructor)) void write_count() {
+    const char* path = value("FAULT_NEW_COUNT");
+    FILE* file = path && allocations > 0 ? fopen(path, "w") : nullptr;
+    if (!file) return;
+    fprintf(file, "%ld\n", allocations);
+    fclose(file);
+}
+
+} // namespace
+
 void* operator new(std::size_t size) {
-    static long seen = 0;
     void* memory = nullptr;
-    if (size < 1024 || __sync_add_and_fetch(&seen, 1) != number("FAULT_NEW_AT"))
+    if (size < 1024 || __sync_add_and_fetch(&allocations, 1) != number("FAULT_NEW_AT"))
         memory = std::malloc(size > 0 ? size : 1);
     if (!memory) throw std::bad_alloc();
     return memory;
