@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
 
 // Vectors for kernels (simd/kernels.hpp) with the number of doubles that one instruction processes.
 // These are the vector extensions of g++ and clang: arithmetic, comparison and ?: work lane by
@@ -40,7 +43,46 @@ using Vector = double __attribute__((vector_size(width * sizeof(double))));
 }
 /// The same value in every lane.
 [[gnu::always_inline]] inline Vector all_lanes(double value) {
-    return Vector{} + value;
+    return value - Vector{}; // a sum with 0 would be computed, since it changes -0
+}
+/// Keeps a value that is used several times in a register: g++ loads it anew for each use.
+[[gnu::always_inline]] inline Vector kept(Vector v) {
+#if defined(__AVX512F__)
+    asm("" : "+v"(v));
+#elif defined(__SSE2__)
+    asm("" : "+x"(v));
+#endif
+    return v;
+}
+/// A complex number, or two other numbers.
+using Pair = double __attribute__((vector_size(2 * sizeof(double))));
+[[gnu::always_inline]] inline Pair load_pair(const double* from) {
+    Pair pair;
+    __builtin_memcpy(&pair, from, sizeof pair);
+    return pair;
+}
+[[gnu::always_inline]] inline void store_pair(Pair pair, double* to) {
+    __builtin_memcpy(to, &pair, sizeof pair);
+}
+/// Two numbers in turns: a, b, a, b, ...
+[[gnu::always_inline]] inline Vector load_in_turns(const double* from) {
+    const Pair pair = load_pair(from);
+#if defined(__AVX512F__)
+    return _mm512_broadcast_f64x2(pair); // g++ 12 shuffles in halves
+#elif defined(__AVX__)
+    return __builtin_shufflevector(pair, pair, 0, 1, 0, 1);
+#else
+    return pair;
+#endif
+}
+[[gnu::always_inline]] inline Vector reversed(Vector v) {
+#if defined(__AVX512F__)
+    return __builtin_shufflevector(v, v, 7, 6, 5, 4, 3, 2, 1, 0);
+#elif defined(__AVX__)
+    return __builtin_shufflevector(v, v, 3, 2, 1, 0);
+#else
+    return __builtin_shufflevector(v, v, 1, 0);
+#endif
 }
 [[gnu::always_inline]] inline Vector greater(Vector a, Vector b) {
     return a > b ? a : b;

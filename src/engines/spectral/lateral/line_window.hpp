@@ -25,12 +25,13 @@ public:
 
     /// Transform `planes` folded lines; the strides are in doubles. Unnormalised.
     void to_window(std::ptrdiff_t planes, const double* line, std::ptrdiff_t line_stride,
-                   double* window, std::ptrdiff_t window_stride) const;
+                   double* window, std::ptrdiff_t window_stride);
     void to_line(std::ptrdiff_t planes, const double* window, std::ptrdiff_t window_stride,
                  double* line, std::ptrdiff_t line_stride);
 
 private:
     WindowArrays arrays() const;
+    double* scratch(std::ptrdiff_t size);
 
     const WindowKernels& kernels_;
     std::ptrdiff_t nx_, begin_, count_;

@@ -80,10 +80,10 @@ private:
 } // namespace
 
 TEST_CASE("transforms of a window equal the Fourier sum without the Nyquist mode") {
-    // Odd and even numbers of points, windows that wrap no block and several blocks of distances,
-    // and lines that end within a block of wavenumbers.
+    // Odd and even numbers of points, windows within one block and with several groups of
+    // distances, and lines that end within a block of wavenumbers.
     const std::ptrdiff_t nx = GENERATE(16, 30, 96);
-    const std::ptrdiff_t count = GENERATE(1, 2, 9, 14, 16, 17, 19);
+    const std::ptrdiff_t count = GENERATE(1, 2, 9, 14, 16, 17, 19, 60);
     const std::ptrdiff_t begin = GENERATE(0, 5);
     if (begin + count > nx) return;
     CAPTURE(nx, count, begin);
