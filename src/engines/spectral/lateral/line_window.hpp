@@ -16,8 +16,9 @@ public:
 
     std::ptrdiff_t begin() const { return begin_; }
     std::ptrdiff_t count() const { return count_; }
-    /// Number of doubles of a folded line, and its format for a block of wave vectors.
-    std::ptrdiff_t line_reals() const { return folds * fold_pitch(nx_); }
+    /// Number of doubles of a folded line, of which the last ones are unused, so that consecutive
+    /// planes do not occupy the same sets of the cache; and its format for a block of wave vectors.
+    std::ptrdiff_t line_reals() const { return folds * fold_pitch(nx_) + lane_count; }
     WaveBlock folded(WaveBlock waves) const {
         waves.middle = of_middle_.data() + waves.first / lane_count;
         return waves;
