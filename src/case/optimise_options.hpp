@@ -115,7 +115,8 @@ void walk_comparison_fields(Walk& walk, Options& o) {
           .range = Range::between(10.0, 1e6),
           .fallback = "none",
           .meaning = "rate at which a display updates its amplitude: the waveforms are exported "
-                     "as CSV at this rate, and the loss is computed"});
+                     "as CSV at this rate, and the loss is computed; changed slightly so that a "
+                     "whole number of updates fits the period"});
     walk(o.bits, {.key = "bits",
                   .range = Range::between(1.0, 16.0),
                   .meaning = "with `update_rate_Hz`: number of bits of the sound pressure "

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """shearwake optimise: the optimum is reproduced by its case, the bound by NumPy alone, and the study is resumed."""
+import contextlib
 import csv
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 import unittest
 from pathlib import Path
 
 import numpy as np
-from program import ROOT, ProgramTest, changed
+from program import PATIENCE_s, ROOT, ProgramTest, changed
+from test_resume import alive, descendants
 
 STEADY = """
 schema = 1
@@ -140,12 +144,21 @@ class Optimise(ProgramTest):
         found = self.verify()
         self.assertEqual((found.returncode, found.stdout.count("verified")), (0, 2), found.stdout + found.stderr)
         self.check_waveform(rows[0])
+        self.check_report()
         # The bound of a changed certificate is refused.
         [path, _] = sorted((self.folder / "out/best.optimise/optimise").glob("*.strength-*.json"))
         optimum = json.loads(path.read_text(encoding="utf-8"))
         optimum["ceiling"]["eta"] *= 0.98
         path.write_text(json.dumps(optimum), encoding="utf-8")
         self.assertEqual(self.verify().returncode, 1)
+
+    def check_report(self):
+        self.shearwake("report", "out/best.optimise")
+        report = self.folder / "out/best.optimise/report"
+        figures = {path.name for path in report.rglob("*.png")}
+        self.assertLessEqual({"optimise_front.png", "optimise_envelopes.png", "optimise_energy.png", "optimise_surfaces_1.png"},
+                             figures)
+        self.says((report / "index.html").read_text(encoding="utf-8"), "upper bound", "verify_certificate.py")
 
     def check_waveform(self, row):
         """The waveform has the levels of the optimum, and its TOML gives the eta of the exported case."""
@@ -189,6 +202,21 @@ class Optimise(ProgramTest):
         self.assertEqual(self.rows(), rows)
         self.says(self.shearwake("optimise", "job.toml", "-S", "optimise.starts=2", expect=2).said,
                   "contains the optima of another job")
+
+    def test_a_killed_study_is_resumed_with_the_same_result(self):
+        self.job(*TRANSIENT)
+        self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
+        process = self.start("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2)
+        self.wait_for(lambda: list((self.folder / "killed").rglob("*.h5")), "the first field")
+        pids = [process.pid, *descendants(process.pid)]
+        for pid in pids:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        process.wait(PATIENCE_s)
+        self.wait_for(lambda: not any(map(alive, pids)), "the ranks to end")
+        self.assertFalse((self.folder / "killed/optimise/table.csv").exists(), "it was too fast to be killed")
+        self.shearwake("optimise", "job.toml", "--quiet", "--out", "killed", ranks=2)
+        self.assertEqual(self.rows("killed"), self.rows())
 
     def check_one(self, *changes, column="eta_period_1"):
         """The optimum of the changed job is reproduced; returns its row."""
