@@ -112,6 +112,24 @@ std::vector<BenchJob> layered_jobs() {
             {"layered, pins and receptors", pins}};
 }
 
+/// One body of bone each, which is rigid.
+std::vector<BenchJob> bone_jobs() {
+    const auto job_with = [](const Body& body) {
+        Case c = on_grid(96, 72, 1e-3, 60);
+        c.scene().medium.bodies.push_back(body);
+        c.solver = SpectralOptions{.time_step_s = c.time.interval_s};
+        return c;
+    };
+    Body bone = body_of(1619.0);
+    bone.density_kg_m3 = 1900.0;
+    bone.c_p_m_s = 3517.0;
+    bone.shape = Ellipsoid{{6e-3, 5e-3, 3e-3}};
+    Body across = bone;
+    across.shape = Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0};
+    return {{"spectral, rigid lump", job_with(bone)},
+            {"spectral, rigid cylinder", job_with(across)}};
+}
+
 std::vector<BenchJob> spectral_jobs() {
     Case small = on_grid(96, 72, 1.5e-3, 160);
     small.scene().medium.layers.erase(
@@ -153,7 +171,7 @@ std::vector<BenchJob> pstd_jobs() {
 
 std::vector<BenchJob> bench_jobs() {
     std::vector<BenchJob> all;
-    for (auto* jobs : {layered_jobs, spectral_jobs, pstd_jobs})
+    for (auto* jobs : {layered_jobs, spectral_jobs, bone_jobs, pstd_jobs})
         for (BenchJob& job : jobs())
             all.push_back(std::move(job));
     return all;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rigid bodies of any shape in engine "spectral": energy, symmetries, places, and the response of a
-// free body over the band of haptic vibrations.
+// Rigid bodies of any shape in engine "spectral": energy, symmetries and places.
 #include "support/memory_state.hpp"
 #include "support/rigid_cases.hpp"
 
@@ -49,6 +48,18 @@ TEST_CASE("energy of a lossless medium with rigid lumps is conserved", "[verify]
         lower.centre_m = {-5.7e-3, -5.1e-3, 6.9e-3}; // from 4.7 mm on
         lower.density_kg_m3 = 300.0;
         c.scene().medium.bodies = {upper, lower};
+    }
+    SECTION("across the interface of two layers") {
+        std::vector<Layer>& layers = c.scene().medium.layers;
+        Layer lower = layers.back();
+        lower.c_s_m_s *= 1.6;
+        lower.density_kg_m3 *= 1.1;
+        const double middle_m = c.scene().medium.bodies[0].centre_m.z;
+        lower.thickness_m = layers.back().thickness_m - middle_m;
+        layers.back().thickness_m = middle_m;
+        REQUIRE(layers.size() == 1);
+        REQUIRE(lower.thickness_m > 0.0);
+        layers.push_back(lower);
     }
     SECTION("next to a body across the domain and a complete layer") {
         if (step_s == 50e-6) return; // between the others

@@ -120,8 +120,10 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[verify]") {
         c.domain = {24 * times, 4, 0.9e-3 / static_cast<double>(times), 0.0};
         c.time = {6, 100e-6};
         c.measure = {.at_s = 6e-4, .settled_after_s = 1e-4, .focal_radius_m = 1e-3};
-        c.solver =
-            SpectralOptions{.time_step_s = 10e-6, .longest_element_m = 1.8e-3, .contrast_cap = 1e5};
+        c.solver = SpectralOptions{.time_step_s = 10e-6,
+                                   .longest_element_m = 1.8e-3,
+                                   .contrast_cap = 1e5,
+                                   .rigid_above = 1e9}; // the elastic bar remains elastic
         const auto without = test::last_frame(c);
         c.scene().medium.bodies = {bar};
         const auto with = test::last_frame(c);
@@ -148,7 +150,8 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[verify]") {
     const auto of_rigid = effect(3, rigid);
     const double difference = test::relative_l2(limit, of_rigid);
     CAPTURE(difference, test::relative_l2(fine, of_rigid), test::relative_l2(coarse, of_rigid));
-    CHECK(difference < 0.03);                                // required
-    CHECK(test::relative_l2(fine, of_rigid) < 0.04);         // before extrapolation
+    CHECK(difference > 0.001);                               // they are different computations
+    CHECK(difference < 0.02);                                // observed 0.014
+    CHECK(test::relative_l2(fine, of_rigid) < 0.03);         // required, without extrapolation
     CHECK(test::relative_l2(coarse, of_rigid) > difference); // the error of the elastic body
 }

@@ -136,13 +136,17 @@ TEST_CASE("capping the stiffness of bone changes the field by less than 2 %", "[
     bone.c_p_m_s = 3517.0;
     bone.c_s_m_s = 1619.0;
     c.scene().medium.bodies = {bone};
-    const Case capped = with_step(c, 50e-6);
+    Case capped = with_step(c, 50e-6);
+    std::get<SpectralOptions>(capped.solver).rigid_above = 1e9; // elastic
     const auto frame = last_frame(capped);
     Case stiffer = capped;
     std::get<SpectralOptions>(stiffer.solver).contrast_cap = 4000.0; // four times the default
     // The reflected amplitude differs by 0.02: impedance ratios of 44 and 87 reflect 0.955 and
     // 0.977 of a shear wave.
-    CHECK(relative_l2(frame, last_frame(stiffer)) < 0.02);
+    const double difference = relative_l2(frame, last_frame(stiffer));
+    CAPTURE(difference);
+    CHECK(difference > 0.0);
+    CHECK(difference < 0.02);
 }
 
 TEST_CASE("mirror image of the problem yields the mirror image of the field", "[verify]") {

@@ -68,6 +68,33 @@ void add_notes(const std::string& what, const Difference& d, double cap,
                          what, d.density ? "density" : "viscosity")});
 }
 
+std::string rigid_note(const Case& given, const Case& c, std::size_t i) {
+    const Body& body = c.scene().medium.bodies[i];
+    std::string why;
+    if (!given.scene().medium.bodies[i].rigid)
+        why = fmt::format(
+            " because it is {:.3g} times stiffer than its surroundings (rigid_above = {:.4g})",
+            stiffness_contrast(body, c.scene().medium),
+            std::get<SpectralOptions>(c.solver).rigid_above);
+    const std::string held = held_by(body, c.scene().medium, c.domain);
+    return fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
+                       held.empty() ? "moves with its mass" : held,
+                       is_below_rigid_layer(body, c.scene().medium, c.domain)
+                           ? "no effect on the field"
+                           : "one additional background solve per step, no cap on its stiffness");
+}
+
+std::string elastic_note(const Case& c, std::size_t i) {
+    const Body& body = c.scene().medium.bodies[i];
+    std::string note = fmt::format("medium.body[{}] is elastic", i + 1);
+    if (body.c_s_m_s)
+        note += fmt::format(", {:.3g} times as stiff as its surroundings",
+                            stiffness_contrast(body, c.scene().medium));
+    if (is_stiff_enough(body, c))
+        note += fmt::format(". It is not treated as rigid: {}", obstacle(c, i));
+    return note;
+}
+
 } // namespace
 
 std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh) {
@@ -96,26 +123,12 @@ std::vector<std::string> edge_notes(const Case& c) {
                         1e3 * width_m, 100.0 * returned_energy(wave_m, width_m), 1e3 * wave_m)};
 }
 
-std::vector<std::string> rigid_notes(const Case& given) {
+std::vector<std::string> body_notes(const Case& given) {
     const Case c = with_rigid_bodies(given);
     std::vector<std::string> notes;
-    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
-        const Body& body = c.scene().medium.bodies[i];
-        if (!body.rigid) continue;
-        std::string why;
-        if (!given.scene().medium.bodies[i].rigid)
-            why = fmt::format(
-                " because it is {:.3g} times stiffer than its surroundings (rigid_above = {:.4g})",
-                stiffness_contrast(body, c.scene().medium),
-                std::get<SpectralOptions>(c.solver).rigid_above);
-        const std::string held = held_by(body, c.scene().medium, c.domain);
-        notes.push_back(
-            fmt::format("medium.body[{}] is rigid{} and {}: {}", i + 1, why,
-                        held.empty() ? "moves with its mass" : held,
-                        is_below_rigid_layer(body, c.scene().medium, c.domain)
-                            ? "no effect on the field"
-                            : "one additional background solve per step, no cap on its stiffness"));
-    }
+    for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i)
+        notes.push_back(c.scene().medium.bodies[i].rigid ? rigid_note(given, c, i)
+                                                         : elastic_note(c, i));
     return notes;
 }
 

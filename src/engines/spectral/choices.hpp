@@ -16,9 +16,9 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
 /// Notes on the share of energy that the absorbing edges return, one line each. Not collective.
 std::vector<std::string> edge_notes(const Case& c);
 
-/// Notes on the bodies that the case marks as rigid and on those that the engine treats as rigid,
-/// one line each. Not collective.
-std::vector<std::string> rigid_notes(const Case& given);
+/// How each body is treated: as rigid because the case or the engine says so, or as elastic, and
+/// why a stiff one is elastic; one line each. Not collective.
+std::vector<std::string> body_notes(const Case& given);
 
 /// Choices about elastic bodies and the map, as far as it follows from the case without
 /// the grid: shear stiffnesses above the cap, and properties that require an iterative solve. Not

@@ -50,7 +50,7 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const TimeStep time = choose_time_step(c, options);
     auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s));
     for (const auto& more :
-         {edge_notes(c), rigid_notes(given), engines::notes_of(variation_choices(c, options))})
+         {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
     return notes;
 }
@@ -88,7 +88,7 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
         engines::MarchEnd::stopped)
         return;
     auto notes = discretisation_notes(time, mesh);
-    for (const auto& more : {edge_notes(c), rigid_notes(given)})
+    for (const auto& more : {edge_notes(c), body_notes(given)})
         notes.insert(notes.end(), more.begin(), more.end());
     const engines::SolverReport report = report_of(field.stepper(), std::move(notes));
     field.finish(observer);

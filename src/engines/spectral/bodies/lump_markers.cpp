@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 namespace shearwake::spectral {
@@ -15,6 +16,8 @@ namespace {
 
 /// Part of the distance of levels within which points share a depth.
 constexpr double same_depth = 0.3;
+/// Distance of two points, in spacings, below which the forces on them are hardly determined.
+constexpr double same_point = 0.4;
 /// Distance of the rings of an ellipsoid along a meridian, in spacings. With marker_spacing, the
 /// rings near a pole overlap: their horizontal forces alternate, by up to a quarter of the largest
 /// one on a sphere of 6 spacings per radius. The forces vary half as much with this distance, and
@@ -223,6 +226,39 @@ void join_depths(double within_m, std::vector<Vec3>& points) {
     }
 }
 
+/// Replaces points that are too close to each other, as at the rim of a flat body, by their mean,
+/// which preserves the symmetry. The points are sorted by depth.
+void join_points(const Spacings& h, std::vector<Vec3>& points) {
+    std::vector<std::size_t> group(points.size());
+    std::iota(group.begin(), group.end(), std::size_t{0});
+    const auto first_of = [&](std::size_t i) {
+        while (group[i] != i)
+            i = group[i];
+        return i;
+    };
+    for (std::size_t i = 0; i < points.size(); ++i)
+        for (std::size_t j = i + 1;
+             j < points.size() && points[j].z - points[i].z < same_point * h.down_m; ++j) {
+            const Vec3 apart = points[j] - points[i];
+            if (norm({apart.x / h.across_m, apart.y / h.across_m, apart.z / h.down_m}) <
+                same_point) {
+                const std::size_t a = first_of(i), b = first_of(j);
+                group[std::max(a, b)] = std::min(a, b);
+            }
+        }
+    std::vector<Vec3> sums(points.size());
+    std::vector<double> counts(points.size(), 0.0);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        sums[first_of(i)] = sums[first_of(i)] + points[i];
+        counts[first_of(i)] += 1.0;
+    }
+    std::vector<Vec3> joined;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (counts[i] > 0.0)
+            joined.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
+    points = std::move(joined);
+}
+
 } // namespace
 
 Body lump_in(const Body& body, const Domain& domain) {
@@ -270,6 +306,7 @@ std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double sp
     for (Vec3& p : points)
         p = p + (lump.centre_m - body.centre_m);
     join_depths(same_depth * spacing_z_m, points);
+    join_points(h, points);
     return points;
 }
 

@@ -15,8 +15,9 @@ namespace {
 
 /// Smallest width of a rigid body in grid spacings: markers stand half a spacing inside its faces.
 constexpr double least_spacings = 2.0;
-/// Samples along each axis of the box that two bodies share.
-constexpr int overlap_samples = 24;
+/// Samples along each axis of the box that two bodies share. Bodies that share less than a sample
+/// of this box are not recognised.
+constexpr int overlap_samples = 48;
 /// Markers above which a lump is treated as rigid only on request: their matrix then needs 300 MB,
 /// and a step takes longer than one with an elastic body.
 constexpr std::size_t most_markers = 2000;
@@ -31,14 +32,16 @@ bool spans(double centre_m, double size_m, double extent_m) {
     return centre_m - 0.5 * size_m <= -most_m && centre_m + 0.5 * size_m >= most_m;
 }
 
-bool shares_volume(const Body& a, const Body& b, const Domain& domain) {
+/// Without periodic images.
+bool shares_volume_here(const Body& a, const Body& b, const Domain& domain) {
     const Bounds one = bounds(a), other = bounds(b);
-    const double half_x_m = 0.5 * domain.extent_x_m(), half_y_m = 0.5 * domain.extent_y_m();
-    const Vec3 low{std::max({one.low_m.x, other.low_m.x, -half_x_m}),
-                   std::max({one.low_m.y, other.low_m.y, -half_y_m}),
+    // Infinite bodies are those of the domain.
+    const double far_x_m = domain.extent_x_m(), far_y_m = domain.extent_y_m();
+    const Vec3 low{std::max({one.low_m.x, other.low_m.x, -far_x_m}),
+                   std::max({one.low_m.y, other.low_m.y, -far_y_m}),
                    std::max(one.low_m.z, other.low_m.z)},
-        high{std::min({one.high_m.x, other.high_m.x, half_x_m}),
-             std::min({one.high_m.y, other.high_m.y, half_y_m}),
+        high{std::min({one.high_m.x, other.high_m.x, far_x_m}),
+             std::min({one.high_m.y, other.high_m.y, far_y_m}),
              std::min(one.high_m.z, other.high_m.z)};
     if (low.x >= high.x || low.y >= high.y || low.z >= high.z) return false;
     const auto at = [](double from, double to, int i) {
@@ -50,6 +53,18 @@ bool shares_volume(const Body& a, const Body& b, const Domain& domain) {
                 const Vec3 p{at(low.x, high.x, i), at(low.y, high.y, j), at(low.z, high.z, k)};
                 if (volume_fraction(a, p, {}) > 0.0 && volume_fraction(b, p, {}) > 0.0) return true;
             }
+    return false;
+}
+
+/// Whether a body shares volume with another one or with its images in the neighbouring periods.
+bool shares_volume(const Body& a, Body b, const Domain& domain) {
+    const Vec3 centre_m = b.centre_m;
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y) {
+            b.centre_m.x = centre_m.x + x * domain.extent_x_m();
+            b.centre_m.y = centre_m.y + y * domain.extent_y_m();
+            if (shares_volume_here(a, b, domain)) return true;
+        }
     return false;
 }
 
@@ -140,22 +155,32 @@ double stiffness_contrast(const Body& body, const Medium& medium) {
     return contrast;
 }
 
-Case with_rigid_bodies(Case c) {
+bool is_stiff_enough(const Body& body, const Case& c) {
     const double above = std::get<SpectralOptions>(c.solver).rigid_above;
+    return stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9);
+}
+
+std::string obstacle(const Case& c, std::size_t i) {
+    const Body& body = c.scene().medium.bodies[i];
+    bool is_light = false;
+    each_layer_around(body, c.scene().medium, [&](const Layer& layer) {
+        is_light |= body.density_kg_m3.value_or(layer.density_kg_m3) < layer.density_kg_m3;
+    });
+    if (is_light) return "it is lighter than its surroundings";
+    Case chosen = c;
+    chosen.scene().medium.bodies[i].rigid = true;
+    const std::vector<Remark> limits = rigid_limits(chosen);
+    if (limits.size() > rigid_limits(c).size()) return limits.back().message;
+    if (lump_marker_count(chosen) > lump_marker_count(c) + most_markers)
+        return fmt::format("it would need more than {} markers, and elastic bodies are faster then",
+                           most_markers);
+    return "";
+}
+
+Case with_rigid_bodies(Case c) {
     for (std::size_t i = 0; i < c.scene().medium.bodies.size(); ++i) {
-        const Body body = c.scene().medium.bodies[i];
-        bool is_light = false;
-        each_layer_around(body, c.scene().medium, [&](const Layer& layer) {
-            is_light |= body.density_kg_m3.value_or(layer.density_kg_m3) < layer.density_kg_m3;
-        });
-        if (body.rigid || is_light ||
-            !(stiffness_contrast(body, c.scene().medium) > above * (1.0 + 1e-9)))
-            continue;
-        Case chosen = c;
-        chosen.scene().medium.bodies[i].rigid = true;
-        if (rigid_limits(chosen).size() <= rigid_limits(c).size() &&
-            lump_marker_count(chosen) <= lump_marker_count(c) + most_markers)
-            c = std::move(chosen);
+        Body& body = c.scene().medium.bodies[i];
+        if (!body.rigid && is_stiff_enough(body, c)) body.rigid = obstacle(c, i).empty();
     }
     return c;
 }

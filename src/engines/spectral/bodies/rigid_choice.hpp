@@ -23,6 +23,12 @@ double stiffness_contrast(const Body& body, const Medium& medium);
 /// collective.
 Case with_rigid_bodies(Case c);
 
+/// Whether the contrast of a body exceeds solver.spectral.rigid_above. Not collective.
+bool is_stiff_enough(const Body& body, const Case& c);
+/// Why an elastic body that is stiff enough is not treated as rigid, or an empty text if it is. Not
+/// collective.
+std::string obstacle(const Case& c, std::size_t body);
+
 /// The bodies that are marked as rigid. Not collective.
 std::vector<Body> rigid_bodies(const Case& c);
 /// Whether a body lies below a rigid body that is a complete layer. No load reaches it. Not

@@ -2,6 +2,7 @@
 #include "engines/spectral/bodies/lump_markers.hpp"
 
 #include <catch2/catch.hpp>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -49,4 +50,28 @@ TEST_CASE("mass and inertia of rigid bodies are those of their shapes", "[lump_m
     for (std::size_t row = 0; row < 6; ++row)
         for (std::size_t column = 0; column < row; ++column)
             CHECK(std::abs(at(row, column)) < 1e-9 * expected_kg);
+}
+
+TEST_CASE("markers of flat and narrow bodies do not coincide", "[lump_markers]") {
+    // Ellipses with a short axis and pairs of rings near the rim would have points side by side,
+    // whose forces are not determined.
+    const Domain domain{.nx = 96, .ny = 72, .spacing_m = 1e-3};
+    const Vec3 r = GENERATE(Vec3{20e-3, 15e-3, 2e-3}, Vec3{6e-3, 5e-3, 1.2e-3},
+                            Vec3{10e-3, 1.1e-3, 1.1e-3}, Vec3{3e-3, 3e-3, 3e-3});
+    const Body body{.name = "bone", .shape = Ellipsoid{r}, .centre_m = {0.0, 0.0, 9e-3}};
+    const std::vector<Vec3> markers = spectral::lump_markers(body, domain, domain.spacing_m);
+    CAPTURE(r.x, r.y, r.z);
+    REQUIRE(markers.size() > 8);
+    double nearest_m = 1.0, farthest_m = 0.0; // pairs; a marker and the mirror image of another
+    for (std::size_t i = 0; i < markers.size(); ++i) {
+        double image_m = 1.0;
+        for (std::size_t j = 0; j < markers.size(); ++j) {
+            if (i != j) nearest_m = std::min(nearest_m, norm(markers[i] - markers[j]));
+            const Vec3 image{-markers[j].x, markers[j].y, markers[j].z};
+            image_m = std::min(image_m, norm(markers[i] - image));
+        }
+        farthest_m = std::max(farthest_m, image_m);
+    }
+    CHECK(nearest_m > 0.4 * domain.spacing_m);
+    CHECK(farthest_m < 1e-15); // rounding of positions of 20 mm
 }

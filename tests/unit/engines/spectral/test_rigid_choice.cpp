@@ -89,6 +89,94 @@ TEST_CASE("a body far stiffer than its surroundings is rigid", "[rigid_choice]")
     }
 }
 
+TEST_CASE("rigid bodies that are not supported are rejected with the reason", "[rigid_choice]") {
+    Case c = bone_case();
+    Body& bone = c.scene().medium.bodies[0];
+    bone.shape = Ellipsoid{{4e-3, 4e-3, 4e-3}};
+    bone.rigid = true;
+    CHECK(spectral::rigid_limits(c).empty());
+    std::string reason;
+    SECTION("at the surface") {
+        bone.centre_m.z = 4e-3;
+        reason = "must not touch the surface, but it begins at 0 mm";
+    }
+    SECTION("narrower than two spacings") {
+        bone.shape = Ellipsoid{{4e-3, 0.9e-3, 4e-3}};
+        reason = "must be at least 2 grid spacings wide, but it is 1.8 mm wide";
+    }
+    SECTION("as long as the domain") {
+        bone.shape = Box{{64e-3, 4e-3, 4e-3}};
+        CHECK(spectral::rigid_limits(c).empty()); // from edge to edge
+        bone.shape = Cylinder{.radius_m = 3e-3, .length_m = 64e-3};
+        reason = "as long as the domain must be parallel to x or y";
+    }
+    SECTION("with a smooth edge") {
+        bone.edge_m = 1e-3;
+        reason = "has a sharp surface; remove edge_mm";
+    }
+    SECTION("that overlap") {
+        reason = "must not overlap another body, but it overlaps medium.body[1]";
+        Body other = bone;
+        other.rigid = GENERATE(true, false);
+        SECTION("inside the domain") {
+            other.centre_m.x = 7.9e-3;
+        }
+        SECTION("across the periodic edges") { // 64 x 48 mm
+            bone.centre_m.x = 29e-3;
+            bone.centre_m.y = -22e-3;
+            other.centre_m.x = -28e-3;
+            other.centre_m.y = 23e-3;
+        }
+        if (!other.rigid) reason = "must not overlap another body, but it overlaps medium.body[2]";
+        c.scene().medium.bodies.push_back(other);
+    }
+    SECTION("unless they are next to each other") {
+        Body other = bone;
+        other.centre_m.x = 8e-3;
+        c.scene().medium.bodies.push_back(other);
+        CHECK(spectral::rigid_limits(c).empty());
+        return;
+    }
+    const auto limits = spectral::rigid_limits(c);
+    REQUIRE(limits.size() == 1);
+    CAPTURE(limits[0].message);
+    CHECK(limits[0].severity == Severity::error);
+    CHECK(limits[0].message.find(reason) != std::string::npos);
+}
+
+TEST_CASE("notes state how each body is treated", "[rigid_choice]") {
+    Case c = bone_case();
+    Body& bone = c.scene().medium.bodies[0];
+    const auto note = [&] { return spectral::body_notes(c).at(0); };
+    const std::string elastic =
+        "medium.body[1] is elastic, 1.99e+05 times as stiff as its surroundings. It is not "
+        "treated as rigid: ";
+    SECTION("elastic") {
+        bone.density_kg_m3 = 1000.0;
+        bone.c_s_m_s = 10.0;
+        CHECK(note() == "medium.body[1] is elastic, 4 times as stiff as its surroundings");
+        bone.c_s_m_s.reset();
+        CHECK(note() == "medium.body[1] is elastic");
+    }
+    SECTION("at the surface") {
+        bone.centre_m.z = 2e-3;
+        CHECK(note() ==
+              elastic + "a rigid body must not touch the surface, but it begins at -1 mm");
+    }
+    SECTION("with many markers") {
+        bone.shape = Ellipsoid{{30e-3, 22e-3, 7e-3}};
+        CHECK(note().find(elastic + "it would need more than 2000 markers") == 0);
+    }
+    SECTION("light") {
+        bone.density_kg_m3 = 900.0;
+        CHECK(note().find(". It is not treated as rigid: it is lighter than its surroundings") !=
+              std::string::npos);
+    }
+    SECTION("rigid") {
+        CHECK(note().find("medium.body[1] is rigid because it is 1.99e+05 times stiffer") == 0);
+    }
+}
+
 TEST_CASE("bodies along different axes and complete layers are rigid together", "[rigid_choice]") {
     Case c = bone_case();
     Body across = c.scene().medium.bodies[0];
@@ -118,7 +206,7 @@ TEST_CASE("bodies along different axes and complete layers are rigid together", 
         CHECK(chosen.scene().medium.bodies[0].rigid);
         CHECK_FALSE(chosen.scene().medium.bodies[1].rigid);
         CHECK(chosen.scene().medium.bodies[2].rigid);
-        auto notes = spectral::rigid_notes(c);
+        auto notes = spectral::body_notes(c);
         for (const std::string& note : engines::notes_of(
                  spectral::variation_choices(chosen, std::get<SpectralOptions>(c.solver))))
             notes.push_back(note);
