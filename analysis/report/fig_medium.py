@@ -24,24 +24,34 @@ CLOSE = 0.08         # least distance between ticks of the colour bar, relative 
 UNLIKE = 4.0         # largest ratio of shear-wave speeds on a linear colour scale
 
 
+def axes_of(body):
+    """The rows are the unit vectors of the body's own axes; the first one is the axis of a cylinder."""
+    if body.get("axis") == "vertical":
+        return np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    turn, tilt, roll = (math.radians(body.get(f"{name}_deg", 0.0)) for name in ("azimuth", "inclination", "roll"))
+    along = [math.cos(turn) * math.cos(tilt), math.sin(turn) * math.cos(tilt), math.sin(tilt)]
+    across = np.array([-math.sin(turn), math.cos(turn), 0.0])
+    down = np.array([-math.cos(turn) * math.sin(tilt), -math.sin(turn) * math.sin(tilt), math.cos(tilt)])
+    return np.array([along, math.cos(roll) * across + math.sin(roll) * down,
+                     math.cos(roll) * down - math.sin(roll) * across])
+
+
+def has_ends(body):
+    return 0.0 < body.get("length_m", 0.0) < math.inf
+
+
 def is_inside(body, x, y, z):
     """Whether points in m are within the body; its smooth edge counts up to its middle."""
     cx, cy, cz = body["centre_m"]
-    x, y, z = x - cx, y - cy, z - cz
+    u, v, w = (a * (x - cx) + b * (y - cy) + c * (z - cz) for a, b, c in axes_of(body))
     if body["shape"] == "ellipsoid":
         a, b, c = body["semi_axes_m"]
-        return (x / a)**2 + (y / b)**2 + (z / c)**2 <= 1.0
+        return (u / a)**2 + (v / b)**2 + (w / c)**2 <= 1.0
     if body["shape"] == "box":
         a, b, c = body["size_m"]
-        return (abs(x) <= a / 2) & (abs(y) <= b / 2) & (abs(z) <= c / 2)
-    turn = math.radians(body.get("azimuth_deg", 0.0))
-    if body.get("axis") == "vertical":
-        along, across, up = z, x, y
-    else:
-        along, across, up = x * math.cos(turn) + y * math.sin(turn), y * math.cos(turn) - x * math.sin(turn), z
-    length = body.get("length_m", 0.0)
-    within = abs(along) <= length / 2 if 0.0 < length < math.inf else np.ones_like(across, dtype=bool)
-    return (across**2 + up**2 <= body["radius_m"]**2) & within
+        return (abs(u) <= a / 2) & (abs(v) <= b / 2) & (abs(w) <= c / 2)
+    within = abs(u) <= body["length_m"] / 2 if has_ends(body) else np.ones_like(u, dtype=bool)
+    return (v**2 + w**2 <= body["radius_m"]**2) & within
 
 
 def speed(medium, x, y, z):
@@ -119,13 +129,13 @@ def scene(sweep, case):
 
 def reach_mm(body, axis):
     """How far a body extends from its centre along x (axis 0) or y; 0 if it crosses the whole domain."""
-    if "semi_axes_m" in body or "size_m" in body:
-        return 1e3 * (body["semi_axes_m"][axis] if "semi_axes_m" in body else body["size_m"][axis] / 2)
-    turn = math.radians(body.get("azimuth_deg", 0.0))
-    part = 0.0 if body.get("axis") == "vertical" else abs((math.cos(turn), math.sin(turn))[axis])
-    length = body.get("length_m", 0.0)
-    half = length / 2 if 0.0 < length < math.inf else 0.0
-    return 1e3 * (part * half + math.sqrt(1.0 - part**2) * body["radius_m"])
+    parts = axes_of(body)[:, axis]
+    if "semi_axes_m" in body:
+        return 1e3 * math.hypot(*(parts * body["semi_axes_m"]))
+    if "size_m" in body:
+        return 1e3 * (abs(parts) @ body["size_m"]) / 2
+    half = body["length_m"] / 2 if has_ends(body) else 0.0
+    return 1e3 * (abs(parts[0]) * half + math.hypot(*parts[1:]) * body["radius_m"])
 
 
 def shown(axis, low, high, path, bodies, depth):

@@ -2,12 +2,11 @@
 #include "medium/body.hpp"
 
 #include "base/overloaded.hpp"
-#include "base/vec2.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <utility>
 
 namespace shearwake {
 namespace {
@@ -20,14 +19,19 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int sharp_samples = 8;
 constexpr int smooth_samples = 4;
 
-/// cos and sin of the azimuth, exact along the axes.
-Vec2 direction(double azimuth_deg) {
-    const double turn_deg = std::remainder(azimuth_deg, 360.0);
-    if (turn_deg == 0.0) return {1.0, 0.0};
-    if (std::abs(turn_deg) == 90.0) return {0.0, std::copysign(1.0, turn_deg)};
-    if (std::abs(turn_deg) == 180.0) return {-1.0, 0.0};
-    const double turn_rad = turn_deg * std::numbers::pi / 180.0;
-    return {std::cos(turn_rad), std::sin(turn_rad)};
+double dot(Vec3 a, Vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// Extent of a cell along a direction.
+double extent(Vec3 direction, Vec3 size) {
+    return std::abs(direction.x) * size.x + std::abs(direction.y) * size.y +
+           std::abs(direction.z) * size.z;
+}
+
+/// Length of the part of a unit vector in the x-y plane.
+double lateral_part(Vec3 v) {
+    return std::hypot(v.x, v.y);
 }
 
 /// The fraction of an interval of the given extent across a face that is on the inner side.
@@ -57,40 +61,55 @@ struct Face {
 /// `margin_m`, and the extent.
 class EllipsoidAt {
 public:
-    EllipsoidAt(const Ellipsoid& shape, double edge_m) : r_(shape.semi_axes_m), face_{edge_m} {
+    EllipsoidAt(const Ellipsoid& shape, double edge_m)
+        : r_(shape.semi_axes_m), axes_(axes_of(shape.orientation)), face_{edge_m} {
         least_ = std::min({r_.x, r_.y, r_.z});
     }
     /// Distance k0 (k0 - 1) / k1 with k0 = |p/r|, k1 = |p/r^2| (Quilez, "Ellipsoid distance"):
     /// exact at the surface together with its gradient.
     double share(Vec3 p, Vec3 size) const {
-        const Vec3 q{p.x / (r_.x * r_.x), p.y / (r_.y * r_.y), p.z / (r_.z * r_.z)};
-        const double k0 = level(p), k1 = norm(q);
+        const Vec3 own = axes_.to_body(p);
+        const Vec3 q{own.x / (r_.x * r_.x), own.y / (r_.y * r_.y), own.z / (r_.z * r_.z)};
+        const double k0 = level(own), k1 = norm(q);
         if (k1 == 0.0) return face_.share(-least_, 0.0);
-        const double across =
-            (std::abs(q.x) * size.x + std::abs(q.y) * size.y + std::abs(q.z) * size.z) / k1;
-        return face_.share(k0 * (k0 - 1.0) / k1, across);
+        return face_.share(k0 * (k0 - 1.0) / k1, extent(axes_.to_medium(q), size) / k1);
     }
-    bool is_inside(Vec3 p, double margin_m) const { return level(p) <= 1.0 - margin_m / least_; }
+    bool is_inside(Vec3 p, double margin_m) const {
+        return level(axes_.to_body(p)) <= 1.0 - margin_m / least_;
+    }
     /// k0 - 1 is at most the distance divided by the smallest semi-axis, which bounds the extent of
     /// the edge.
-    Vec3 reach_m() const { return (1.0 + 0.5 * face_.edge_m / least_) * r_; }
+    Vec3 reach_m() const {
+        const auto reach = [&](double x, double y, double z) {
+            return norm({r_.x * x, r_.y * y, r_.z * z});
+        };
+        return (1.0 + 0.5 * face_.edge_m / least_) * Vec3{reach(axes_.x.x, axes_.y.x, axes_.z.x),
+                                                          reach(axes_.x.y, axes_.y.y, axes_.z.y),
+                                                          reach(axes_.x.z, axes_.y.z, axes_.z.z)};
+    }
 
 private:
-    double level(Vec3 p) const { return norm({p.x / r_.x, p.y / r_.y, p.z / r_.z}); }
+    double level(Vec3 own) const { return norm({own.x / r_.x, own.y / r_.y, own.z / r_.z}); }
     Vec3 r_;
+    BodyAxes axes_;
     Face face_;
     double least_;
 };
+
+/// The axes of a cylinder: x is its axis.
+BodyAxes cylinder_axes(const Cylinder& shape) {
+    if (shape.axis == CylinderAxis::vertical)
+        return {{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+    return axes_of(
+        Orientation{.azimuth_deg = shape.azimuth_deg, .inclination_deg = shape.inclination_deg});
+}
 
 class CylinderAt {
 public:
     CylinderAt(const Cylinder& shape, double edge_m)
         : shape_(shape), endless_(shape.is_endless()), face_{edge_m} {
-        const Vec2 d = direction(shape.azimuth_deg);
-        if (shape.axis == CylinderAxis::horizontal)
-            along_ = {d.x, d.y, 0.0}, across_ = {-d.y, d.x, 0.0}, up_ = {0.0, 0.0, 1.0};
-        else
-            along_ = {0.0, 0.0, 1.0}, across_ = {1.0, 0.0, 0.0}, up_ = {0.0, 1.0, 0.0};
+        const BodyAxes axes = cylinder_axes(shape);
+        along_ = axes.x, across_ = axes.y, up_ = axes.z;
     }
     double share(Vec3 p, Vec3 size) const {
         const double v = dot(p, across_), w = dot(p, up_), r = std::hypot(v, w);
@@ -114,36 +133,39 @@ public:
     }
 
 private:
-    static double dot(Vec3 a, Vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-    static double extent(Vec3 n, Vec3 size) {
-        return std::abs(n.x) * size.x + std::abs(n.y) * size.y + std::abs(n.z) * size.z;
-    }
     Cylinder shape_;
     bool endless_;
     Face face_;
-    Vec3 along_, across_, up_; // an orthonormal frame
+    Vec3 along_, across_, up_; // orthonormal
 };
 
 class BoxAt {
 public:
-    BoxAt(const Box& shape, double edge_m) : size_(shape.size_m), face_{edge_m} {}
+    BoxAt(const Box& shape, double edge_m)
+        : size_(shape.size_m), axes_(axes_of(shape.orientation)), face_{edge_m} {}
     double share(Vec3 p, Vec3 size) const {
-        return face_.share_of_slab(p.x, size_.x, size.x) *
-               face_.share_of_slab(p.y, size_.y, size.y) *
-               face_.share_of_slab(p.z, size_.z, size.z);
+        const Vec3 own = axes_.to_body(p);
+        return face_.share_of_slab(own.x, size_.x, extent(axes_.x, size)) *
+               face_.share_of_slab(own.y, size_.y, extent(axes_.y, size)) *
+               face_.share_of_slab(own.z, size_.z, extent(axes_.z, size));
     }
     bool is_inside(Vec3 p, double margin_m) const {
-        return std::abs(p.x) <= 0.5 * size_.x - margin_m &&
-               std::abs(p.y) <= 0.5 * size_.y - margin_m &&
-               std::abs(p.z) <= 0.5 * size_.z - margin_m;
+        const Vec3 own = axes_.to_body(p);
+        return std::abs(own.x) <= 0.5 * size_.x - margin_m &&
+               std::abs(own.y) <= 0.5 * size_.y - margin_m &&
+               std::abs(own.z) <= 0.5 * size_.z - margin_m;
     }
     Vec3 reach_m() const {
         const double edge_m = face_.edge_m;
-        return 0.5 * (size_ + Vec3{edge_m, edge_m, edge_m});
+        const Vec3 half = 0.5 * (size_ + Vec3{edge_m, edge_m, edge_m});
+        return {extent({axes_.x.x, axes_.y.x, axes_.z.x}, half),
+                extent({axes_.x.y, axes_.y.y, axes_.z.y}, half),
+                extent({axes_.x.z, axes_.y.z, axes_.z.z}, half)};
     }
 
 private:
     Vec3 size_;
+    BodyAxes axes_;
     Face face_;
 };
 
@@ -190,10 +212,63 @@ double sampled_share(const Shape& shape, Vec3 offset, Vec3 size, int samples) {
     return sum / (nx * ny * nz);
 }
 
+/// Smallest width of the section of an ellipsoid with the horizontal plane through its centre.
+double lateral_width_m(const Ellipsoid& shape) {
+    const BodyAxes f = axes_of(shape.orientation);
+    const Vec3 r = shape.semi_axes_m;
+    double unit_m = infinity; // the result if the axes are horizontal or vertical
+    for (const auto& [axis, r_m] : {std::pair{f.x, r.x}, std::pair{f.y, r.y}, std::pair{f.z, r.z}})
+        if (lateral_part(axis) > 0.0) unit_m = std::min(unit_m, r_m);
+    // The section is x A x = 1, in this unit.
+    double xx = 0.0, yy = 0.0, xy = 0.0;
+    for (const auto& [axis, r_m] :
+         {std::pair{f.x, r.x}, std::pair{f.y, r.y}, std::pair{f.z, r.z}}) {
+        const double weight = (unit_m / r_m) * (unit_m / r_m);
+        xx += weight * axis.x * axis.x;
+        yy += weight * axis.y * axis.y;
+        xy += weight * axis.x * axis.y;
+    }
+    const double apart = std::abs(xx - yy);
+    const double largest = std::max(xx, yy) + 0.5 * (std::hypot(apart, 2.0 * xy) - apart);
+    return 2.0 * unit_m / std::sqrt(largest);
+}
+
 } // namespace
 
 bool Cylinder::is_endless() const {
     return length_m == 0.0 || std::isinf(length_m);
+}
+
+BodyAxes axes_of(const Body& body) {
+    return std::visit(overloaded{
+                          [](const Cylinder& shape) {
+                              if (shape.axis == CylinderAxis::vertical) return BodyAxes{};
+                              return cylinder_axes(shape);
+                          },
+                          [](const auto& shape) { return axes_of(shape.orientation); },
+                      },
+                      body.shape);
+}
+
+bool is_turned(const Body& body) {
+    return std::visit(overloaded{
+                          [](const Cylinder& shape) {
+                              return shape.axis == CylinderAxis::horizontal &&
+                                     shape.inclination_deg != 0.0;
+                          },
+                          [](const auto& shape) { return shape.orientation != Orientation{}; },
+                      },
+                      body.shape);
+}
+
+Body aligned(Body body) {
+    if (!is_turned(body)) return body;
+    std::visit(overloaded{
+                   [](Cylinder& shape) { shape.azimuth_deg = shape.inclination_deg = 0.0; },
+                   [](auto& shape) { shape.orientation = {}; },
+               },
+               body.shape);
+    return body;
 }
 
 double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m) {
@@ -216,30 +291,39 @@ Bounds bounds(const Body& body) {
 }
 
 double thickness_m(const Body& body) {
-    const double height_m = std::visit(overloaded{
-                                           [](const Ellipsoid& e) { return 2.0 * e.semi_axes_m.z; },
-                                           [](const Cylinder& c) {
-                                               if (c.axis == CylinderAxis::horizontal)
-                                                   return 2.0 * c.radius_m;
-                                               return c.is_endless() ? infinity : c.length_m;
-                                           },
-                                           [](const Box& b) { return b.size_m.z; },
-                                       },
-                                       body.shape);
-    return std::min(height_m, lateral_thickness_m(body));
+    const auto least = [](Vec3 v) { return std::min({v.x, v.y, v.z}); };
+    return std::visit(overloaded{
+                          [&](const Ellipsoid& e) { return 2.0 * least(e.semi_axes_m); },
+                          [&](const Cylinder& c) {
+                              return std::min(2.0 * c.radius_m,
+                                              c.is_endless() ? infinity : c.length_m);
+                          },
+                          [&](const Box& b) { return least(b.size_m); },
+                      },
+                      body.shape);
 }
 
 double lateral_thickness_m(const Body& body) {
-    return std::visit(
-        overloaded{
-            [](const Ellipsoid& e) { return 2.0 * std::min(e.semi_axes_m.x, e.semi_axes_m.y); },
-            [](const Cylinder& c) {
-                const bool has_end = c.axis == CylinderAxis::horizontal && !c.is_endless();
-                return std::min(2.0 * c.radius_m, has_end ? c.length_m : infinity);
-            },
-            [](const Box& b) { return std::min(b.size_m.x, b.size_m.y); },
-        },
-        body.shape);
+    // A slab is this wide in a horizontal plane.
+    const auto slab_m = [](double width_m, Vec3 normal) {
+        const double part = lateral_part(normal);
+        return part > 0.0 ? width_m / part : infinity;
+    };
+    return std::visit(overloaded{
+                          [](const Ellipsoid& e) { return lateral_width_m(e); },
+                          [&](const Cylinder& c) {
+                              const double ends_m = c.is_endless()
+                                                        ? infinity
+                                                        : slab_m(c.length_m, cylinder_axes(c).x);
+                              return std::min(2.0 * c.radius_m, ends_m);
+                          },
+                          [&](const Box& b) {
+                              const BodyAxes f = axes_of(b.orientation);
+                              return std::min({slab_m(b.size_m.x, f.x), slab_m(b.size_m.y, f.y),
+                                               slab_m(b.size_m.z, f.z)});
+                          },
+                      },
+                      body.shape);
 }
 
 } // namespace shearwake

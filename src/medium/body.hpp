@@ -3,6 +3,7 @@
 
 #include "base/field.hpp"
 #include "base/vec3.hpp"
+#include "medium/orientation.hpp"
 
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@ namespace shearwake {
 struct Ellipsoid {
     static constexpr const char* name = "ellipsoid";
     Vec3 semi_axes_m;
+    Orientation orientation = {};
     bool operator==(const Ellipsoid&) const = default;
 };
 
@@ -21,11 +23,13 @@ void walk_fields(Walk& walk, Shape& shape) {
     walk(shape.semi_axes_m, {.key = "semi_axes_mm",
                              .range = Range::above(0.0),
                              .given = Given::required,
-                             .meaning = "semi-axes `[x, y, z]`"});
+                             .meaning = "semi-axes `[x, y, z]` along the body's own axes"});
+    walk_fields(walk, shape.orientation);
 }
 
-/// Bone or vessel. A horizontal axis has an azimuth, from x towards y; a vertical one does not.
-/// Length 0 or infinity: the cylinder crosses the whole domain.
+/// Bone or vessel. An axis that is not vertical has an azimuth, from x towards y, and an
+/// inclination, downwards; CylinderAxis::vertical has neither. Length 0 or infinity: the cylinder
+/// crosses the whole domain, and its axis has no inclination.
 enum class CylinderAxis { horizontal, vertical };
 constexpr auto names_of(std::type_identity<CylinderAxis>) {
     return std::array{"horizontal", "vertical"};
@@ -36,6 +40,7 @@ struct Cylinder {
     double length_m = 0.0;
     double azimuth_deg = 0.0;
     CylinderAxis axis = CylinderAxis::horizontal;
+    double inclination_deg = 0.0;
     bool operator==(const Cylinder&) const = default;
 
     bool is_endless() const;
@@ -66,13 +71,22 @@ void walk_fields(Walk& walk, Shape& shape) {
           .range = Range::between(-360.0, 360.0),
           .given = Given::by_hand,
           .zero_in_text = shape.axis == CylinderAxis::vertical,
-          .meaning = "direction of a horizontal axis, as an angle from x towards y"});
+          .meaning = "direction of the axis along the surface, as an angle from x towards y"});
+    walk(shape.inclination_deg,
+         {.key = "inclination_deg",
+          .text = "inclination_deg",
+          .range = inclination_range,
+          .given = Given::by_hand,
+          .in_text = shape.inclination_deg != 0.0,
+          .meaning = "tilt of the axis out of the horizontal plane, downwards. Requires "
+                     "`azimuth_deg` and `length_mm`"});
 }
 
-/// Edges along x, y and z.
+/// Edges along its own axes.
 struct Box {
     static constexpr const char* name = "box";
     Vec3 size_m;
+    Orientation orientation = {};
     bool operator==(const Box&) const = default;
 };
 
@@ -81,7 +95,8 @@ void walk_fields(Walk& walk, Shape& shape) {
     walk(shape.size_m, {.key = "size_mm",
                         .range = Range::above(0.0),
                         .given = Given::required,
-                        .meaning = "`[x, y, z]`"});
+                        .meaning = "lengths `[x, y, z]` of the edges along the body's own axes"});
+    walk_fields(walk, shape.orientation);
 }
 
 /// A region in the layers that has a different material.
@@ -168,6 +183,14 @@ void walk_fields(Walk& walk, B& body) {
 inline bool is_fluid(const Body& body) {
     return body.c_s_m_s == 0.0;
 }
+
+/// The axes of a body. The axis of a cylinder is x, or z if it is CylinderAxis::vertical.
+BodyAxes axes_of(const Body& body);
+/// Whether it is an ellipsoid or a box with an orientation, or an inclined cylinder.
+bool is_turned(const Body& body);
+/// The body without its orientation: a turned cylinder lies along x. Bodies that are not turned
+/// remain as they are.
+Body aligned(Body body);
 
 /// Fraction of the cell that the body fills, from 0 to 1, averaged over sub-samples that are
 /// symmetric about the centre of the cell: mirrored bodies give mirrored fractions up to rounding.

@@ -149,13 +149,32 @@ class FolderTest(unittest.TestCase):
                 ({"shape": "cylinder", "axis": "vertical", "radius_m": 1.0, "length_m": 0.0},
                  [(1, 1, 0), (1, 1, 0), (1, 1, 1)]),
                 ({"shape": "cylinder", "axis": "horizontal", "azimuth_deg": 0.0, "radius_m": 1.0, "length_m": 2.0},
-                 [(1, 1, 0), (1, 1, 0), (1, 1, 0)])):
+                 [(1, 1, 0), (1, 1, 0), (1, 1, 0)]),
+                ({"shape": "ellipsoid", "semi_axes_m": [1.0, 2.0, 3.0], "azimuth_deg": 90.0},
+                 [(1, 1, 1), (1, 1, 0), (1, 1, 1)]),
+                ({"shape": "box", "size_m": [2.0, 4.0, 1.0], "roll_deg": 90.0}, [(1, 1, 0), (1, 0, 0), (1, 1, 1)]),
+                ({"shape": "cylinder", "axis": "horizontal", "azimuth_deg": 30.0, "inclination_deg": 90.0,
+                  "radius_m": 1.0, "length_m": 4.0}, [(1, 1, 0), (1, 1, 0), (1, 1, 1)])):
             body = {**body, "centre_m": [0.0, 0.0, 0.0]}
             for axis, expected in enumerate(inside):
                 point = [zero, zero, zero]
                 point[axis] = at
                 with self.subTest(shape=body["shape"], axis=axis):
                     self.assertEqual(fig_medium.is_inside(body, *point).tolist(), [bool(v) for v in expected])
+
+    def test_turned_bodies_reach_as_far_as_their_points(self):
+        turn = {"azimuth_deg": 30.0, "inclination_deg": 50.0, "centre_m": [0.0, 0.0, 0.0]}
+        points = np.linspace(-4.0, 4.0, 161)
+        x, y, z = np.meshgrid(points, points, points, indexing="ij")
+        for shape in ({"shape": "ellipsoid", "semi_axes_m": [3.0, 2.0, 1.0], "roll_deg": 20.0},
+                      {"shape": "box", "size_m": [4.0, 3.0, 2.0], "roll_deg": 20.0},
+                      {"shape": "cylinder", "axis": "horizontal", "radius_m": 1.0, "length_m": 5.0}):
+            body = {**shape, **turn}
+            inside = fig_medium.is_inside(body, x, y, z)
+            for axis, position in enumerate((x, y)):
+                with self.subTest(shape=body["shape"], axis=axis):
+                    # Corners are thinner than the spacing of 0.05.
+                    self.assertAlmostEqual(1e-3 * fig_medium.reach_mm(body, axis), position[inside].max(), delta=0.15)
 
     def test_volumes_have_slices(self):
         folder = Folder(self.root)

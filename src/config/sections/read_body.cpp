@@ -20,17 +20,39 @@ double in_degrees(double angle_rad) {
     return std::round(angle_rad * 180.0 / std::numbers::pi * parts) / parts;
 }
 
+double read_angle_deg(Reader& reader, const char* key, const Range& range) {
+    const auto angle_rad = reader.find_number(key, range);
+    return angle_rad ? in_degrees(*angle_rad) : 0.0;
+}
+
+Orientation read_orientation(Reader& reader) {
+    return {read_angle_deg(reader, "azimuth_deg", azimuth_range),
+            read_angle_deg(reader, "inclination_deg", inclination_range),
+            read_angle_deg(reader, "roll_deg", roll_range)};
+}
+
 void read_direction(Reader& reader, Cylinder& cylinder) {
     static const std::array<std::string, 3> axes = {"x", "y", "z"};
     const auto axis = reader.find_choice("axis", axes);
-    const auto azimuth_rad = reader.find_number("azimuth_deg", Range::between(-360.0, 360.0));
+    const double azimuth_deg = read_angle_deg(reader, "azimuth_deg", azimuth_range);
+    const double inclination_deg = read_angle_deg(reader, "inclination_deg", inclination_range);
     if (reader.has("axis") && reader.has("azimuth_deg"))
         reader.error("azimuth_deg", "and axis are both given; specify only one of them");
     else if (!reader.has("axis") && !reader.has("azimuth_deg"))
-        reader.missing("axis");
+        reader.missing(reader.has("inclination_deg") ? "azimuth_deg" : "axis");
+    else if (reader.has("axis") && reader.has("inclination_deg"))
+        reader.error("inclination_deg",
+                     "and axis are both given; give azimuth_deg instead of axis");
+    if (inclination_deg != 0.0 && cylinder.is_endless())
+        reader.error("inclination_deg",
+                     "requires length_mm, since a cylinder without ends must lie horizontally "
+                     "or have axis = \"z\"");
     if (axis == "y") cylinder.azimuth_deg = 90.0;
     if (axis == "z") cylinder.axis = CylinderAxis::vertical;
-    if (azimuth_rad) cylinder.azimuth_deg = in_degrees(*azimuth_rad);
+    if (reader.has("azimuth_deg")) {
+        cylinder.azimuth_deg = azimuth_deg;
+        cylinder.inclination_deg = inclination_deg;
+    }
 }
 
 /// `center_mm` is [x, y, z], or [x, y] together with `depth_mm`, which can be swept as a number.
@@ -119,11 +141,15 @@ Body read_body(Reader reader, std::size_t number, const Medium& medium) {
         read_direction(reader, *cylinder);
         has_depth = cylinder->axis == CylinderAxis::horizontal || !cylinder->is_endless();
     }
+    if (auto* ellipsoid = std::get_if<Ellipsoid>(&body.shape); ellipsoid && shape == "ellipsoid")
+        ellipsoid->orientation = read_orientation(reader);
+    if (auto* box = std::get_if<Box>(&body.shape)) box->orientation = read_orientation(reader);
     body.centre_m = read_centre_m(reader, has_depth);
     check_properties(reader, body);
     if (shape.empty()) // its keys may belong to any shape
-        reader.allow(std::array<std::string_view, 6>{"semi_axes_mm", "size_mm", "radius_mm",
-                                                     "length_mm", "axis", "azimuth_deg"});
+        reader.allow(std::array<std::string_view, 8>{"semi_axes_mm", "size_mm", "radius_mm",
+                                                     "length_mm", "axis", "azimuth_deg",
+                                                     "inclination_deg", "roll_deg"});
     reader.finish();
     if (reader.diagnostics().errors() != before || medium.layers.empty()) return body;
     check_edge(reader, body);

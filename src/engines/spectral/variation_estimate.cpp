@@ -21,10 +21,21 @@ struct Inclusion {
     std::vector<std::vector<Material>> materials; // per layer
 };
 
+double volume_of(const Bounds& box) {
+    const Vec3 size = box.high_m - box.low_m;
+    return size.x * size.y * size.z;
+}
+
+double filled_share(const Body& body) {
+    const double share =
+        std::holds_alternative<Ellipsoid>(body.shape) ? std::numbers::pi / 4.0 : 1.0;
+    // The volume of the body is the same, but that of its bounds is not.
+    return is_turned(body) ? share * volume_of(bounds(aligned(body))) / volume_of(bounds(body))
+                           : share;
+}
+
 Inclusion inclusion_of(const Medium& medium, const Body& body) {
-    constexpr double of_ellipse = std::numbers::pi / 4.0;
-    Inclusion part{
-        bounds(body), std::holds_alternative<Ellipsoid>(body.shape) ? of_ellipse : 1.0, {}};
+    Inclusion part{bounds(body), filled_share(body), {}};
     for (std::size_t layer = 0; layer < medium.layers.size(); ++layer)
         part.materials.push_back({material_of_cell(medium, layer, body.centre_m, {})});
     return part;

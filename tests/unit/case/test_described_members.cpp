@@ -121,9 +121,10 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<2, FractionalKelvinVoigt>();
     check_members<2, StandardLinearSolid>();
     check_members<10, Body>();
-    check_members<1, Ellipsoid>();
-    check_members<4, Cylinder>();
-    check_members<1, Box>();
+    check_members<2, Ellipsoid>();
+    check_members<5, Cylinder>();
+    check_members<2, Box>();
+    check_members<3, Orientation>();
     check_members<4, Load>();
     check_members<1, ResolvedCarrier>();
     check_members<1, GaussianFootprint>();

@@ -2,31 +2,37 @@
 #include "engines/spectral/bodies/lump_markers.hpp"
 
 #include "base/overloaded.hpp"
+#include "engines/spectral/bodies/close_points.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
-#include <tuple>
 
 namespace shearwake::spectral {
 namespace {
 
-/// Part of the distance of levels within which points share a depth.
-constexpr double same_depth = 0.3;
-/// Distance of two points, in spacings, below which the forces on them are hardly determined.
-constexpr double same_point = 0.4;
 /// Distance of the rings of an ellipsoid along a meridian, in spacings. With marker_spacing, the
 /// rings near a pole overlap: their horizontal forces alternate, by up to a quarter of the largest
 /// one on a sphere of 6 spacings per radius. The forces vary half as much with this distance, and
 /// the force on the sphere is in error by 0.7 % instead of 1.3 %.
 constexpr double ring_spacing = 1.4;
 
+/// Part of a unit vector in the lateral directions, in which forces are smoothed.
+double lateral_part(Vec3 v) {
+    return std::hypot(v.x, v.y);
+}
+
 /// Spacings of the grid and of the levels.
 struct Spacings {
     double across_m, down_m;
+
+    double along(Vec3 direction) const {
+        if (direction.z == 0.0) return across_m;
+        const double lateral = lateral_part(direction);
+        return lateral == 0.0 ? down_m : 1.0 / std::hypot(lateral / across_m, direction.z / down_m);
+    }
 };
 
 /// Angles in the first quarter of an ellipse, from the axis of `b` towards that of `a`, that are
@@ -76,35 +82,39 @@ void fill_ellipse(double a_m, double b_m, double z_m, double spacing_m, std::vec
     if (std::min(a_m, b_m) > -0.5 * spacing_m) points.push_back({0.0, 0.0, z_m});
 }
 
-/// Rings of constant depth, as far apart as the points on them.
-std::vector<Vec3> on_ellipsoid(Vec3 r, const Spacings& h) {
-    const double between_m = inner_spacing * h.across_m;
+/// Rings about the z axis of the body, as far apart as the points on them. They have a constant
+/// depth if this axis is vertical.
+std::vector<Vec3> on_ellipsoid(Vec3 r, const BodyAxes& axes, const Spacings& h) {
+    const double across_m = std::min(h.along(axes.x), h.along(axes.y));
+    const double down_m = h.along(axes.z), between_m = inner_spacing * across_m;
+    const bool is_upright = std::abs(axes.z.z) == 1.0;
     double last_inside_m = r.z;
     std::vector<Vec3> points;
     for (const double angle :
-         quarter_angles(std::sqrt(r.x * r.y) / h.across_m, r.z / h.down_m, ring_spacing)) {
+         quarter_angles(std::sqrt(r.x * r.y) / across_m, r.z / down_m, ring_spacing)) {
         const double s = std::sin(angle), c = std::cos(angle); // from the pole
         std::vector<Vec3> ring;
-        add_ellipse(r.x * s, r.y * s, r.z * c, marker_spacing * h.across_m, ring);
+        add_ellipse(r.x * s, r.y * s, r.z * c, marker_spacing * across_m, ring);
         double depth_m = 0.0;
         for (Vec3& p : ring) {
             Vec3 normal{p.x / (r.x * r.x), p.y / (r.y * r.y), p.z / (r.z * r.z)};
             normal = (1.0 / norm(normal)) * normal;
-            p = p - (curved_inset * h.across_m * std::hypot(normal.x, normal.y)) * normal;
+            const double smoothed = lateral_part(axes.to_medium(normal));
+            p = p - (curved_inset * h.across_m * smoothed) * normal;
             depth_m += p.z / static_cast<double>(ring.size());
         }
-        if (last_inside_m - depth_m > 2.0 * h.down_m) {
-            const std::size_t begin = ring.size();
+        const std::size_t surface = ring.size();
+        if (last_inside_m - depth_m > 2.0 * down_m) {
             fill_ellipse(r.x * s, r.y * s, depth_m, between_m, ring);
-            if (ring.size() > begin) last_inside_m = depth_m;
+            if (ring.size() > surface) last_inside_m = depth_m;
         }
-        for (Vec3& p : ring)
-            p.z = depth_m;
+        for (std::size_t i = 0; i < surface && is_upright; ++i)
+            ring[i].z = depth_m;
         points.insert(points.end(), ring.begin(), ring.end());
     }
     const std::size_t half = points.size();
     for (std::size_t i = 0; i < half; ++i)
-        points.push_back({points[i].x, points[i].y, -points[i].z});
+        points.push_back(-1.0 * points[i]);
     return points;
 }
 
@@ -143,14 +153,19 @@ Line around_domain(double extent, double spacing) {
     return line;
 }
 
-std::vector<Vec3> on_box(Vec3 size_m, Endless along, const Spacings& h) {
-    const double inset_m = flat_inset * h.across_m, apart_m = marker_spacing * h.across_m;
-    const auto line = [&](double length_m, Endless endless) {
-        return along == endless ? around_domain(length_m, apart_m)
-                                : along_line(0.5 * length_m - inset_m, apart_m);
+/// Points from end to end along an axis of the body that ends at flat faces.
+Line between_faces(double length_m, Vec3 axis, const Spacings& h) {
+    return along_line(0.5 * length_m - flat_inset * h.across_m * lateral_part(axis),
+                      marker_spacing * h.along(axis));
+}
+
+std::vector<Vec3> on_box(Vec3 size_m, Endless along, const BodyAxes& axes, const Spacings& h) {
+    const auto line = [&](double length_m, Vec3 axis, Endless endless) {
+        return along == endless ? around_domain(length_m, marker_spacing * h.across_m)
+                                : between_faces(length_m, axis, h);
     };
-    const Line x = line(size_m.x, Endless::along_x), y = line(size_m.y, Endless::along_y),
-               z = along_line(0.5 * size_m.z, marker_spacing * h.down_m);
+    const Line x = line(size_m.x, axes.x, Endless::along_x),
+               y = line(size_m.y, axes.y, Endless::along_y), z = between_faces(size_m.z, axes.z, h);
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < x.size(); ++i)
         for (std::size_t j = 0; j < y.size(); ++j)
@@ -161,17 +176,29 @@ std::vector<Vec3> on_box(Vec3 size_m, Endless along, const Spacings& h) {
     return points;
 }
 
-std::vector<Vec3> on_upright(double radius_m, double length_m, const Spacings& h) {
-    const double inner_m = radius_m - curved_inset * h.across_m;
-    const double apart_m = marker_spacing * h.across_m;
-    const Line z = along_line(0.5 * length_m, marker_spacing * h.down_m);
+/// A cylinder along the third axis.
+std::vector<Vec3> on_upright(double radius_m, double length_m, const BodyAxes& axes,
+                             const Spacings& h) {
+    const double inset_m = curved_inset * h.across_m, apart_m = marker_spacing * h.across_m;
+    const double x_m = radius_m - inset_m * lateral_part(axes.x),
+                 y_m = radius_m - inset_m * lateral_part(axes.y);
+    const Line z = between_faces(length_m, axes.z, h);
     std::vector<Vec3> points;
     for (std::size_t k = 0; k < z.size(); ++k) {
-        add_ellipse(inner_m, inner_m, z.at[k], apart_m, points);
+        add_ellipse(x_m, y_m, z.at[k], apart_m, points);
         if (z.is_end(k) || z.is_second(k))
-            fill_ellipse(inner_m, inner_m, z.at[k],
-                         z.is_end(k) ? apart_m : inner_spacing * h.across_m, points);
+            fill_ellipse(x_m, y_m, z.at[k], z.is_end(k) ? apart_m : inner_spacing * h.across_m,
+                         points);
     }
+    return points;
+}
+
+/// Along the first axis.
+std::vector<Vec3> on_inclined(const Cylinder& shape, const BodyAxes& axes, const Spacings& h) {
+    std::vector<Vec3> points =
+        on_upright(shape.radius_m, shape.length_m, {axes.y, axes.z, axes.x}, h);
+    for (Vec3& p : points)
+        p = {p.z, p.x, p.y};
     return points;
 }
 
@@ -213,52 +240,6 @@ std::vector<Vec3> on_lying(const Cylinder& shape, Endless along, const Spacings&
     return points;
 }
 
-/// Moves points at almost the same depth to one.
-void join_depths(double within_m, std::vector<Vec3>& points) {
-    std::sort(points.begin(), points.end(),
-              [](Vec3 a, Vec3 b) { return std::tie(a.z, a.x, a.y) < std::tie(b.z, b.x, b.y); });
-    for (std::size_t begin = 0, end; begin < points.size(); begin = end) {
-        for (end = begin; end < points.size() && points[end].z <= points[begin].z + within_m;)
-            ++end;
-        const double depth_m = 0.5 * (points[begin].z + points[end - 1].z);
-        for (std::size_t i = begin; i < end; ++i)
-            points[i].z = depth_m;
-    }
-}
-
-/// Replaces points that are too close to each other, as at the rim of a flat body, by their mean,
-/// which preserves the symmetry. The points are sorted by depth.
-void join_points(const Spacings& h, std::vector<Vec3>& points) {
-    std::vector<std::size_t> group(points.size());
-    std::iota(group.begin(), group.end(), std::size_t{0});
-    const auto first_of = [&](std::size_t i) {
-        while (group[i] != i)
-            i = group[i];
-        return i;
-    };
-    for (std::size_t i = 0; i < points.size(); ++i)
-        for (std::size_t j = i + 1;
-             j < points.size() && points[j].z - points[i].z < same_point * h.down_m; ++j) {
-            const Vec3 apart = points[j] - points[i];
-            if (norm({apart.x / h.across_m, apart.y / h.across_m, apart.z / h.down_m}) <
-                same_point) {
-                const std::size_t a = first_of(i), b = first_of(j);
-                group[std::max(a, b)] = std::min(a, b);
-            }
-        }
-    std::vector<Vec3> sums(points.size());
-    std::vector<double> counts(points.size(), 0.0);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        sums[first_of(i)] = sums[first_of(i)] + points[i];
-        counts[first_of(i)] += 1.0;
-    }
-    std::vector<Vec3> joined;
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (counts[i] > 0.0)
-            joined.push_back(counts[i] > 1.0 ? (1.0 / counts[i]) * sums[i] : sums[i]);
-    points = std::move(joined);
-}
-
 } // namespace
 
 Body lump_in(const Body& body, const Domain& domain) {
@@ -292,21 +273,23 @@ std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double sp
     const Spacings h{domain.spacing_m, spacing_z_m};
     const Body lump = lump_in(body, domain);
     const Endless along = endless_along(body, domain);
-    std::vector<Vec3> points =
-        std::visit(overloaded{
-                       [&](const Ellipsoid& shape) { return on_ellipsoid(shape.semi_axes_m, h); },
-                       [&](const Cylinder& shape) {
-                           return shape.axis == CylinderAxis::vertical
-                                      ? on_upright(shape.radius_m, shape.length_m, h)
-                                      : on_lying(shape, along, h);
-                       },
-                       [&](const Box& shape) { return on_box(shape.size_m, along, h); },
-                   },
-                   lump.shape);
+    const bool turned = is_turned(lump);
+    const BodyAxes axes = axes_of(lump);
+    std::vector<Vec3> points = std::visit(
+        overloaded{
+            [&](const Ellipsoid& shape) { return on_ellipsoid(shape.semi_axes_m, axes, h); },
+            [&](const Cylinder& shape) {
+                if (turned) return on_inclined(shape, axes, h);
+                return shape.axis == CylinderAxis::vertical
+                           ? on_upright(shape.radius_m, shape.length_m, {}, h)
+                           : on_lying(shape, along, h);
+            },
+            [&](const Box& shape) { return on_box(shape.size_m, along, axes, h); },
+        },
+        lump.shape);
     for (Vec3& p : points)
-        p = p + (lump.centre_m - body.centre_m);
-    join_depths(same_depth * spacing_z_m, points);
-    join_points(h, points);
+        p = (turned ? axes.to_medium(p) : p) + (lump.centre_m - body.centre_m);
+    join_close_points(h.across_m, h.down_m, points);
     return points;
 }
 
@@ -323,20 +306,26 @@ std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m) {
 
 namespace {
 
-/// lump_mass() from cells whose mass is at their centre, `samples` along each side.
+/// lump_mass() from cells whose mass is at their centre, `samples` along each side of the bounds
+/// of the body without its orientation.
 std::vector<double> sampled_mass(const Body& body, const Body& lump, const Medium& medium,
                                  int samples) {
-    const Bounds box = bounds(lump);
+    const bool turned = is_turned(lump);
+    const Body straight = aligned(lump);
+    const BodyAxes axes = axes_of(lump);
+    const Bounds box = bounds(straight);
     const Vec3 cell = (1.0 / samples) * (box.high_m - box.low_m);
     std::vector<double> mass(lump_freedoms * lump_freedoms, 0.0);
     for (int i = 0; i < samples; ++i)
         for (int j = 0; j < samples; ++j)
             for (int k = 0; k < samples; ++k) {
-                const Vec3 at =
+                const Vec3 cell_m =
                     box.low_m + Vec3{(i + 0.5) * cell.x, (j + 0.5) * cell.y, (k + 0.5) * cell.z};
+                const Vec3 at =
+                    turned ? lump.centre_m + axes.to_medium(cell_m - lump.centre_m) : cell_m;
                 const double around = density_at(medium, at.z);
                 const double more = (body.density_kg_m3.value_or(around) - around) * cell.x *
-                                    cell.y * cell.z * volume_fraction(lump, at, cell);
+                                    cell.y * cell.z * volume_fraction(straight, cell_m, cell);
                 const auto moves = motions_at(at - body.centre_m);
                 for (std::size_t a = 0; a < lump_freedoms; ++a)
                     for (std::size_t b = 0; b < lump_freedoms; ++b)

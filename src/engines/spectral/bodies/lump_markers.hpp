@@ -14,9 +14,11 @@ Body lump_in(const Body& body, const Domain& domain);
 /// The points at which a lump is constrained, as offsets [m] from `body.centre_m`, ordered by
 /// depth: about marker_spacing apart on its surface, which is shifted inwards by curved_inset or
 /// flat_inset in the lateral directions, and about inner_spacing apart inside. Points whose depths
-/// differ by less than 0.3 of `spacing_z_m`, the distance of levels, share a depth. They are
-/// symmetric as the body is. A body that crosses the domain along x or y has markers all around the
-/// period. Not collective.
+/// differ by less than 0.3 of `spacing_z_m`, the distance of levels, share a depth. The markers of
+/// a turned body are those of the same body without its orientation, turned, and are shifted
+/// inwards in proportion to the lateral part of the normal. Markers are symmetric as the body is,
+/// except for the depths that they share. A body that crosses the domain along x or y has markers
+/// all around the period. Not collective.
 std::vector<Vec3> lump_markers(const Body& body, const Domain& domain, double spacing_z_m);
 
 /// The degrees of freedom of a lump: displacement along x, y and z, and rotation about these axes

@@ -131,13 +131,14 @@ std::size_t lump_marker_count(const Case& c) {
 
 Endless endless_along(const Body& body, const Domain& domain) {
     if (const auto* cylinder = std::get_if<Cylinder>(&body.shape)) {
-        if (cylinder->axis == CylinderAxis::vertical || !cylinder->is_endless()) return Endless::no;
+        if (cylinder->axis == CylinderAxis::vertical || !cylinder->is_endless() || is_turned(body))
+            return Endless::no;
         const double turn_deg = std::abs(std::remainder(cylinder->azimuth_deg, 180.0));
         if (turn_deg == 0.0) return Endless::along_x;
         return turn_deg == 90.0 ? Endless::along_y : Endless::no;
     }
     const auto* box = std::get_if<Box>(&body.shape);
-    if (!box) return Endless::no;
+    if (!box || is_turned(body)) return Endless::no;
     const bool x = spans(body.centre_m.x, box->size_m.x, domain.extent_x_m());
     const bool y = spans(body.centre_m.y, box->size_m.y, domain.extent_y_m());
     if (x && y) return Endless::both;

@@ -10,8 +10,8 @@ namespace shearwake::spectral {
 
 /// The direction in which a body crosses the whole periodic domain.
 enum class Endless { no, along_x, along_y, both };
-/// An infinitely long cylinder along x or y, or a box at least as wide as the domain. Not
-/// collective.
+/// An infinitely long cylinder along x or y, or a box without orientation that is at least as wide
+/// as the domain. Not collective.
 Endless endless_along(const Body& body, const Domain& domain);
 
 /// How much stiffer a body is than the layers around it: the smallest ratio of shear moduli, 0 for

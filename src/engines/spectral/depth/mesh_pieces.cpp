@@ -20,11 +20,14 @@ struct Inclusion {
     double free_kg_m3 = std::numeric_limits<double>::infinity();
 };
 
-/// Whether the body has faces that are not horizontal.
+/// Whether the body has faces that are neither horizontal nor vertical.
 bool is_curved(const Body& body) {
-    if (std::holds_alternative<Box>(body.shape)) return false;
+    const auto is_level = [](Vec3 axis) { return axis.z == 0.0 || std::abs(axis.z) == 1.0; };
+    const BodyAxes axes = axes_of(body);
+    if (std::holds_alternative<Box>(body.shape))
+        return !(is_level(axes.x) && is_level(axes.y) && is_level(axes.z));
     const auto* cylinder = std::get_if<Cylinder>(&body.shape);
-    return !cylinder || cylinder->axis != CylinderAxis::vertical;
+    return !cylinder || (cylinder->axis != CylinderAxis::vertical && std::abs(axes.x.z) != 1.0);
 }
 
 Inclusion inclusion_of(const Body& body, double spacing_m, double per_degree, double omega_rad_s) {

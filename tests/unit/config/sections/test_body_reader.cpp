@@ -165,6 +165,49 @@ TEST_CASE("the direction of a cylinder may be given only once", "[config][body]"
                 "specify only one of them"});
 }
 
+TEST_CASE("a body has any orientation", "[config][body]") {
+    const Body ellipsoid =
+        only_body(job_with(std::string(ball) + "azimuth_deg = 30\nroll_deg = -20.1\n"));
+    CHECK(std::get<Ellipsoid>(ellipsoid.shape) ==
+          Ellipsoid{{0.003, 0.004, 0.005}, {.azimuth_deg = 30.0, .roll_deg = -20.1}});
+    const Body box = only_body(
+        body_of("shape = \"box\"\ncenter_mm = [0, 0, 9]\nsize_mm = [6, 5, 4]\nc_s_m_s = 9\n"
+                "inclination_deg = -90\n"));
+    CHECK(std::get<Box>(box.shape) == Box{{0.006, 0.005, 0.004}, {.inclination_deg = -90.0}});
+    const Body cylinder = only_body(
+        body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 2\nlength_mm = 9\n"
+                "c_s_m_s = 9\nazimuth_deg = 30\ninclination_deg = 20\n"));
+    CHECK(std::get<Cylinder>(cylinder.shape) ==
+          Cylinder{
+              .radius_m = 0.002, .length_m = 0.009, .azimuth_deg = 30.0, .inclination_deg = 20.0});
+}
+
+TEST_CASE("an orientation of zero does not change the id of a case", "[config][body]") {
+    const std::string job = job_with(ball);
+    const std::string zero = "azimuth_deg = 0\ninclination_deg = 0\nroll_deg = 0\n";
+    CHECK(case_id(only_case(job + zero)) == case_id(only_case(job)));
+    for (const std::string key : {"azimuth_deg", "inclination_deg", "roll_deg"})
+        CHECK(case_id(only_case(job + key + " = 10\n")) != case_id(only_case(job)));
+}
+
+TEST_CASE("an inclined cylinder has an azimuth and a length", "[config][body]") {
+    const std::string job = body_of("shape = \"cylinder\"\ncenter_mm = [0, 0, 9]\nradius_mm = 3\n"
+                                    "c_s_m_s = 9\n");
+    CHECK(diagnostics_of(job + "length_mm = 9\ninclination_deg = 20\n") ==
+          Texts{"job.toml:28:1: error: medium.body[1].azimuth_deg is missing"});
+    CHECK(diagnostics_of(job + "length_mm = 9\naxis = \"x\"\ninclination_deg = 20\n") ==
+          Texts{"job.toml:35:19: error: medium.body[1].inclination_deg and axis are both given; "
+                "give azimuth_deg instead of axis"});
+    CHECK(diagnostics_of(job + "azimuth_deg = 0\ninclination_deg = 20\n") ==
+          Texts{"job.toml:34:19: error: medium.body[1].inclination_deg requires length_mm, since a "
+                "cylinder without ends must lie horizontally or have axis = \"z\""});
+    CHECK(diagnostics_of(job + "length_mm = 9\nazimuth_deg = 0\ninclination_deg = 100\n") ==
+          Texts{"job.toml:35:19: error: medium.body[1].inclination_deg must be between -90 and 90, "
+                "but is 100"});
+    CHECK(diagnostics_of(job + "length_mm = 9\nazimuth_deg = 0\nroll_deg = 1\n") ==
+          Texts{"job.toml:35:1: error: medium.body[1].roll_deg is unknown"});
+}
+
 TEST_CASE("all errors in all bodies are reported at once", "[config][body]") {
     CHECK(diagnostics_of(job_with("[[medium.body]]\nshape = \"box\"\nsize_mm = 3\n[[medium.body]]\n"
                                   "shape = \"cylinder\"\nradius_mm = -1\nhight_mm = 2\n"))

@@ -118,9 +118,13 @@ std::vector<SurfacePoint> surface_points(const Body& body, const Domain& domain,
                 return on_cylinder(shape, !given.is_endless(), spacing_m);
             },
         },
-        lump.shape);
-    for (SurfacePoint& p : points)
+        aligned(lump).shape);
+    const bool turned = is_turned(lump);
+    const BodyAxes axes = axes_of(lump);
+    for (SurfacePoint& p : points) {
+        if (turned) p = {axes.to_medium(p.offset_m), axes.to_medium(p.normal), p.area_m2};
         p.offset_m = p.offset_m + (lump.centre_m - body.centre_m);
+    }
     return points;
 }
 

@@ -95,3 +95,17 @@ TEST_CASE("layers are divided at the ends of a map and at least at every eighth 
     CHECK(ends[3] == Approx(5.1e-3));
     CHECK(spectral::mesh_pieces(c, 12e-3, 0.05e-3, 8, 6e3)[2].longest_m == Approx(1.6e-3));
 }
+
+TEST_CASE("a box is divided as a curved body if its faces are inclined", "[spectral]") {
+    Case c = two_layers();
+    const auto pieces = [&](Orientation orientation) {
+        Body body = box(4e-3, 9e-3);
+        std::get<Box>(body.shape).orientation = orientation;
+        c.scene().medium.bodies = {body};
+        return spectral::mesh_pieces(c, 12e-3, 0.05e-3, 8, 1.0)[2];
+    };
+    const double plain_m = pieces({}).longest_m;
+    CHECK(pieces({.azimuth_deg = 30.0}).longest_m == plain_m);
+    CHECK(pieces({.roll_deg = 90.0}).longest_m == plain_m);
+    CHECK(pieces({.inclination_deg = 30.0}).longest_m < plain_m);
+}
