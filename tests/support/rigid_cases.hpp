@@ -93,4 +93,18 @@ inline void check_conserved_energy(const Case& c, double step_s, long stride) {
     CHECK(after == Approx(work).epsilon(1e-8)); // the forces on the bodies do no work
 }
 
+/// Largest difference of a field and the mirror image, in the plane x = 0, of another one.
+inline double asymmetry(const Domain& domain, const std::vector<double>& frame,
+                        const std::vector<double>& mirrored) {
+    double worst = 0.0;
+    for (std::ptrdiff_t i = 1; i < domain.nx; ++i)
+        for (std::ptrdiff_t j = 0; j < domain.ny; ++j) {
+            const auto at = [&](std::ptrdiff_t x) {
+                return static_cast<std::size_t>(x * domain.ny + j);
+            };
+            worst = std::max(worst, std::abs(frame[at(i)] - mirrored[at(domain.nx - i)]));
+        }
+    return worst;
+}
+
 } // namespace shearwake::test
