@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <type_traits>
 
 namespace shearwake::fft {
 namespace {
@@ -22,15 +22,6 @@ std::span<Complex> room_for(AlignedVector<Complex>& buffer, std::ptrdiff_t size)
     const auto needed = static_cast<std::size_t>(size);
     if (buffer.size() < needed) buffer.resize(needed);
     return {buffer.data(), needed};
-}
-
-/// Copies values of some rows. The number of a complete group is known to the compiler, which then
-/// needs no call of a library function.
-void copy_rows(const Complex* from, std::ptrdiff_t count, Complex* to) {
-    if (count == window_rows)
-        std::memcpy(static_cast<void*>(to), from, sizeof(Complex) * window_rows);
-    else
-        std::copy_n(from, count, to);
 }
 
 } // namespace
@@ -51,34 +42,42 @@ RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team, std::ve
 
 RunTransform::RunTransform(const SlabTransform& slabs, const Comm& team,
                            std::vector<std::vector<RowRun>> sheets, const Layout& layout)
-    : slabs_(slabs), team_(team), sheets_(std::move(sheets)), layout_(layout), mine_(layout.lines),
-      me_(static_cast<std::size_t>(team.rank())), lines_reals_(layout.reals) {
-    for (const std::vector<RowRun>& runs : sheets_) {
-        if (runs.empty()) continue;
-        begin_ = end_ == begin_ ? runs.front().row : std::min(begin_, runs.front().row);
-        end_ = std::max(end_, runs.back().row + 1);
-    }
+    : slabs_(slabs), team_(team), sheets_(std::move(sheets)), layout_(layout),
+      me_(static_cast<std::size_t>(team.rank())) {
+    gather_shares();
     long first = slabs.ny(), last = 0; // range of y with runs
     for (const std::vector<RowRun>& runs : sheets_)
         for (const RowRun& run : runs) {
             first = std::min<long>(first, run.begin);
             last = std::max<long>(last, run.end);
         }
-    const std::vector<long> all =
-        team.all_gather(std::vector<long>{layout.x_start + begin_, layout.x_start + end_,
-                                          mine_.ky_start, mine_.ky_count, first, last});
-    for (std::size_t at = 0; at < all.size(); at += 6) {
-        shares_.push_back({all[at], all[at + 1], all[at + 2], all[at + 3]});
-        first = std::min(first, all[at + 4]);
-        last = std::max(last, all[at + 5]);
-    }
     // The same on all ranks, so that their number does not affect the result.
+    const std::vector<long> all = team.all_gather(std::vector<long>{first, last});
+    for (std::size_t at = 0; at < all.size(); at += 2) {
+        first = std::min(first, all[at]);
+        last = std::max(last, all[at + 1]);
+    }
     if (RowWindow::pays(slabs.ny(), last - first))
         window_ = std::make_unique<RowWindow>(slabs.ny(), first, last - first);
 }
 
-RunTransform::Rows RunTransform::rows_at(std::ptrdiff_t i) const {
-    return {i, std::min(window_ ? window_rows : width, end_ - i)};
+void RunTransform::gather_shares() {
+    std::vector<long> mine = {layout_.lines.ky_start, layout_.lines.ky_count};
+    for (const std::vector<RowRun>& runs : sheets_) {
+        mine.push_back(runs.empty() ? 0 : layout_.x_start + runs.front().row);
+        mine.push_back(runs.empty() ? 0 : layout_.x_start + runs.back().row + 1);
+    }
+    const std::vector<long> all = team_.all_gather(mine);
+    for (auto of = all.begin(); of != all.end(); of += std::ssize(mine)) {
+        Share share{.lines = {of[0], of[1]}, .rows = {}};
+        for (std::ptrdiff_t at = 2; at < std::ssize(mine); at += 2)
+            share.rows.push_back({of[at], of[at + 1]});
+        shares_.push_back(std::move(share));
+    }
+}
+
+RunTransform::Rows RunTransform::rows_at(std::ptrdiff_t i, const Range& of) const {
+    return {i, std::min(window_ ? window_rows : width, of.end - layout_.x_start - i)};
 }
 
 /// Transforms rows to their modes, in the buffer of modes_of().
@@ -114,24 +113,28 @@ void RunTransform::untransform(Rows rows, Rest& runs, double* values) const {
 }
 
 /// Copies the modes of some ky of the transformed rows to columns, and back.
-void RunTransform::put_columns(Rows rows, const Share& to, Complex* columns,
+void RunTransform::put_columns(Rows rows, const Lines& to, Complex* columns,
                                std::ptrdiff_t pitch) const {
     SlabTransform::Work& w = *slabs_.work_;
     if (!window_)
         return rows_to_columns(w.line(0) + to.ky_start, w.pitch, rows.count, to.ky_count, columns,
                                pitch);
-    for (std::ptrdiff_t k = 0; k < to.ky_count; ++k)
-        copy_rows(window_->mode(to.ky_start + k), rows.count, columns + k * pitch);
+    with_constant<window_rows>(rows.count, [&](auto count) {
+        for (std::ptrdiff_t k = 0; k < to.ky_count; ++k)
+            std::copy_n(window_->mode(to.ky_start + k), +count, columns + k * pitch);
+    });
 }
 
-void RunTransform::take_columns(Rows rows, const Share& from, const Complex* columns,
+void RunTransform::take_columns(Rows rows, const Lines& from, const Complex* columns,
                                 std::ptrdiff_t pitch) const {
     SlabTransform::Work& w = *slabs_.work_;
     if (!window_)
         return columns_to_rows(columns, pitch, rows.count, from.ky_count, w.line(0) + from.ky_start,
                                w.pitch);
-    for (std::ptrdiff_t k = 0; k < from.ky_count; ++k)
-        copy_rows(columns + k * pitch, rows.count, window_->mode(from.ky_start + k));
+    with_constant<window_rows>(rows.count, [&](auto count) {
+        for (std::ptrdiff_t k = 0; k < from.ky_count; ++k)
+            std::copy_n(columns + k * pitch, +count, window_->mode(from.ky_start + k));
+    });
 }
 
 void RunTransform::transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
@@ -177,16 +180,31 @@ void RunTransform::to_values(const double* lines, std::ptrdiff_t planes, double*
     to_values(lines, equal_planes(planes, cells), values);
 }
 
+/// Number of rows with runs of some planes together.
+std::ptrdiff_t RunTransform::rows_of(std::span<const Plane> planes, const Share& share) const {
+    std::ptrdiff_t rows = 0;
+    for (const Plane& plane : planes)
+        rows += share.rows[plane.sheet].count();
+    return rows;
+}
+
+template <class Real>
+auto* RunTransform::lines_of(Real* lines, std::ptrdiff_t plane) const {
+    using Value = std::conditional_t<std::is_const_v<Real>, const Complex, Complex>;
+    return lines ? reinterpret_cast<Value*>(lines + plane * layout_.reals) : nullptr;
+}
+
 // Data exchanged between two ranks is ordered as [plane][ky of the rank with the lines][row of the
 // rank with the rows]. Data that stays on this rank is copied directly.
-RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
+RunTransform::Parcels RunTransform::parcels(std::span<const Plane> planes) const {
     SlabTransform::Work& w = *slabs_.work_;
+    const std::ptrdiff_t rows = rows_of(planes, shares_[me_]);
     Parcels p;
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
         const Share& of = shares_[rank];
         const bool other = rank != me_;
-        p.of_rows.push_back(other ? planes * of.ky_count * (end_ - begin_) : 0);
-        p.of_lines.push_back(other ? planes * mine_.ky_count * of.rows() : 0);
+        p.of_rows.push_back(other ? of.lines.ky_count * rows : 0);
+        p.of_lines.push_back(other ? layout_.lines.ky_count * rows_of(planes, of) : 0);
     }
     p.of_rows_at = starts_of(p.of_rows);
     p.of_lines_at = starts_of(p.of_lines);
@@ -195,89 +213,93 @@ RunTransform::Parcels RunTransform::parcels(std::ptrdiff_t planes) const {
     return p;
 }
 
-void RunTransform::to_lines(const double* values, std::span<const Plane> all, double* lines) const {
-    const std::ptrdiff_t planes = std::ssize(all);
-    const std::ptrdiff_t rows = end_ - begin_;
-    const Parcels parcel = parcels(planes);
-    for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        const Plane& plane = all[static_cast<std::size_t>(p)];
-        const double* of_plane = values + plane.first;
-        Complex* here = reinterpret_cast<Complex*>(lines + p * lines_reals_);
+void RunTransform::to_lines(const double* values, std::span<const Plane> planes,
+                            double* lines) const {
+    Parcels parcel = parcels(planes);
+    for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p) {
+        const Plane& plane = planes[static_cast<std::size_t>(p)];
+        const Range& mine = shares_[me_].rows[plane.sheet];
+        Complex* here = lines_of(lines, p);
         Rest rest = sheets_[plane.sheet];
-        for (Rows now = rows_at(begin_); now.count > 0; now = rows_at(now.first + now.count)) {
-            transform(now, rest, of_plane);
-            const std::ptrdiff_t at = now.first - begin_;
+        const std::ptrdiff_t begin = mine.begin - layout_.x_start;
+        for (Rows now = rows_at(begin, mine); now.count > 0;
+             now = rows_at(now.first + now.count, mine)) {
+            transform(now, rest, values + plane.first);
+            const std::ptrdiff_t at = now.first - begin;
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
-                const Share& to = shares_[rank];
+                const Lines& to = shares_[rank].lines;
+                if (to.ky_count == 0) continue;
                 if (rank == me_)
-                    put_columns(now, to, here + to.x_begin + at, layout_.pitch);
+                    put_columns(now, to, here + mine.begin + at, layout_.pitch);
                 else
-                    put_columns(now, to,
-                                parcel.rows.data() + parcel.of_rows_at[rank] +
-                                    p * to.ky_count * rows + at,
-                                rows);
+                    put_columns(now, to, parcel.rows.data() + parcel.of_rows_at[rank] + at,
+                                mine.count());
             }
         }
+        for (std::size_t rank = 0; rank < shares_.size(); ++rank)
+            if (rank != me_) parcel.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
     }
     if (shares_.size() > 1)
         team_.all_to_all(std::span<const Complex>(parcel.rows), parcel.of_rows, parcel.lines,
                          parcel.of_lines);
-    for (std::ptrdiff_t p = 0; p < planes; ++p)
-        for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
-            fill_line(parcel, p * mine_.ky_count + k,
-                      reinterpret_cast<Complex*>(lines + p * lines_reals_) + k * layout_.pitch);
+    for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p)
+        for (std::ptrdiff_t k = 0; k < layout_.lines.ky_count; ++k)
+            fill_line(parcel, planes[static_cast<std::size_t>(p)].sheet,
+                      lines_of(lines, p) + k * layout_.pitch);
 }
 
-void RunTransform::fill_line(const Parcels& parcel, std::ptrdiff_t which, Complex* line) const {
+void RunTransform::fill_line(Parcels& parcel, std::size_t sheet, Complex* line) const {
     std::ptrdiff_t filled = 0; // index in x; the parts of the ranks are in ascending order
     for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
-        const Share& of = shares_[rank];
-        if (of.rows() == 0) continue;
-        std::fill(line + filled, line + of.x_begin, 0.0);
-        if (rank != me_)
-            std::copy_n(parcel.lines.data() + parcel.of_lines_at[rank] + which * of.rows(),
-                        of.rows(), line + of.x_begin);
-        filled = of.x_end;
+        const Range& of = shares_[rank].rows[sheet];
+        if (of.count() == 0) continue;
+        std::fill(line + filled, line + of.begin, 0.0);
+        if (rank != me_) {
+            std::copy_n(parcel.lines.data() + parcel.of_lines_at[rank], of.count(),
+                        line + of.begin);
+            parcel.of_lines_at[rank] += of.count();
+        }
+        filled = of.end;
     }
     std::fill(line + filled, line + layout_.length, 0.0);
 }
 
-void RunTransform::to_values(const double* lines, std::span<const Plane> all,
+void RunTransform::to_values(const double* lines, std::span<const Plane> planes,
                              double* values) const {
-    const std::ptrdiff_t planes = std::ssize(all);
-    const std::ptrdiff_t rows = end_ - begin_;
-    const Parcels parcel = parcels(planes);
-    const auto of_plane = [&](std::ptrdiff_t p) {
-        return reinterpret_cast<const Complex*>(lines + p * lines_reals_);
-    };
-    for (std::ptrdiff_t p = 0; p < planes; ++p)
-        for (std::ptrdiff_t k = 0; k < mine_.ky_count; ++k)
-            for (std::size_t rank = 0; rank < shares_.size(); ++rank)
-                if (const Share& of = shares_[rank]; rank != me_)
-                    std::copy_n(of_plane(p) + k * layout_.pitch + of.x_begin, of.rows(),
-                                parcel.lines.data() + parcel.of_lines_at[rank] +
-                                    (p * mine_.ky_count + k) * of.rows());
+    Parcels parcel = parcels(planes);
+    for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p)
+        for (std::ptrdiff_t k = 0; k < layout_.lines.ky_count; ++k)
+            for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
+                const Range& of = shares_[rank].rows[planes[static_cast<std::size_t>(p)].sheet];
+                if (rank == me_ || of.count() == 0) continue;
+                std::copy_n(lines_of(lines, p) + k * layout_.pitch + of.begin, of.count(),
+                            parcel.lines.data() + parcel.of_lines_at[rank]);
+                parcel.of_lines_at[rank] += of.count();
+            }
     if (shares_.size() > 1)
         team_.all_to_all(std::span<const Complex>(parcel.lines), parcel.of_lines, parcel.rows,
                          parcel.of_rows);
-    for (std::ptrdiff_t p = 0; p < planes; ++p) {
-        const Plane& plane = all[static_cast<std::size_t>(p)];
-        double* to_plane = values + plane.first;
+    for (std::ptrdiff_t p = 0; p < std::ssize(planes); ++p) {
+        const Plane& plane = planes[static_cast<std::size_t>(p)];
+        const Range& mine = shares_[me_].rows[plane.sheet];
         Rest rest = sheets_[plane.sheet];
-        for (Rows now = rows_at(begin_); now.count > 0; now = rows_at(now.first + now.count)) {
-            const std::ptrdiff_t at = now.first - begin_;
+        const std::ptrdiff_t begin = mine.begin - layout_.x_start;
+        for (Rows now = rows_at(begin, mine); now.count > 0;
+             now = rows_at(now.first + now.count, mine)) {
+            const std::ptrdiff_t at = now.first - begin;
             for (std::size_t rank = 0; rank < shares_.size(); ++rank) {
-                const Share& from = shares_[rank];
+                const Lines& from = shares_[rank].lines;
+                if (from.ky_count == 0) continue;
                 if (rank == me_)
-                    take_columns(now, from, of_plane(p) + from.x_begin + at, layout_.pitch);
+                    take_columns(now, from, lines_of(lines, p) + mine.begin + at, layout_.pitch);
                 else
-                    take_columns(now, from,
-                                 parcel.rows.data() + parcel.of_rows_at[rank] +
-                                     p * from.ky_count * rows + at,
-                                 rows);
+                    take_columns(now, from, parcel.rows.data() + parcel.of_rows_at[rank] + at,
+                                 mine.count());
             }
-            untransform(now, rest, to_plane);
+            untransform(now, rest, values + plane.first);
         }
+        for (std::size_t rank = 0; rank < shares_.size(); ++rank)
+            if (rank != me_) parcel.of_rows_at[rank] += shares_[rank].lines.ky_count * mine.count();
     }
 }
 

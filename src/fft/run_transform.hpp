@@ -19,10 +19,10 @@ struct RowRun {
 
 /// The y part of the transform of planes that are zero outside of some runs of their rows, or are
 /// needed only there. to_lines() transforms the values of the runs to lines over x, one line per ky
-/// of this rank (SlabTransform transforms these along x); to_values() is the way back. Only the
-/// rows between the first and the last row with runs of each rank are transformed and sent, by
-/// FFTs, or by sums if the runs of all ranks occupy a short window of y (RowWindow). The
-/// buffers are those of the SlabTransform, which must outlive this object.
+/// of this rank (SlabTransform transforms these along x); to_values() is the way back. Of each
+/// plane, only the rows between the first and the last row with runs of each rank are transformed
+/// and sent, by FFTs, or by sums if the runs of all ranks occupy a short window of y (RowWindow).
+/// The buffers are those of the SlabTransform, which must outlive this object.
 class RunTransform {
 public:
     /// The range of ky of a rank; ranges ascend with the rank.
@@ -50,7 +50,7 @@ public:
                  std::vector<std::vector<RowRun>> sheets, const Layout& layout);
 
     /// Number of doubles between the lines of consecutive planes.
-    std::ptrdiff_t lines_reals() const { return lines_reals_; }
+    std::ptrdiff_t lines_reals() const { return layout_.reals; }
 
     /// Transforms `planes` planes at once. The values of consecutive planes are `cells` doubles
     /// apart, their lines lines_reals() doubles. Unnormalised. Collective.
@@ -68,33 +68,44 @@ public:
     void to_values(const double* lines, std::span<const Plane> planes, double* values) const;
 
 private:
-    struct Share { // rows of x with runs and the ky of a rank
-        std::ptrdiff_t x_begin, x_end, ky_start, ky_count;
-        std::ptrdiff_t rows() const { return x_end - x_begin; }
+    /// Points [begin, end) of a line whose rows have runs.
+    struct Range {
+        std::ptrdiff_t begin = 0, end = 0;
+        std::ptrdiff_t count() const { return end - begin; }
     };
-    /// Number and offset of the values exchanged with each rank.
+    /// The ky of a rank, and its rows with runs by sheet.
+    struct Share {
+        Lines lines;
+        std::vector<Range> rows;
+    };
+    void gather_shares();
+    /// Number of values exchanged with each rank, and offset of the next ones to be copied.
     struct Parcels {
         std::vector<std::ptrdiff_t> of_rows, of_lines;
         std::vector<std::ptrdiff_t> of_rows_at, of_lines_at;
         std::span<std::complex<double>> rows, lines;
     };
-    Parcels parcels(std::ptrdiff_t planes) const;
+    Parcels parcels(std::span<const Plane> planes) const;
     static std::vector<Plane> equal_planes(std::ptrdiff_t count, std::size_t cells);
+    std::ptrdiff_t rows_of(std::span<const Plane> planes, const Share& share) const;
+    /// The lines of a plane; null if this rank has none.
+    template <class Real>
+    auto* lines_of(Real* lines, std::ptrdiff_t plane) const;
     /// Copies the data received for a line, and zeros for rows without runs.
-    void fill_line(const Parcels& parcels, std::ptrdiff_t which, std::complex<double>* line) const;
+    void fill_line(Parcels& parcels, std::size_t sheet, std::complex<double>* line) const;
     /// Runs that have not been processed yet, in ascending order.
     using Rest = std::span<const RowRun>;
     /// Rows that are transformed together.
     struct Rows {
         std::ptrdiff_t first, count;
     };
-    /// The rows from i on; none at the end.
-    Rows rows_at(std::ptrdiff_t i) const;
+    /// The rows of this rank from i on; none at the end.
+    Rows rows_at(std::ptrdiff_t i, const Range& of) const;
     void transform(Rows rows, Rest& runs, const double* values) const;
     void untransform(Rows rows, Rest& runs, double* values) const;
-    void put_columns(Rows rows, const Share& to, std::complex<double>* columns,
+    void put_columns(Rows rows, const Lines& to, std::complex<double>* columns,
                      std::ptrdiff_t pitch) const;
-    void take_columns(Rows rows, const Share& from, const std::complex<double>* columns,
+    void take_columns(Rows rows, const Lines& from, const std::complex<double>* columns,
                       std::ptrdiff_t pitch) const;
     void transform_row(std::ptrdiff_t row, Rest& runs, const double* values,
                        std::complex<double>* modes) const;
@@ -104,12 +115,9 @@ private:
     const SlabTransform& slabs_;
     Comm team_;
     std::vector<std::vector<RowRun>> sheets_;
-    std::ptrdiff_t begin_ = 0, end_ = 0; // local indices of this rank's rows with runs
-    std::vector<Share> shares_;          // by rank
     Layout layout_;
-    Lines mine_;
     std::size_t me_;
-    std::ptrdiff_t lines_reals_;
+    std::vector<Share> shares_;         // by rank
     std::unique_ptr<RowWindow> window_; // if the runs occupy a short window of y
 };
 

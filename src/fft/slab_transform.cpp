@@ -18,6 +18,11 @@ std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
     return line * (((reals + line - 1) / line) | 1);
 }
 
+/// Number of rows of the spectrum below the Nyquist frequency of y, which only an even ny has.
+std::ptrdiff_t below_nyquist(std::ptrdiff_t ny) {
+    return (ny + 1) / 2;
+}
+
 } // namespace
 
 // to_spectral processes a plane in three steps:
@@ -25,6 +30,9 @@ std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
 //     all ky of this rank's x, contiguous in x;
 //  2. global transpose by FFTW3-MPI into `rows_`: this rank's ky, all x (omitted on one rank);
 //  3. transform along x from `rows_` back into the plane.
+// The row at the Nyquist frequency of y usually carries nothing. FFTW distributes only the rows
+// below it, so that the work is even; the rank with the last of these has it in addition and
+// receives it separately.
 // to_physical runs the steps in reverse order, except for the transpose. Each row is copied to the
 // send buffer while it is in the cache, data of this rank is not moved, and the lines along y are
 // gathered from the received data. The transpose of FFTW3-MPI would take two more passes over the
@@ -52,7 +60,7 @@ void SlabTransform::Work::plan_slabs(const Comm& team, unsigned effort) {
     const unsigned flags = effort | FFTW_DESTROY_INPUT;
     team.before_collective();
     slabs_to_spectral = checked_plan(fftw_mpi_plan_many_transpose(
-        nx, modes, 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
+        nx, below_nyquist(ny), 2, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK,
         reinterpret_cast<double*>(columns()), reinterpret_cast<double*>(rows()), team.raw(),
         flags | FFTW_MPI_TRANSPOSED_IN));
 }
@@ -71,9 +79,26 @@ void SlabTransform::Work::gather_shares(const SlabShare& share, const Comm& team
         received += from_ranks.back();
         ranks.push_back(of);
     }
+    if (modes > below_nyquist(ny)) {
+        const bool is_owner = share.ky_count > 0 && share.ky_start + share.ky_count == modes;
+        nyquist_row_.resize(is_owner ? static_cast<std::size_t>(nx) : 0);
+        for (const Other& of : ranks) {
+            const bool owns = of.ky_count > 0 && of.ky_start + of.ky_count == modes;
+            nyquist_to_ranks.push_back(owns ? share.x_count : 0);
+            nyquist_from_ranks.push_back(is_owner ? of.x_count : 0);
+        }
+    }
     sent_.resize(static_cast<std::size_t>(sent));
     received_.resize(static_cast<std::size_t>(received));
     turned_.resize(static_cast<std::size_t>(nx));
+}
+
+/// Sends this rank's part of the row at the Nyquist frequency to the rank that transforms it.
+void SlabTransform::Work::send_nyquist_row(const Comm& team) {
+    if (nyquist_to_ranks.empty()) return;
+    const Complex* part = columns() + below_nyquist(ny) * stride;
+    team.all_to_all(std::span<const Complex>(part, static_cast<std::size_t>(stride)),
+                    nyquist_to_ranks, std::span(nyquist_row_), nyquist_from_ranks);
 }
 
 SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& team,
@@ -81,10 +106,14 @@ SlabTransform::SlabTransform(std::ptrdiff_t nx, std::ptrdiff_t ny, const Comm& t
     : work_(std::make_unique<Work>()), planning_(planning), team_(team) {
     fftw_mpi_init();
     const std::ptrdiff_t modes = ny / 2 + 1;
-    const std::ptrdiff_t n[2] = {nx, modes};
-    const std::ptrdiff_t values = fftw_mpi_local_size_many_transposed(
+    const std::ptrdiff_t n[2] = {nx, below_nyquist(ny)};
+    const std::ptrdiff_t transposed = fftw_mpi_local_size_many_transposed(
         2, n, 1, FFTW_MPI_DEFAULT_BLOCK, FFTW_MPI_DEFAULT_BLOCK, team.raw(), &share_.x_count,
         &share_.x_start, &share_.ky_count, &share_.ky_start);
+    if (share_.ky_count > 0 && share_.ky_start + share_.ky_count == n[1])
+        share_.ky_count = modes - share_.ky_start;
+    const std::ptrdiff_t values =
+        std::max({transposed, share_.x_count * modes, share_.ky_count * nx});
     share_.padded_ny = 2 * modes;
     share_.reals = odd_lines(2 * std::max<std::ptrdiff_t>({values, nx, modes}));
 
@@ -192,12 +221,15 @@ void SlabTransform::to_spectral(double* plane) const {
         rows_to_columns(w.line(0), w.pitch, count, w.modes, w.columns() + i, w.stride);
     }
     if (w.slabs_to_spectral) {
+        w.send_nyquist_row(team_);
         team_.before_collective();
         fftw_execute(w.slabs_to_spectral.get());
     }
-    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k)
-        fftw_execute_dft(w.x_to_spectral.get(), raw(w.rows() + k * line_of_x),
-                         raw(modes + k * w.nx));
+    for (std::ptrdiff_t k = 0; k < share_.ky_count; ++k) {
+        const bool is_nyquist = !w.nyquist_row_.empty() && k == share_.ky_count - 1;
+        Complex* row = is_nyquist ? w.nyquist_row_.data() : w.rows() + k * line_of_x;
+        fftw_execute_dft(w.x_to_spectral.get(), raw(row), raw(modes + k * w.nx));
+    }
 }
 
 std::ptrdiff_t SlabTransform::nx() const {

@@ -20,28 +20,34 @@ inline fftw_complex* raw(Complex* values) {
     return reinterpret_cast<fftw_complex*>(values);
 }
 
+/// Calls copy(number of rows) with a constant of the compiler for the numbers of 1 to `complete`
+/// rows, so that copies of so few rows become moves of registers.
+template <std::ptrdiff_t complete, class Copy>
+void with_constant(std::ptrdiff_t count, const Copy& copy) {
+    if constexpr (complete > 0) {
+        if (count == complete) return copy(std::integral_constant<std::ptrdiff_t, complete>());
+        with_constant<complete - 1>(count, copy);
+    }
+}
+
 /// columns[k * stride + r] = rows[r * pitch + k] for `count` rows of `length`.
 inline void rows_to_columns(const Complex* rows, std::ptrdiff_t pitch, std::ptrdiff_t count,
                             std::ptrdiff_t length, Complex* columns, std::ptrdiff_t stride) {
-    const auto copy = [&](auto rows_together) {
+    with_constant<width>(count, [&](auto rows_together) {
         for (std::ptrdiff_t k = 0; k < length; ++k)
             for (std::ptrdiff_t r = 0; r < rows_together; ++r)
                 columns[k * stride + r] = rows[r * pitch + k];
-    };
-    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>()); // unrolled
-    copy(count);
+    });
 }
 
 /// The inverse: rows[r * pitch + k] = columns[k * stride + r].
 inline void columns_to_rows(const Complex* columns, std::ptrdiff_t stride, std::ptrdiff_t count,
                             std::ptrdiff_t length, Complex* rows, std::ptrdiff_t pitch) {
-    const auto copy = [&](auto rows_together) {
+    with_constant<width>(count, [&](auto rows_together) {
         for (std::ptrdiff_t k = 0; k < length; ++k)
             for (std::ptrdiff_t r = 0; r < rows_together; ++r)
                 rows[r * pitch + k] = columns[k * stride + r];
-    };
-    if (count == width) return copy(std::integral_constant<std::ptrdiff_t, width>());
-    copy(count);
+    });
 }
 
 struct SlabTransform::Work {
@@ -59,6 +65,10 @@ struct SlabTransform::Work {
     std::vector<Other> ranks;
     /// Complex numbers that to_physical exchanges with each rank; 0 for this rank.
     std::vector<std::ptrdiff_t> to_ranks, from_ranks;
+    /// The same of the row at the Nyquist frequency in to_spectral; empty if there is none. The row
+    /// is empty on ranks that do not have it.
+    std::vector<std::ptrdiff_t> nyquist_to_ranks, nyquist_from_ranks;
+    AlignedVector<Complex> nyquist_row_;
     std::size_t me = 0;
     FftwPlan y_to_spectral, y_to_physical, x_to_spectral, x_to_physical;
     FftwPlan line_to_spectral, line_to_physical; // along x in place
@@ -71,6 +81,7 @@ struct SlabTransform::Work {
 
     void row_to_physical(Complex* row, std::ptrdiff_t k);
     void gather_lines(std::ptrdiff_t i, std::ptrdiff_t count);
+    void send_nyquist_row(const Comm& team);
     void gather_shares(const SlabShare& share, const Comm& team);
     bool plan_lines(double* plane, unsigned flags); // returns whether FFTW could create them
     void plan_slabs(const Comm& team, unsigned effort);

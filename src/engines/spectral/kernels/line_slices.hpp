@@ -55,16 +55,11 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
                     fold(even_re) - fold(odd_re), fold(even_im) - fold(odd_im)}});
 }
 
-[[gnu::always_inline]] inline void put_slice(const WaveBlock& waves, std::ptrdiff_t slice,
-                                             const Value& v, double* line) {
-    if (waves.middle) return put_folded(waves, slice, v, line);
-    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
-    if (is_full(waves, first)) {
-        simd::store_ascending(v.part[plus_re], v.part[plus_im], line + 2 * first);
-        simd::store_descending(v.part[minus_re], v.part[minus_im],
-                               line + 2 * (nx - first - width + 1));
-        return;
-    }
+/// Transfer the wave vectors of an incomplete slice lane by lane. These functions are called with
+/// copies, because g++ keeps a Value whose lanes are accessed singly in memory, wherever it is
+/// used.
+[[gnu::noinline]] inline void put_existing(std::ptrdiff_t nx, std::ptrdiff_t first, Value v,
+                                           double* line) {
     for (std::ptrdiff_t lane = 0; lane < width && 2 * (first + lane) < nx; ++lane) {
         const std::ptrdiff_t i = first + lane;
         line[2 * i] = v.part[plus_re][lane];
@@ -74,18 +69,9 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
         line[2 * (nx - i) + 1] = v.part[minus_im][lane];
     }
 }
-
-[[gnu::always_inline]] inline Value take_slice(const WaveBlock& waves, std::ptrdiff_t slice,
-                                               const double* line) {
-    if (waves.middle) return take_folded(waves, slice, line);
-    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
+[[gnu::noinline]] inline Value take_existing(std::ptrdiff_t nx, std::ptrdiff_t first,
+                                             const double* line) {
     Value v{};
-    if (is_full(waves, first)) {
-        simd::load_ascending(line + 2 * first, v.part[plus_re], v.part[plus_im]);
-        simd::load_descending(line + 2 * (nx - first - width + 1), v.part[minus_re],
-                              v.part[minus_im]);
-        return v;
-    }
     for (std::ptrdiff_t lane = 0; lane < width && 2 * (first + lane) < nx; ++lane) {
         const std::ptrdiff_t i = first + lane, mirrored = (nx - i) % nx;
         v.part[plus_re][lane] = line[2 * i];
@@ -93,6 +79,26 @@ namespace { // NOLINT(cert-dcl59-cpp): see simd/vector.hpp
         v.part[minus_re][lane] = line[2 * mirrored];
         v.part[minus_im][lane] = line[2 * mirrored + 1];
     }
+    return v;
+}
+
+[[gnu::always_inline]] inline void put_slice(const WaveBlock& waves, std::ptrdiff_t slice,
+                                             const Value& v, double* line) {
+    if (waves.middle) return put_folded(waves, slice, v, line);
+    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
+    if (!is_full(waves, first)) return put_existing(nx, first, v, line);
+    simd::store_ascending(v.part[plus_re], v.part[plus_im], line + 2 * first);
+    simd::store_descending(v.part[minus_re], v.part[minus_im], line + 2 * (nx - first - width + 1));
+}
+
+[[gnu::always_inline]] inline Value take_slice(const WaveBlock& waves, std::ptrdiff_t slice,
+                                               const double* line) {
+    if (waves.middle) return take_folded(waves, slice, line);
+    const std::ptrdiff_t nx = waves.nx, first = waves.first + slice * width;
+    if (!is_full(waves, first)) return take_existing(nx, first, line);
+    Value v;
+    simd::load_ascending(line + 2 * first, v.part[plus_re], v.part[plus_im]);
+    simd::load_descending(line + 2 * (nx - first - width + 1), v.part[minus_re], v.part[minus_im]);
     return v;
 }
 

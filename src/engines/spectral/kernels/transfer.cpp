@@ -2,6 +2,7 @@
 #include "engines/spectral/kernels/transfer.hpp"
 
 #include "engines/spectral/kernels/line_slices.hpp"
+#include "engines/spectral/kernels/vertical.hpp"
 #include "simd/kernels.hpp"
 
 namespace shearwake::spectral {
@@ -36,8 +37,9 @@ struct Motion {
     return m;
 }
 
-void strain(const TransferArrays& a, const WaveBlock& waves, const Block* pencil, double* line,
-            std::ptrdiff_t stride) {
+template <int components>
+void strain_of(const TransferArrays& a, const WaveBlock& waves, const Block* pencil, double* line,
+               std::ptrdiff_t stride) {
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
         const Direction to = direction(waves, s);
         double* plane = line;
@@ -59,23 +61,48 @@ void strain(const TransferArrays& a, const WaveBlock& waves, const Block* pencil
                 value[uy].part[p] = y;
                 value[uz].part[p] = m.w.part[p];
             }
-            for (int c = 0; c < a.components; ++c, plane += stride)
+#pragma GCC unroll 9
+            for (int c = 0; c < components; ++c, plane += stride)
                 put_slice(waves, s, is_imaginary(c) ? times_i(value[c]) : value[c], plane);
         }
     }
 }
 
+void strain(const TransferArrays& a, const WaveBlock& waves, const Block* pencil, double* line,
+            std::ptrdiff_t stride) {
+    (a.components == all_components ? strain_of<all_components>
+                                    : strain_of<strain_components>)(a, waves, pencil, line, stride);
+}
+
+/// The stress in the planes of a point, with the factors of the adjoint of the transfer of strain.
+template <int components>
+[[gnu::always_inline]] inline void take_stress(const WaveBlock& waves, std::ptrdiff_t s,
+                                               const double* plane, std::ptrdiff_t stride,
+                                               Value (&value)[all_components]) {
+#pragma GCC unroll 9
+    for (int c = 0; c < components; ++c, plane += stride) {
+        const Value taken = take_slice(waves, s, plane);
+        value[c] = is_imaginary(c) ? times_minus_i(taken) : taken;
+    }
+}
+
 /// The forces on U, W, V at a node and on their slopes.
-[[gnu::always_inline]] inline Motion forces_of(const Direction& to, const Value* value,
-                                               double scale, double slope) {
+template <int components>
+[[gnu::always_inline]] inline Motion
+forces_of(const Direction& to, const Value (&value)[all_components], double scale, double slope) {
     Motion f;
     for (std::ptrdiff_t p = 0; p < parts; ++p) {
         const Vector c = to.c[p / 2], kx = to.kx[p / 2];
-        const Vector x = -kx * value[xx].part[p] - to.ky * value[xy].part[p] + value[ux].part[p];
-        const Vector y = -to.ky * value[yy].part[p] - kx * value[xy].part[p] + value[uy].part[p];
+        Vector x = -kx * value[xx].part[p] - to.ky * value[xy].part[p];
+        Vector y = -to.ky * value[yy].part[p] - kx * value[xy].part[p];
+        Vector z = kx * value[xz].part[p] + to.ky * value[yz].part[p];
+        if constexpr (components == all_components) {
+            x += value[ux].part[p];
+            y += value[uy].part[p];
+            z += value[uz].part[p];
+        }
         f.u.part[p] = -scale * (c * x + to.s * y);
-        f.w.part[p] =
-            -scale * (kx * value[xz].part[p] + to.ky * value[yz].part[p] + value[uz].part[p]);
+        f.w.part[p] = -scale * z;
         f.v.part[p] = -scale * (c * y - to.s * x);
         f.du.part[p] = -scale * slope * (c * value[xz].part[p] + to.s * value[yz].part[p]);
         f.dw.part[p] = -scale * slope * value[zz].part[p];
@@ -88,41 +115,60 @@ void strain(const TransferArrays& a, const WaveBlock& waves, const Block* pencil
     for (std::ptrdiff_t p = 0; p < parts; ++p)
         set(blocks[p], s, get(blocks[p], s) + more.part[p]);
 }
-[[gnu::always_inline]] inline void add_times(Block* blocks, std::ptrdiff_t s, Vector factor,
-                                             const Value& more) {
-    for (std::ptrdiff_t p = 0; p < parts; ++p)
-        set(blocks[p], s, get(blocks[p], s) + factor * more.part[p]);
+
+/// Adds the forces at the points of one element to its nodes: those on the motion at the points
+/// themselves, and those on the slopes, to which all nodes contribute.
+[[gnu::always_inline]] inline void add_element(const TransferArrays& a, const TransferPoint* point,
+                                               std::ptrdiff_t count, const Motion* f,
+                                               std::ptrdiff_t s, Block* pencil) {
+    const std::ptrdiff_t first = point->first;
+    for (std::ptrdiff_t j = 0; j < a.nodes && first + j < a.levels; ++j) {
+        Value u{}, w{}, v{};
+        for (std::ptrdiff_t i = 0; i < count; ++i) {
+            const Vector d = simd::all_lanes(a.derivative[point[i].node * a.nodes + j]);
+            add(d, f[i].du, u);
+            add(d, f[i].dw, w);
+            add(d, f[i].dv, v);
+        }
+        Block* uw = pencil + 2 * (first + j) * parts;
+        add_to(uw, s, u);
+        add_to(uw + parts, s, w);
+        add_to(pencil + (2 * a.levels + first + j) * parts, s, v);
+    }
+    for (std::ptrdiff_t i = 0; i < count; ++i) {
+        const std::ptrdiff_t level = first + point[i].node;
+        if (level >= a.levels) continue; // the base does not move
+        add_to(pencil + 2 * level * parts, s, f[i].u);
+        add_to(pencil + (2 * level + 1) * parts, s, f[i].w);
+        add_to(pencil + (2 * a.levels + level) * parts, s, f[i].v);
+    }
+}
+
+template <int components>
+void add_force_of(const TransferArrays& a, const WaveBlock& waves, const double* line,
+                  std::ptrdiff_t stride, double scale, Block* pencil) {
+    Motion f[most_nodes];
+    for (std::ptrdiff_t s = 0; s < slices; ++s) {
+        const Direction to = direction(waves, s);
+        const double* plane = line;
+        for (std::ptrdiff_t begin = 0, end; begin < a.points; begin = end) {
+            const TransferPoint* point = a.point + begin;
+            for (end = begin; end < a.points && a.point[end].first == point->first; ++end) {
+                Value value[all_components];
+                take_stress<components>(waves, s, plane, stride, value);
+                f[end - begin] = forces_of<components>(to, value, scale, point->slope);
+                plane += components * stride;
+            }
+            add_element(a, point, end - begin, f, s, pencil);
+        }
+    }
 }
 
 void add_force(const TransferArrays& a, const WaveBlock& waves, const double* line,
                std::ptrdiff_t stride, double scale, Block* pencil) {
-    for (std::ptrdiff_t s = 0; s < slices; ++s) {
-        const Direction to = direction(waves, s);
-        const double* plane = line;
-        for (std::ptrdiff_t i = 0; i < a.points; ++i) {
-            const TransferPoint& point = a.point[i];
-            Value value[all_components] = {};
-            for (int c = 0; c < a.components; ++c, plane += stride) {
-                const Value taken = take_slice(waves, s, plane);
-                // Adjoint of the transfer of strain.
-                value[c] = is_imaginary(c) ? times_minus_i(taken) : taken;
-            }
-            const Motion f = forces_of(to, value, scale, point.slope);
-            const double* derivative = a.derivative + point.node * a.nodes;
-            for (std::ptrdiff_t j = 0; j < a.nodes && point.first + j < a.levels; ++j) {
-                const Vector d = simd::all_lanes(derivative[j]);
-                Block* uw = pencil + 2 * (point.first + j) * parts;
-                add_times(uw, s, d, f.du);
-                add_times(uw + parts, s, d, f.dw);
-                add_times(pencil + (2 * a.levels + point.first + j) * parts, s, d, f.dv);
-            }
-            if (point.first + point.node >= a.levels) continue; // the base does not move
-            Block* uw = pencil + 2 * (point.first + point.node) * parts;
-            add_to(uw, s, f.u);
-            add_to(uw + parts, s, f.w);
-            add_to(pencil + (2 * a.levels + point.first + point.node) * parts, s, f.v);
-        }
-    }
+    (a.components == all_components
+         ? add_force_of<all_components>
+         : add_force_of<strain_components>)(a, waves, line, stride, scale, pencil);
 }
 
 constexpr TransferKernels table = {strain, add_force};
