@@ -2,6 +2,7 @@
 #include "app/commands.hpp"
 
 #include "base/json_document.hpp"
+#include "base/next_line.hpp"
 #include "base/printable.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -47,7 +48,7 @@ void print_solver(const storage::CaseSummary& s) {
             number("period_imbalance")));
     if (!s.texts.contains("solver_notes")) return;
     std::istringstream notes(s.texts.at("solver_notes"));
-    for (std::string note; std::getline(notes, note);)
+    for (std::string note; next_line(notes, note);)
         line(note);
 }
 

@@ -2,6 +2,7 @@
 #include "base/cache.hpp"
 
 #include "base/hash.hpp"
+#include "base/next_line.hpp"
 
 #include <cstdlib>
 #include <fstream>
@@ -33,7 +34,7 @@ std::optional<fs::path> cache_folder() {
 std::string processor() {
     std::ifstream in("/proc/cpuinfo");
     std::string description;
-    for (std::string line; std::getline(in, line) && !line.empty();)
+    for (std::string line; next_line(in, line) && !line.empty();)
         if (line.starts_with("model name") || line.starts_with("flags") ||
             line.starts_with("Features") || line.starts_with("CPU "))
             description += line + "\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
+#include "base/next_line.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/afferent_estimate.hpp"
 
@@ -30,7 +31,7 @@ double available_B() {
         double kB = 0.0;
         std::string unit;
         if (!(info >> kB)) break;
-        std::getline(info, unit);
+        next_line(info, unit);
         if (key == "MemAvailable:") return 1024.0 * kB;
     }
     return unknown;
@@ -40,7 +41,7 @@ double available_B() {
 double left_in_group_B() {
     std::ifstream file("/proc/self/cgroup");
     double left = unknown;
-    for (std::string line; std::getline(file, line);) {
+    for (std::string line; next_line(file, line);) {
         if (!line.starts_with("0::/")) continue;
         const std::filesystem::path top = "/sys/fs/cgroup";
         std::filesystem::path group = (top / line.substr(4)).lexically_normal();

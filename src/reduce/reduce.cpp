@@ -3,6 +3,7 @@
 
 #include "base/constants.hpp"
 #include "base/error.hpp"
+#include "base/next_line.hpp"
 #include "measures/measure_table.hpp"
 #include "reduce/adaptive_tables.hpp"
 #include "reduce/errors.hpp"
@@ -244,9 +245,9 @@ void write_uncertain(const storage::PlanIndex& plan, const Table& table,
 bool has_error_columns(const std::filesystem::path& path) {
     std::ifstream file(path);
     std::string line;
-    if (!std::getline(file, line)) return false;
+    if (!next_line(file, line)) return false;
     std::istringstream names(line);
-    for (std::string name; std::getline(names, name, ',');)
+    for (std::string name; next_line(names, name, ',');)
         if (measures::find_measure(column_of_error(name))) return true;
     return false;
 }

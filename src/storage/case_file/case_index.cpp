@@ -4,6 +4,7 @@
 #include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/json_line.hpp"
+#include "base/next_line.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
@@ -124,7 +125,7 @@ CaseIndex::CaseIndex(fs::path folder, Trust trust,
         const std::string name = file.path().filename().string();
         if (!name.starts_with("index") || !name.ends_with(".jsonl")) continue;
         std::istringstream lines(read_file(file.path()));
-        for (std::string text; std::getline(lines, text);) {
+        for (std::string text; next_line(lines, text);) {
             const Unsealed line = unseal(text);
             if (line.seal != Seal::sound) {
                 ++lines_passed_over_;

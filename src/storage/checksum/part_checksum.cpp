@@ -2,6 +2,7 @@
 #include "storage/checksum/part_checksum.hpp"
 
 #include "base/error.hpp"
+#include "base/next_line.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
@@ -112,7 +113,7 @@ std::string PartChecksum::record(const std::filesystem::path& part,
 std::vector<FieldBytes> fields_of(const std::string& record) {
     std::vector<FieldBytes> fields;
     std::istringstream lines(record);
-    for (std::string line; std::getline(lines, line);) {
+    for (std::string line; next_line(lines, line);) {
         std::istringstream words(line);
         FieldBytes field;
         if (words >> field.offset >> field.size >> field.written) fields.push_back(field);

@@ -2,6 +2,7 @@
 #include "storage/journal/journal.hpp"
 
 #include "base/json_line.hpp"
+#include "base/next_line.hpp"
 #include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
 
@@ -152,7 +153,7 @@ JournalContents read_journal(const std::filesystem::path& path) {
     JournalContents contents;
     if (!std::filesystem::exists(path)) return contents;
     std::istringstream lines(read_file(path));
-    for (std::string text; std::getline(lines, text);) {
+    for (std::string text; next_line(lines, text);) {
         if (text.empty()) continue;
         const Unsealed line = unseal(text);
         try {

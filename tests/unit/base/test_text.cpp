@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/hash.hpp"
+#include "base/next_line.hpp"
 #include "base/text.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <new>
+#include <sstream>
 
 using namespace shearwake;
 
@@ -54,4 +57,40 @@ TEST_CASE("stable hash matches the published FNV-1a vectors", "[hash]") {
     CHECK(stable_hash("foobar") == 0x85944171f73967e8ULL);
     CHECK(hex(stable_hash("foobar")) == "85944171f73967e8");
     CHECK(hex(1) == "0000000000000001");
+}
+
+namespace {
+
+/// Gives some characters and then refuses memory, as the buffer of a file may.
+class Refusing : public std::streambuf {
+public:
+    explicit Refusing(std::string text) : text_(std::move(text)) {
+        setg(text_.data(), text_.data(), text_.data() + text_.size());
+    }
+
+private:
+    int_type underflow() override { throw std::bad_alloc(); }
+    std::string text_;
+};
+
+} // namespace
+
+TEST_CASE("lines are read up to the end of the stream", "[text]") {
+    std::istringstream in("one\n\nthree");
+    std::vector<std::string> lines;
+    for (std::string line; next_line(in, line);)
+        lines.push_back(line);
+    CHECK(lines == std::vector<std::string>{"one", "", "three"});
+    std::istringstream words("a,b");
+    std::string word;
+    CHECK(next_line(words, word, ','));
+    CHECK(word == "a");
+}
+
+TEST_CASE("memory refused while a line is read is not taken for the end of the stream", "[text]") {
+    Refusing buffer("one\ntwo");
+    std::istream in(&buffer);
+    std::string line;
+    CHECK(next_line(in, line));
+    CHECK_THROWS_AS(next_line(in, line), std::bad_alloc);
 }
