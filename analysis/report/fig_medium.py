@@ -18,6 +18,7 @@ from words import OTHERS, number
 
 CASES = 4
 ORANGE = "#D55E00"
+RIGID = style.GREY  # the colour of bodies without a shear-wave speed
 POINTS = 240         # of a slice along its longer side
 HALF_SPACE_mm = 20.0  # depth drawn of a half-space without deeper bodies
 CLOSE = 0.08         # least distance between ticks of the colour bar, relative to its length
@@ -55,7 +56,8 @@ def is_inside(body, x, y, z):
 
 
 def speed(medium, x, y, z):
-    """The shear-wave speed in m/s at points in m. A later body covers an earlier one."""
+    """The shear-wave speed in m/s at points in m; nan within a rigid body that has none. A later body covers an earlier
+    one."""
     c_s, top = np.full(np.broadcast(x, y, z).shape, math.nan), 0.0
     layers = medium["layer"]
     for n, layer in enumerate(layers):
@@ -64,7 +66,7 @@ def speed(medium, x, y, z):
         c_s[np.broadcast_to((z >= top) & (z <= below), c_s.shape)] = layer["c_s_m_s"]
         top = below
     for body in medium.get("body", []):
-        c_s[is_inside(body, *np.broadcast_arrays(x, y, z))] = body["c_s_m_s"]
+        c_s[is_inside(body, *np.broadcast_arrays(x, y, z))] = body.get("c_s_m_s", math.nan)
     return c_s
 
 
@@ -174,8 +176,8 @@ def slices_of(sweep, case):
 
 
 def draw(axes, plane, norm):
-    image = axes.imshow(plane.c_s, extent=plane.extent, aspect="equal", cmap=style.sequential_map(), norm=norm,
-                        interpolation="nearest")
+    image = axes.imshow(plane.c_s, extent=plane.extent, aspect="equal", norm=norm, interpolation="nearest",
+                        cmap=style.sequential_map().with_extremes(bad=RIGID))
     is_point = np.ptp(plane.marks, axis=0).max(initial=0.0) == 0.0
     if not is_point and np.ptp(plane.marks[:, 1]) == 0.0 and plane.marks[0, 1] == 0.0:  # a path on the surface
         axes.plot([plane.marks[:, 0].min(), plane.marks[:, 0].max()], [0.0, 0.0], color=ORANGE, linewidth=3.0,
@@ -252,7 +254,9 @@ def caption(cases, every):
     if not studies and not any("map" in c.physics["medium"] for c in cases):
         text += " The layers continue to the ends of the domain."
     if any(c.physics["medium"].get("body") for c in cases):
-        text += " Bodies are drawn as the job defines them; an engine may cap their stiffness."
+        text += " Bodies are drawn as the job defines them; an engine may treat them as rigid or cap their stiffness."
+    if any("c_s_m_s" not in body for c in cases for body in c.physics["medium"].get("body", [])):
+        text += " Rigid bodies without a shear-wave speed are grey."
     if any("map" in c.physics["medium"] for c in cases):
         text += " The map is read from its file, which has not changed since the run."
     if len(cases) < every:

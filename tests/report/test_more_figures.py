@@ -140,6 +140,19 @@ class FolderTest(unittest.TestCase):
         for axis, expected in ((0, (-3.0, 20.0)), (1, (-8.0, 8.0))):
             np.testing.assert_allclose(fig_medium.shown(axis, -20.0, 20.0, path, medium["body"], 3.0), expected)
 
+    def test_rigid_bodies_without_a_speed_are_grey(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0})
+        rigid = MEDIUM.replace("c_s_m_s = 50.0", "rigid = true")
+        with h5py.File(folder.file(case_id(1)), "r+") as file:
+            text = file.attrs["case"].decode().replace("[domain]", "[domain]\nnx = 40\nny = 30")
+            file.attrs["case"] = np.bytes_((text + rigid).encode())
+        medium = load.load(folder.save()).cases[0].physics["medium"]
+        np.testing.assert_array_equal(fig_medium.speed(medium, np.array([0.0, 4e-3]), np.array(0.01), np.array(5e-3)),
+                                      [3.0, math.nan])
+        figure, = self.draw_to_scale(folder, fig_medium)
+        self.assertIn("Rigid bodies without a shear-wave speed are grey.", figure.caption)
+
     def test_bodies_of_every_shape_have_their_extent(self):
         at = np.array([0.0, 0.9, 1.1])
         zero = np.zeros(3)
