@@ -159,6 +159,22 @@ std::vector<BenchJob> spectral_jobs() {
             {"spectral, map, receptors", map}};
 }
 
+/// Elastic bodies several hundred times stiffer than the layers.
+std::vector<BenchJob> stiff_jobs() {
+    const auto job_with = [](const auto& shape) {
+        Case c = on_grid(96, 72, 1e-3, 60);
+        c.scene().medium.layers.erase(c.scene().medium.layers.begin());
+        c.scene().medium.bodies.push_back(body_of(60.0));
+        c.scene().medium.bodies[0].shape = shape;
+        c.solver = SpectralOptions{.time_step_s = c.time.interval_s, .rigid_above = 1e6};
+        return c;
+    };
+    return {{"spectral, very stiff lump", job_with(Ellipsoid{{9e-3, 7e-3, 2e-3}})},
+            {"spectral, very stiff box", job_with(Box{{14e-3, 12e-3, 4e-3}})},
+            {"spectral, very stiff cylinder",
+             job_with(Cylinder{.radius_m = 3e-3, .azimuth_deg = 90.0})}};
+}
+
 std::vector<BenchJob> pstd_jobs() {
     Case lossy = pstd_case(96, 72, 20, {.precision = Precision::single_precision});
     lossy.scene().medium.bodies.push_back(body_of(5.0));
@@ -171,7 +187,7 @@ std::vector<BenchJob> pstd_jobs() {
 
 std::vector<BenchJob> bench_jobs() {
     std::vector<BenchJob> all;
-    for (auto* jobs : {layered_jobs, spectral_jobs, bone_jobs, pstd_jobs})
+    for (auto* jobs : {layered_jobs, spectral_jobs, bone_jobs, stiff_jobs, pstd_jobs})
         for (BenchJob& job : jobs())
             all.push_back(std::move(job));
     return all;

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <vector>
 
 namespace shearwake::spectral {
 
@@ -99,6 +101,43 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     return memory;
 }
 
+/// Exchanges of data between the ranks during a run, and the data of all of them.
+struct Exchanges {
+    double count = 0.0, moved_B = 0.0;
+};
+
+/// Exchanges of the planes of strain on a grid: `passes` times, in each direction.
+Exchanges exchanges_of_strain(const VariationEstimate& v, double ny, double passes) {
+    const double rows = static_cast<double>(v.extent.x_end - v.extent.x_begin);
+    const double of_point_B = v.components * sizeof(std::complex<double>) * rows * (ny / 2.0 + 1.0);
+    return {2.0 * passes *
+                std::ceil(v.points / StrainPlanes::points_together(v.points, of_point_B)),
+            2.0 * passes * v.points * of_point_B};
+}
+
+struct Duration {
+    double steps, frames;
+};
+
+/// One exchange of the surface per frame and depth, and those of the planes of strain: for each
+/// product on a box or iteration on the plane, and once per step with the motion.
+Exchanges exchanges_of(const Case& c, const VariationEstimate& v, const Duration& of) {
+    const double ny = static_cast<double>(c.domain.ny);
+    const double surfaces = of.frames * static_cast<double>(c.measure.depths_m.size());
+    std::vector<Exchanges> all = {{surfaces, surfaces * static_cast<double>(c.domain.nx) *
+                                                 (ny / 2.0 + 1.0) * sizeof(std::complex<double>)}};
+    if (v.points > 0.0)
+        all.push_back(exchanges_of_strain(
+            v, ny, of.steps * (v.iterations > 0.0 && !v.box ? v.iterations + 1.5 : 1.0)));
+    if (v.box)
+        all.push_back(exchanges_of_strain(v, static_cast<double>(v.box->ny),
+                                          of.steps * box_products(v.iterations)));
+    Exchanges sum;
+    for (const Exchanges& one : all)
+        sum = {sum.count + one.count, sum.moved_B + one.moved_B};
+    return sum;
+}
+
 } // namespace
 
 engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
@@ -141,11 +180,9 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});
-    e.all_to_alls =
-        frames * static_cast<double>(c.measure.depths_m.size()) +
-        2.0 * v.points * v.components * (v.iterations > 0.0 ? v.iterations + 2.0 : 1.0) * steps;
-    e.all_to_all_B = 2.0 * sizeof(double) * static_cast<double>(c.domain.nx) *
-                     static_cast<double>(c.domain.ny / 2 + 1);
+    const Exchanges all = exchanges_of(c, v, {steps, frames});
+    e.all_to_alls = all.count;
+    e.all_to_all_B = all.count > 0.0 ? all.moved_B / all.count : 0.0;
     e.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));
     return e;
 }

@@ -2,7 +2,6 @@
 #include "engines/spectral/spectral_kinds.hpp"
 
 #include "engines/spectral/depth/work_kinds.hpp"
-#include "engines/spectral/lateral/strain_solver.hpp"
 
 #include "base/block.hpp"
 
@@ -52,6 +51,19 @@ namespace {
 
 using Add = std::function<void(const engines::WorkKind& kind, double amount)>;
 
+/// Adds work that is limited by memory in this share and otherwise by caches.
+void add_divided(const engines::WorkKind& near, const engines::WorkKind& far, double amount,
+                 double share, const Add& add) {
+    add(near, amount * (1.0 - share));
+    add(far, amount * share);
+}
+
+/// Products with matrices of `entries` numbers of this size, the entries of all products together
+/// being `amount`.
+void add_products(double entries, double size_B, double amount, const Add& add) {
+    add_divided(of_box, of_far_box, amount, engines::share_from_memory(entries * size_B), add);
+}
+
 /// Planes on a grid, and the points of the window of a line that is transformed; 0 for FFTs.
 struct Planes {
     double count, window;
@@ -67,8 +79,7 @@ void add_transfers(const Planes& stored, double nx, double ny, double planes, do
     const double moved = planes * nx * ny * (share_of_modes + (1.0 - share_of_modes) * rows_share);
     const double far = engines::share_from_memory(stored.count * nx * ny * 2.0 * sizeof(double),
                                                   planes_in_cache_B, planes_in_memory_B);
-    add(of_transfer, moved * (1.0 - far));
-    add(of_far_transfer, moved * far);
+    add_divided(of_transfer, of_far_transfer, moved, far, add);
 }
 
 Planes planes_of(const VariationEstimate& v, double nx) {
@@ -86,23 +97,25 @@ void add_lumps(const Case& c, const Measures& m, double modes, const Add& add) {
                   static_cast<double>(c.domain.ny),
                   planes * (m.reactions * m.steps + 0.25 * planes),
                   m.lumps.points_x / static_cast<double>(c.domain.nx), add);
-    add(of_iteration, modes * m.levels * m.nodes * planes);
-    add(of_box, unknowns * unknowns * (m.reactions * m.steps + unknowns / 3.0));
+    add_divided(of_iteration, of_far_iteration, modes * m.levels * m.nodes * planes, m.from_memory,
+                add);
+    add_products(unknowns * unknowns, sizeof(double), unknowns * unknowns * m.reactions * m.steps,
+                 add);
+    add(of_box, std::pow(unknowns, 3) / 3.0);
 }
 
 /// Iterations on a box, and its setup: each plane of strain is a column of the matrices, which are
 /// symmetric.
 void add_box(const Case& c, const Measures& m, double modes, double rows_share, const Add& add) {
     const VariationEstimate& v = m.variation;
-    // One more product than iterations: the response to the explicit stress. Rounded products take
-    // half as long, and one more product follows them.
-    const double rounded = std::max(0.0, v.iterations - full_iterations);
-    const double planes = v.planes(),
-                 products = (v.iterations + (rounded > 0.0 ? 2.0 : 1.0)) * m.steps;
-    add(of_box, box_values(*v.box, planes) * (products - 0.5 * rounded * m.steps));
+    const double rounded = rounded_iterations(v.iterations); // these take half as long
+    const double planes = v.planes(), products = box_products(v.iterations) * m.steps;
+    const double entries = box_values(*v.box, planes);
+    add_products(entries, sizeof(float), entries * (products - 0.5 * rounded * m.steps), add);
     add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
                   static_cast<double>(v.box->ny), planes * products, rows_share, add);
-    add(of_iteration, column_cost * modes * m.levels * m.nodes * planes);
+    add_divided(of_iteration, of_far_iteration, column_cost * modes * m.levels * m.nodes * planes,
+                m.from_memory, add);
     add_transfers(planes_of(v, static_cast<double>(c.domain.nx)), static_cast<double>(c.domain.nx),
                   static_cast<double>(c.domain.ny), 0.25 * planes * planes, rows_share, add);
 }
@@ -119,10 +132,11 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     const Add add = [&](const engines::WorkKind& kind, double amount) {
         if (amount > 0.0) e.work.push_back({kind, amount});
     };
-    add(of_solve, solves * (1.0 - m.from_memory));
-    add(of_far_solve, solves * m.from_memory);
+    add_divided(of_solve, of_far_solve, solves, m.from_memory, add);
     // With a box there is one more solve, whose factors are in the cache.
-    add(of_iteration, solves * ((v.box ? second_solve : more) + m.reactions));
+    add_divided(of_iteration, of_far_iteration, solves * (v.box ? second_solve : more),
+                m.from_memory, add);
+    add_divided(of_reaction, of_far_reaction, solves * m.reactions, m.from_memory, add);
     add(of_factors, modes * m.levels * m.nodes * m.nodes);
     add(of_materials, v.points * points);
     // The square root overestimates the rows with cells for a bar along x and never underestimates
@@ -161,14 +175,28 @@ std::vector<engines::Calibration> calibrations() {
     far_transfer.scene().medium.bodies[0].shape = Box{{1.0, 2e-2, 16e-3}};
     Case cell = with_body(few, 6.0, SpectralMethod::one_solve);
     cell.scene().medium.bodies[0].shape = Box{{1.0, 1.0, 12e-3}};
-    Case iteration = with_body(few, 20.0, SpectralMethod::iterative);
-    iteration.scene().medium.bodies[0].shape = Box{{1.0, 6e-2, 4e-3}}; // too large for a box
-    iteration.time.interval_s = 4.0 * 50e-6;
-    iteration.measure.at_s = iteration.time.interval_s;
-    Case box = iteration;
+    // Each step takes one iteration with a body and a residual like these.
+    const auto with_one_iteration = [](const Case& c) {
+        Case soft = with_body(c, 5.1, SpectralMethod::iterative);
+        std::get<SpectralOptions>(soft.solver).residual = 2e-5;
+        return soft;
+    };
+    Case iteration = with_one_iteration(few); // too large for a box
+    iteration.scene().medium.bodies[0].shape = Box{{1.0, 6e-2, 4e-3}};
+    Case far_iteration = with_one_iteration(calibration_case(192, 144, 5));
+    far_iteration.scene().medium.bodies[0].shape = Box{{1.0, 2e-1, 4e-3}};
+    Case box = with_one_iteration(few);
     box.scene().medium.bodies[0].shape = Box{{2e-2, 2e-2, 4e-3}};
     box.time.interval_s = 100.0 * 50e-6;
     box.measure.at_s = box.time.interval_s;
+    Case far_box = with_one_iteration(calibration_case(96, 72, 100));
+    far_box.scene().medium.bodies[0].shape = Box{{3.4e-2, 3.4e-2, 7e-3}};
+    Case reaction = few, far_reaction = far;
+    for (Case* c : {&reaction, &far_reaction})
+        c->scene().medium.bodies = {{.name = "bone",
+                                     .shape = Cylinder{.radius_m = 4e-3, .azimuth_deg = 90.0},
+                                     .centre_m = {0.0, 0.0, 8e-3},
+                                     .rigid = true}};
     Case sponge = calibration_case(64, 48, 40);
     sponge.domain.sponge_m = 2e-2;
     Case frame = one;
@@ -191,12 +219,16 @@ std::vector<engines::Calibration> calibrations() {
     return {{of_solve.name, near},
             {of_far_solve.name, far},
             {of_iteration.name, iteration},
+            {of_far_iteration.name, far_iteration},
+            {of_reaction.name, reaction},
+            {of_far_reaction.name, far_reaction},
             {of_factors.name, factors},
             {of_materials.name, materials},
             {of_transfer.name, transfer},
             {of_far_transfer.name, far_transfer},
             {of_window.name, window},
             {of_box.name, box},
+            {of_far_box.name, far_box},
             {of_cell.name, cell},
             {of_sponge.name, sponge},
             {of_frame.name, frame},

@@ -4,6 +4,7 @@
 #include "engines/spectral/depth/work_kinds.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
 
 namespace shearwake::spectral {
@@ -36,8 +37,8 @@ StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& sl
     const double of_point_B = static_cast<double>(components) * sizeof(std::complex<double>) *
                               static_cast<double>(extent.x_end - extent.x_begin) *
                               static_cast<double>(slabs.ny() / 2 + 1);
-    const auto together = static_cast<std::size_t>(
-        std::max(1.0, std::min(static_cast<double>(points), exchanged_B / (of_point_B + 1.0))));
+    const auto together =
+        static_cast<std::size_t>(points_together(static_cast<double>(points), of_point_B));
     for (std::size_t first = 0; first < points; first += together) {
         const std::size_t end = std::min(first + together, points);
         std::vector<std::vector<fft::RowRun>> sheets;
@@ -55,6 +56,10 @@ StrainPlanes::StrainPlanes(const PlaneCells& cells, const fft::SlabTransform& sl
         groups_.push_back({first, end, fft::RunTransform(slabs, team, std::move(sheets), layout),
                            std::move(planes)});
     }
+}
+
+double StrainPlanes::points_together(double points, double of_point_B) {
+    return std::max(1.0, std::min(points, std::floor(exchanged_B / (of_point_B + 1.0))));
 }
 
 const engines::WorkKind& StrainPlanes::kind() const {

@@ -37,6 +37,10 @@ public:
         return static_cast<double>((planes_.size() + spectra_.size()) * sizeof(double));
     }
 
+    /// Number of points that are exchanged together if the data of one takes `of_point_B` bytes on
+    /// all ranks.
+    static double points_together(double points, double of_point_B);
+
     /// Set the planes from the values at the cells, and read them back. Collective.
     using Values = std::vector<double>;
     void set(const Values& values);

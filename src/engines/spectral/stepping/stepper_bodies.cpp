@@ -9,6 +9,7 @@ namespace shearwake::spectral {
 using namespace kinds;
 
 void Stepper::each_reaction(const Reaction& use) {
+    const engines::Timed timed(of_reaction);
     Block* force = pencil_.data();
     for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
         const bool is_nyquist = vectors_.is_nyquist(row);
@@ -30,7 +31,7 @@ void Stepper::each_reaction(const Reaction& use) {
 
 void Stepper::constrain_step() {
     if (bodies_->empty()) return;
-    const engines::Timed timed(of_iteration);
+    const engines::Timed timed(of_reaction);
     const double scale = first_step_scale();
     bodies_->advance(scale);
     clock_.lap(Phase::rest);
