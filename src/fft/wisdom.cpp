@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 
-#include <fftw3.h>
+#include <fftw3-mpi.h>
 #include <fstream>
 #include <memory>
 
@@ -100,6 +100,9 @@ void plan_estimated(const MakePlans& make, Precision precision) {
 
 void plan_measured(const Comm& team, const std::string& shape, const MakePlans& make,
                    Precision precision) {
+    // FFTW rejects wisdom of a process with other algorithms. The MPI part adds some; without it in
+    // every process the plans would be measured again, and have other bits, after each change.
+    fftw_mpi_init();
     const Wisdom wisdom = wisdom_of(precision);
     std::string text;
     on_root(team, [&] {

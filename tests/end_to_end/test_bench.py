@@ -94,6 +94,27 @@ class Bench(ProgramTest):
         self.assertEqual(list(cache.glob("machine-*")), [], "the calibration was completed")
         self.assertEqual(case_files(self.out), [])
 
+    def test_plans_of_the_ffts_are_measured_once_whatever_was_run_before(self):
+        cache = self.folder / "cache"
+        short = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"),
+                 ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))
+
+        def write(engines):
+            self.write_job(without_reference(
+                (SWEEP, f'"load.modulation.am_frequency_Hz" = [400]\n"solver.engine" = {engines}'), *short))
+
+        def plans():
+            return {file.name: file.read_bytes() for file in cache.glob("fftw-*-staggered-*")}
+        with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):
+            write('["pstd"]')
+            self.shearwake("run", "job.toml", "--quiet", "--out", "pstd")
+            first = plans()
+            self.assertTrue(first)
+            # The layered case uses the MPI part of FFTW, which takes part in the search for plans from then on.
+            write('["layered", "pstd"]')
+            self.shearwake("run", "job.toml", "--quiet", "--out", "both")
+        self.assertEqual({name: text for name, text in plans().items() if name in first}, first)
+
     def test_a_plan_for_other_ranks_uses_the_rates_of_this_processor(self):
         self.write_job()
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(self.folder / "cache")}):
