@@ -68,6 +68,7 @@ auto SplitAxis<Real>::part(std::ptrdiff_t number, std::ptrdiff_t parts) const ->
 
 template <class Real>
 void SplitAxis<Real>::set_places() {
+    if (slabs_.x_count() == 0) return; // this rank has no planes
     const std::ptrdiff_t own_columns = slabs_.y_count(slabs_.rank) * slabs_.pitch;
     const std::ptrdiff_t of_others = parts_.back().offset + sum(parts_.back().sent);
     for (const Part& part : parts_) {
@@ -92,9 +93,9 @@ void SplitAxis<Real>::pack(const Task& task, const Part& part) {
         if (r == slabs_.rank) continue;
         const Rows& rows = part.rows[static_cast<std::size_t>(r)];
         const std::ptrdiff_t run = rows.count() * slabs_.pitch;
-        const Real* from = task.field + (slabs_.y_start(r) + rows.begin) * slabs_.pitch;
+        const std::ptrdiff_t first = slabs_.y_start(r) + rows.begin;
         for (std::ptrdiff_t x = 0; x < slabs_.x_count(); ++x, to += run)
-            std::copy_n(from + x * slabs_.ny() * slabs_.pitch, run, to);
+            std::copy_n(task.field + (x * slabs_.ny() + first) * slabs_.pitch, run, to);
     }
 }
 
@@ -117,6 +118,7 @@ void SplitAxis<Real>::along_x(std::size_t number, const Task& task, const Part& 
     Real* others = lines_.data();
     for (int r = 0; r < slabs_.ranks; ++r) {
         const std::ptrdiff_t x_count = slabs_.x_count(r);
+        if (x_count == 0) continue;
         if (r == slabs_.rank) {
             const std::ptrdiff_t first = rows.begin * slabs_.pitch;
             pieces.push_back(
