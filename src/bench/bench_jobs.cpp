@@ -159,11 +159,13 @@ std::vector<BenchJob> spectral_jobs() {
             {"spectral, map, receptors", map}};
 }
 
-/// Elastic bodies several hundred times stiffer than the layers.
+/// Elastic bodies several hundred times stiffer than the layers, which the focus crosses.
 std::vector<BenchJob> stiff_jobs() {
     const auto job_with = [](const auto& shape) {
         Case c = on_grid(96, 72, 1e-3, 60);
         c.scene().medium.layers.erase(c.scene().medium.layers.begin());
+        c.scene().load.modulation.trajectory.parts = {
+            Travel{{{-1.5e-2, 0.0}, {2e-1, 0.0}}, ConstantSpeed{7.0}}};
         c.scene().medium.bodies.push_back(body_of(60.0));
         c.scene().medium.bodies[0].shape = shape;
         c.solver = SpectralOptions{.time_step_s = c.time.interval_s, .rigid_above = 1e6};

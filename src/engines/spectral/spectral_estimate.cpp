@@ -32,6 +32,7 @@ double up(double a, double b) {
 /// Memory in bytes on the rank that needs most.
 struct Memory {
     double stepper_B = 0.0, all_B = 0.0;
+    double iterated_B = 0.0; // which an iteration on the plane touches
 };
 
 double map_bytes(const Medium& medium) {
@@ -90,6 +91,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const bool tensors = records_tensors(c.record);
     const double felt = ReceptorStress::planes(c, mesh);
     Memory memory;
+    memory.iterated_B = factors_B + strain_planes_B(v, nx, ny, ranks);
     // With a box, the next step is predicted.
     memory.stepper_B = factors_B + (v.box ? 3.0 : 2.0) * displacement_B +
                        strain_planes_B(v, nx, ny, ranks) + box_B(v, ranks) + sponge_B +
@@ -163,6 +165,9 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
                         lump_memory_B(c, mesh, ranks) + lump_stress_memory_B(c, mesh, ranks) +
                         endless_stress_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
+    const auto share_of = [](double touched_B) {
+        return engines::share_from_memory(touched_B, in_cache_B, in_memory_B);
+    };
     engines::Estimate e;
     e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
     e.memory_per_rank_B = memory.all_B;
@@ -177,7 +182,8 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
               .lumps = lump_sizes(c, mesh),
               .near_pairs = rigid ? lump_stress_pairs(c, mesh) : 0.0,
-              .from_memory = engines::share_from_memory(memory.stepper_B, in_cache_B, in_memory_B)},
+              .from_memory = share_of(memory.stepper_B),
+              .iterated_from_memory = share_of(memory.iterated_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});
     const Exchanges all = exchanges_of(c, v, {steps, frames});

@@ -97,8 +97,8 @@ void add_lumps(const Case& c, const Measures& m, double modes, const Add& add) {
                   static_cast<double>(c.domain.ny),
                   planes * (m.reactions * m.steps + 0.25 * planes),
                   m.lumps.points_x / static_cast<double>(c.domain.nx), add);
-    add_divided(of_iteration, of_far_iteration, modes * m.levels * m.nodes * planes, m.from_memory,
-                add);
+    add_divided(of_iteration, of_far_iteration, modes * m.levels * m.nodes * planes,
+                m.iterated_from_memory, add);
     add_products(unknowns * unknowns, sizeof(double), unknowns * unknowns * m.reactions * m.steps,
                  add);
     add(of_box, std::pow(unknowns, 3) / 3.0);
@@ -115,7 +115,7 @@ void add_box(const Case& c, const Measures& m, double modes, double rows_share, 
     add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
                   static_cast<double>(v.box->ny), planes * products, rows_share, add);
     add_divided(of_iteration, of_far_iteration, column_cost * modes * m.levels * m.nodes * planes,
-                m.from_memory, add);
+                m.iterated_from_memory, add);
     add_transfers(planes_of(v, static_cast<double>(c.domain.nx)), static_cast<double>(c.domain.nx),
                   static_cast<double>(c.domain.ny), 0.25 * planes * planes, rows_share, add);
 }
@@ -135,7 +135,7 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     add_divided(of_solve, of_far_solve, solves, m.from_memory, add);
     // With a box there is one more solve, whose factors are in the cache.
     add_divided(of_iteration, of_far_iteration, solves * (v.box ? second_solve : more),
-                m.from_memory, add);
+                m.iterated_from_memory, add);
     add_divided(of_reaction, of_far_reaction, solves * m.reactions, m.from_memory, add);
     add(of_factors, modes * m.levels * m.nodes * m.nodes);
     add(of_materials, v.points * points);

@@ -16,7 +16,8 @@ struct Measures {
     double reactions = 0.0;                         // solves per step for forces of rigid bodies
     LumpSizes lumps;                                // rigid ones
     double near_pairs = 0.0;                        // lump_stress_pairs()
-    double from_memory = 0.0;                       // share of the solves that is limited by memory
+    double from_memory = 0.0; // share of the first solves of steps that is limited by memory
+    double iterated_from_memory = 0.0; // the same of solves that do not touch the motion
 };
 
 /// Adds the work of the case to the estimate. Not collective.
