@@ -55,6 +55,11 @@ def is_inside(body, x, y, z):
     return (v**2 + w**2 <= body["radius_m"]**2) & within
 
 
+def is_grey(body):
+    """Whether a body is rigid and has no shear-wave speed."""
+    return body.get("rigid", False) and "c_s_m_s" not in body
+
+
 def speed(medium, x, y, z):
     """The shear-wave speed in m/s at points in m; nan within a rigid body that has none. A later body covers an earlier
     one."""
@@ -66,7 +71,8 @@ def speed(medium, x, y, z):
         c_s[np.broadcast_to((z >= top) & (z <= below), c_s.shape)] = layer["c_s_m_s"]
         top = below
     for body in medium.get("body", []):
-        c_s[is_inside(body, *np.broadcast_arrays(x, y, z))] = body.get("c_s_m_s", math.nan)
+        if "c_s_m_s" in body or is_grey(body):  # otherwise that of the layer
+            c_s[is_inside(body, *np.broadcast_arrays(x, y, z))] = body.get("c_s_m_s", math.nan)
     return c_s
 
 
@@ -117,7 +123,7 @@ def scene(sweep, case):
         c_s = speed(medium, x, y, z)
         if grid is not None:
             mapped = grid.speed(x, y, z)
-            c_s = np.where(np.isfinite(mapped), mapped, c_s)
+            c_s = np.where(np.isfinite(mapped) & np.isfinite(c_s), mapped, c_s)
         return c_s
 
     bodies = medium.get("body", [])
@@ -202,11 +208,11 @@ def mark_speeds(bar, values, norm):
     bar.ax.minorticks_off()
 
 
-def draw_scale(figure, image, axes, values):
+def draw_scale(figure, image, axes, values, where="everywhere"):
     """A colour bar for these speeds, or a text if there is only one."""
     if len(values) == 1:
         axes.set_axis_off()
-        axes.text(0.5, 0.5, f"The shear-wave speed is {number(values[0], 4)} m/s everywhere.", ha="center", va="top",
+        axes.text(0.5, 0.5, f"The shear-wave speed is {number(values[0], 4)} m/s {where}.", ha="center", va="top",
                   transform=axes.transAxes)
         return
     bar = figure.colorbar(image, cax=axes, orientation="horizontal", label="shear-wave speed (m/s)")
@@ -237,7 +243,8 @@ def figures(sweep, folder):
           [(plane.name, plane.extent[1] - plane.extent[0], plane.extent[2] - plane.extent[3]) for plane in row])
          for case, row in pairs])
     image = [draw(axes, plane, norm) for pair, (_, row) in zip(made, pairs) for axes, plane in zip(pair, row)][-1]
-    draw_scale(figure, image, bar_axes, values)
+    grey = any(is_grey(body) for c, _ in pairs for body in c.physics["medium"].get("body", []))
+    draw_scale(figure, image, bar_axes, values, "outside of the rigid bodies" if grey else "everywhere")
     style.save(figure, folder / "medium.png")
     return [Figure("medium", "The medium in vertical slices", caption([c for c, _ in pairs], len(every)),
                    "Shear-wave speed over position and depth", maps=hover.maps_of(figure), cases=[c.id for c, _ in pairs])]
@@ -255,7 +262,7 @@ def caption(cases, every):
         text += " The layers continue to the ends of the domain."
     if any(c.physics["medium"].get("body") for c in cases):
         text += " Bodies are drawn as the job defines them; an engine may treat them as rigid or cap their stiffness."
-    if any("c_s_m_s" not in body for c in cases for body in c.physics["medium"].get("body", [])):
+    if any(is_grey(body) for c in cases for body in c.physics["medium"].get("body", [])):
         text += " Rigid bodies without a shear-wave speed are grey."
     if any("map" in c.physics["medium"] for c in cases):
         text += " The map is read from its file, which has not changed since the run."

@@ -2,7 +2,6 @@
 #include "bench/bench.hpp"
 
 #include "base/error.hpp"
-#include "base/next_line.hpp"
 #include "bench/bench_jobs.hpp"
 #include "cost/calibration.hpp"
 #include "cost/case_costs.hpp"
@@ -44,7 +43,7 @@ void forget_peak_memory() {
 /// The peak of the resident memory since forget_peak_memory().
 double peak_since_B() {
     std::ifstream status("/proc/self/status");
-    for (std::string line; next_line(status, line);)
+    for (std::string line; std::getline(status, line);)
         if (line.starts_with("VmHWM:")) return 1024.0 * std::stod(line.substr(6));
     return 0.0;
 }

@@ -25,14 +25,19 @@ std::ptrdiff_t below_nyquist(std::ptrdiff_t ny) {
 
 } // namespace
 
+std::ptrdiff_t most_rows(std::ptrdiff_t ny, int ranks) {
+    const std::ptrdiff_t below = below_nyquist(ny), block = (below + ranks - 1) / ranks;
+    return block + (ny % 2 == 0 && below % block == 0 ? 1 : 0);
+}
+
 // to_spectral processes a plane in three steps:
 //  1. r2c along y, a few rows at a time, into `lines_`, transposed from there into `columns_`:
 //     all ky of this rank's x, contiguous in x;
 //  2. global transpose by FFTW3-MPI into `rows_`: this rank's ky, all x (omitted on one rank);
 //  3. transform along x from `rows_` back into the plane.
-// The row at the Nyquist frequency of y usually carries nothing. FFTW distributes only the rows
-// below it, so that the work is even; the rank with the last of these has it in addition and
-// receives it separately.
+// The row at the Nyquist frequency of y is usually zero. FFTW distributes only the rows below it,
+// so that the work is even; the rank with the last of these has it in addition and receives it
+// separately.
 // to_physical runs the steps in reverse order, except for the transpose. Each row is copied to the
 // send buffer while it is in the cache, data of this rank is not moved, and the lines along y are
 // gathered from the received data. The transpose of FFTW3-MPI would take two more passes over the

@@ -22,6 +22,9 @@ struct SlabShare {
 /// How FFTW chooses its plans: from a model of the machine (reproducible) or by measuring.
 enum class Planning { estimated, measured };
 
+/// Number of rows of the spectrum on the rank with most of them. Not collective.
+std::ptrdiff_t most_rows(std::ptrdiff_t ny, int ranks);
+
 /// Unnormalised in-place transforms of a real plane of nx by ny points, distributed over a team in
 /// slabs:
 ///     to_physical:  f(x, y)   = sum over kx, ky of F(ky, kx) e^{+i (kx x + ky y)}

@@ -20,8 +20,8 @@ inline fftw_complex* raw(Complex* values) {
     return reinterpret_cast<fftw_complex*>(values);
 }
 
-/// Calls copy(number of rows) with a constant of the compiler for the numbers of 1 to `complete`
-/// rows, so that copies of so few rows become moves of registers.
+/// Calls copy(number of rows) with a compile-time constant for 1 to `complete` rows, so that copies
+/// of so few rows become moves of registers.
 template <std::ptrdiff_t complete, class Copy>
 void with_constant(std::ptrdiff_t count, const Copy& copy) {
     if constexpr (complete > 0) {
@@ -65,8 +65,8 @@ struct SlabTransform::Work {
     std::vector<Other> ranks;
     /// Complex numbers that to_physical exchanges with each rank; 0 for this rank.
     std::vector<std::ptrdiff_t> to_ranks, from_ranks;
-    /// The same of the row at the Nyquist frequency in to_spectral; empty if there is none. The row
-    /// is empty on ranks that do not have it.
+    /// Complex numbers of the row at the Nyquist frequency that to_spectral exchanges with each
+    /// rank; empty on one rank and for odd ny. The row is empty on ranks that do not have it.
     std::vector<std::ptrdiff_t> nyquist_to_ranks, nyquist_from_ranks;
     AlignedVector<Complex> nyquist_row_;
     std::size_t me = 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/memory.hpp"
 
-#include "base/next_line.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/afferent_estimate.hpp"
 
@@ -31,7 +30,7 @@ double available_B() {
         double kB = 0.0;
         std::string unit;
         if (!(info >> kB)) break;
-        next_line(info, unit);
+        std::getline(info, unit);
         if (key == "MemAvailable:") return 1024.0 * kB;
     }
     return unknown;
@@ -41,7 +40,7 @@ double available_B() {
 double left_in_group_B() {
     std::ifstream file("/proc/self/cgroup");
     double left = unknown;
-    for (std::string line; next_line(file, line);) {
+    for (std::string line; std::getline(file, line);) {
         if (!line.starts_with("0::/")) continue;
         const std::filesystem::path top = "/sys/fs/cgroup";
         std::filesystem::path group = (top / line.substr(4)).lexically_normal();

@@ -94,7 +94,7 @@ class Bench(ProgramTest):
         self.assertEqual(list(cache.glob("machine-*")), [], "the calibration was completed")
         self.assertEqual(case_files(self.out), [])
 
-    def test_plans_of_the_ffts_are_measured_once_whatever_was_run_before(self):
+    def test_fftw_plans_are_measured_once_regardless_of_earlier_engines(self):
         cache = self.folder / "cache"
         short = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"),
                  ("settled_after_ms = 1.0", "settled_after_ms = 0.0"))

@@ -2,6 +2,7 @@
 #include "fft/run_transform.hpp"
 #include "support/worst.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -81,6 +82,21 @@ TEST_CASE("slab transform equals the Fourier sum for all ranks and extents", "[m
     CHECK(world.max(worst) < 1e-13);
     CHECK(world.sum(rows) == static_cast<double>(nx)); // every row has exactly one owner
     CHECK(world.sum(static_cast<double>(share.ky_count)) == static_cast<double>(ny / 2 + 1));
+}
+
+TEST_CASE("rows below the Nyquist frequency are distributed evenly", "[mpi]") {
+    const auto [nx, ny] = GENERATE(values(grids));
+    const Comm world = Comm::world();
+    const fft::SlabShare& share = fft::SlabTransform(nx, ny, world).share();
+    const std::ptrdiff_t below = (ny + 1) / 2, ranks = world.size(),
+                         block = (below + ranks - 1) / ranks;
+    std::ptrdiff_t mine = 0;
+    for (std::ptrdiff_t k = 0; k < share.ky_count; ++k)
+        if (2 * (share.ky_start + k) != ny) ++mine;
+    CHECK(mine == std::clamp<std::ptrdiff_t>(below - world.rank() * block, 0, block));
+    // The row at this frequency belongs to the rank with the last of the others.
+    CHECK((share.ky_count == mine || share.ky_start + mine == below));
+    CHECK(world.max(static_cast<int>(share.ky_count)) == fft::most_rows(ny, world.size()));
 }
 
 TEST_CASE("forward and backward transforms multiply the plane by nx ny", "[mpi]") {
@@ -226,6 +242,64 @@ TEST_CASE("transform of runs equals that of a plane with zeros elsewhere", "[mpi
     for (std::size_t i = 0; i < 2 * cells; ++i)
         worst = test::worse(worst, std::abs(back[i] / static_cast<double>(nx * ny) - both[i]));
     CHECK(world.max(worst) < 1e-14);
+}
+
+TEST_CASE("planes with different runs are transformed together as each alone", "[mpi]") {
+    const Comm world = Comm::world();
+    const std::ptrdiff_t nx = 30, ny = 18;
+    const fft::SlabTransform transform(nx, ny, world);
+    const fft::SlabShare& share = transform.share();
+    // Runs in rows 3 to 25, in row 8 only, and in no row: on most ranks some planes have none.
+    const std::pair<std::ptrdiff_t, std::ptrdiff_t> rows[] = {{3, 26}, {8, 9}, {0, 0}};
+    std::vector<std::vector<fft::RowRun>> sheets;
+    std::vector<fft::RunTransform::Plane> planes;
+    std::vector<double> given;
+    for (const auto& [begin, end] : rows) {
+        planes.push_back({sheets.size(), given.size()});
+        std::size_t cells = 0;
+        std::vector<fft::RowRun>& runs = sheets.emplace_back();
+        for (std::ptrdiff_t i = 0; i < share.x_count; ++i) {
+            if (share.x_start + i < begin || share.x_start + i >= end) continue;
+            runs.push_back({i, 4, 11, cells});
+            for (std::ptrdiff_t j = 4; j < 11; ++j)
+                given.push_back(noise(share.x_start + i + 40 * std::ssize(sheets), j));
+            cells += 7;
+        }
+    }
+    const fft::RunTransform::Layout layout{{share.ky_start, share.ky_count},
+                                           share.x_start,
+                                           nx,
+                                           transform.line_pitch(),
+                                           transform.lines_reals()};
+    const fft::RunTransform all(transform, world, sheets, layout);
+    const auto reals = static_cast<std::size_t>(transform.lines_reals());
+    fft::AlignedVector<double> together(3 * reals, 7.0);
+    std::vector<double> back(given.size());
+    all.to_lines(given.data(), planes, together.data());
+    all.to_values(together.data(), planes, back.data());
+    for (std::size_t p = 0; p < 3; ++p) {
+        // A window of the same columns, so that the same sums are computed.
+        std::vector<std::vector<fft::RowRun>> both = {sheets[p], sheets[0]};
+        const fft::RunTransform one(transform, world, both, layout);
+        const std::vector<fft::RunTransform::Plane> plane = {{0, planes[p].first}};
+        fft::AlignedVector<double> alone(reals, 7.0);
+        std::vector<double> again(given.size());
+        one.to_lines(given.data(), plane, alone.data());
+        one.to_values(alone.data(), plane, again.data());
+        for (std::ptrdiff_t k = 0; k < share.ky_count; ++k)
+            for (std::ptrdiff_t at = 2 * k * transform.line_pitch();
+                 at < 2 * (k * transform.line_pitch() + nx); ++at)
+                CHECK(alone[static_cast<std::size_t>(at)] ==
+                      together[p * reals + static_cast<std::size_t>(at)]);
+        const std::size_t end = p < 2 ? planes[p + 1].first : given.size();
+        for (std::size_t i = planes[p].first; i < end; ++i)
+            CHECK(again[i] == back[i]);
+    }
+    // The line transforms along x are left out: those along y alone multiply by ny.
+    double worst = 0.0;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        worst = test::worse(worst, std::abs(back[i] / static_cast<double>(ny) - given[i]));
+    CHECK(world.max(worst) < 1e-14); // some rounding errors of numbers of order 1
 }
 
 TEST_CASE("transforms have the same bits on a team and on one rank", "[mpi]") {

@@ -150,6 +150,9 @@ class FolderTest(unittest.TestCase):
         medium = load.load(folder.save()).cases[0].physics["medium"]
         np.testing.assert_array_equal(fig_medium.speed(medium, np.array([0.0, 4e-3]), np.array(0.01), np.array(5e-3)),
                                       [3.0, math.nan])
+        del medium["body"][0]["rigid"]  # an elastic body with the speed of the layer
+        np.testing.assert_array_equal(fig_medium.speed(medium, np.array([0.0, 4e-3]), np.array(0.01), np.array(5e-3)),
+                                      [3.0, 3.0])
         figure, = self.draw_to_scale(folder, fig_medium)
         self.assertIn("Rigid bodies without a shear-wave speed are grey.", figure.caption)
 

@@ -5,6 +5,7 @@
 #include "engines/layered/open_domain.hpp"
 #include "engines/layered/open_grid.hpp"
 #include "engines/layered/work_kinds.hpp"
+#include "fft/slab_transform.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -221,7 +222,7 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const double samples = static_cast<double>(key.time.samples);
     const double frames = static_cast<double>(c.time.frames);
     const std::ptrdiff_t modes = c.domain.ny / 2 + 1;
-    const std::ptrdiff_t ky_count = (modes + ranks - 1) / ranks;
+    const std::ptrdiff_t ky_count = fft::most_rows(c.domain.ny, ranks);
     const std::ptrdiff_t in_batch = frames_per_batch(c, ky_count);
     const double batches = std::ceil(frames / static_cast<double>(in_batch));
     const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
@@ -268,7 +269,7 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     expand(own_B, depths - stresses);
     if (stresses > 0.0) expand(stress_B, stresses);
     if (loss_B > 0.0) expand(loss_B, 1.0);
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, modes));
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, (c.domain.ny + 1) / 2));
     e.all_to_alls = depths * frames;
     e.all_to_all_B = sizeof(Complex) * static_cast<double>(c.domain.nx * modes);
     return e;

@@ -10,6 +10,7 @@
 #include "engines/spectral/lateral/lateral_sponge.hpp"
 #include "engines/spectral/receptor_stress.hpp"
 #include "engines/spectral/spectral_kinds.hpp"
+#include "fft/slab_transform.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,10 +30,15 @@ double up(double a, double b) {
     return std::ceil(a / b);
 }
 
+/// Rows of the spectrum of a plane on the rank with most of them.
+double most_rows(double ny, int ranks) {
+    return static_cast<double>(fft::most_rows(static_cast<std::ptrdiff_t>(ny), ranks));
+}
+
 /// Memory in bytes on the rank that needs most.
 struct Memory {
     double stepper_B = 0.0, all_B = 0.0;
-    double iterated_B = 0.0; // which an iteration on the plane touches
+    double iterated_B = 0.0; // memory that an iteration on the plane accesses
 };
 
 double map_bytes(const Medium& medium) {
@@ -57,7 +63,7 @@ double factor_entries(const DepthMesh& mesh) {
 /// spectra of one ky.
 double strain_planes_B(const VariationEstimate& v, double nx, double ny, int ranks) {
     const double window = v.window(static_cast<std::ptrdiff_t>(nx));
-    const double lines = up(ny / 2.0 + 1.0, ranks);
+    const double lines = most_rows(ny, ranks);
     return v.planes() * 2.0 * sizeof(double) *
            (window > 0.0 ? lines * window + nx : std::max(lines * nx, up(nx, ranks) * ny / 2.0));
 }
@@ -66,8 +72,8 @@ double strain_planes_B(const VariationEstimate& v, double nx, double ny, int ran
 double box_B(const VariationEstimate& v, int ranks) {
     if (!v.box) return 0.0;
     const double nx = static_cast<double>(v.box->nx), ny = static_cast<double>(v.box->ny);
-    return up(nx / 2.0, lane_count) * up(ny / 2.0 + 1.0, ranks) * 0.5 * v.planes() *
-               (v.planes() + 1.0) * sizeof(Block) +
+    return up(nx / 2.0, lane_count) * most_rows(ny, ranks) * 0.5 * v.planes() * (v.planes() + 1.0) *
+               sizeof(Block) +
            strain_planes_B(v, nx, ny, ranks);
 }
 
@@ -78,11 +84,11 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const double nx = static_cast<double>(c.domain.nx), ny = static_cast<double>(c.domain.ny);
     const double modes_y = static_cast<double>(c.domain.ny / 2 + 1);
     const double levels = static_cast<double>(mesh.levels() - 1), nodes = mesh.degree + 1.0;
-    const double pencil_lanes = up(modes_y, ranks) * up(nx / 2.0, lane_count);
+    const double pencil_lanes = most_rows(ny, ranks) * up(nx / 2.0, lane_count);
     const double displacement_B = pencil_lanes * 3.0 * levels * parts * sizeof(Block);
     const double factors_B = pencil_lanes * factor_entries(mesh) * sizeof(Block);
     const double plane_B =
-        2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * up(modes_y, ranks));
+        2.0 * sizeof(double) * std::max(up(nx, ranks) * modes_y, nx * most_rows(ny, ranks));
     const double arrays = ((v.iterations > 0.0 ? 7.0 : 4.0) + (v.box ? 1.0 : 0.0)) * v.components +
                           3.0 + (v.iterations > 0.0 ? v.components / 3.0 : 0.0); // implicit moduli
     const double sampled_B = v.points * up(nx, ranks) * ny * sizeof(Material);
@@ -117,13 +123,15 @@ Exchanges exchanges_of_strain(const VariationEstimate& v, double ny, double pass
             2.0 * passes * v.points * of_point_B};
 }
 
-struct Duration {
-    double steps, frames;
+struct Counts {
+    double steps, frames, reactions; // reactions of rigid bodies per step
 };
 
-/// One exchange of the surface per frame and depth, and those of the planes of strain: for each
-/// product on a box or iteration on the plane, and once per step with the motion.
-Exchanges exchanges_of(const Case& c, const VariationEstimate& v, const Duration& of) {
+/// One exchange of the surface per frame and depth; those of the planes of strain for each product
+/// on a box or iteration on the plane, and once per step with the motion; and those of the markers
+/// of rigid lumps. The sponge and endless bodies exchange less, which is not counted.
+Exchanges exchanges_of(const Case& c, const VariationEstimate& v, const LumpSizes& lumps,
+                       const Counts& of) {
     const double ny = static_cast<double>(c.domain.ny);
     const double surfaces = of.frames * static_cast<double>(c.measure.depths_m.size());
     std::vector<Exchanges> all = {{surfaces, surfaces * static_cast<double>(c.domain.nx) *
@@ -134,6 +142,10 @@ Exchanges exchanges_of(const Case& c, const VariationEstimate& v, const Duration
     if (v.box)
         all.push_back(exchanges_of_strain(v, static_cast<double>(v.box->ny),
                                           of.steps * box_products(v.iterations)));
+    if (lumps.depths > 0.0)
+        all.push_back({2.0 * of.reactions * of.steps,
+                       2.0 * of.reactions * of.steps * 3.0 * lumps.depths * lumps.points_x *
+                           (ny / 2.0 + 1.0) * sizeof(std::complex<double>)});
     Exchanges sum;
     for (const Exchanges& one : all)
         sum = {sum.count + one.count, sum.moved_B + one.moved_B};
@@ -165,11 +177,17 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
                         lump_memory_B(c, mesh, ranks) + lump_stress_memory_B(c, mesh, ranks) +
                         endless_stress_memory_B(c, mesh, ranks);
     const double levels = static_cast<double>(mesh.levels() - 1);
+    const LumpSizes lumps = lump_sizes(c, mesh);
+    // Per step: one for the motion, those of the iterations, and one whenever the sponge acts.
+    const double reactions =
+        !rigid ? 0.0
+               : 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) +
+                     (sponge.every > 0 ? 1.0 / static_cast<double>(sponge.every) : 0.0);
     const auto share_of = [](double touched_B) {
         return engines::share_from_memory(touched_B, in_cache_B, in_memory_B);
     };
     engines::Estimate e;
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, c.domain.ny / 2 + 1));
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, (c.domain.ny + 1) / 2));
     e.memory_per_rank_B = memory.all_B;
     add_work(c,
              {.variation = v,
@@ -179,14 +197,14 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .sponge_values = sponge_values_of(sponge, levels),
               .sponge_every = static_cast<double>(sponge.every),
               .felt = ReceptorStress::planes(layers, mesh),
-              .reactions = rigid ? 1.0 + (v.iterations > 0.0 ? v.iterations + 1.0 : 0.0) : 0.0,
-              .lumps = lump_sizes(c, mesh),
+              .reactions = reactions,
+              .lumps = lumps,
               .near_pairs = rigid ? lump_stress_pairs(c, mesh) : 0.0,
               .from_memory = share_of(memory.stepper_B),
               .iterated_from_memory = share_of(memory.iterated_B)},
              e);
     e.work.push_back({engines::of_fresh_memory, ranks * (memory.all_B - engines::program_B)});
-    const Exchanges all = exchanges_of(c, v, {steps, frames});
+    const Exchanges all = exchanges_of(c, v, lumps, {steps, frames, reactions});
     e.all_to_alls = all.count;
     e.all_to_all_B = all.count > 0.0 ? all.moved_B / all.count : 0.0;
     e.written_B = engines::volumes_B(c, static_cast<double>(mesh.clear_levels()));

@@ -16,9 +16,8 @@ namespace {
 constexpr double planes_in_cache_B = 6e6, planes_in_memory_B = 25e6;
 // Share of the x transforms in a transfer; those in y are proportional to the rows with cells.
 constexpr double share_of_modes = 0.65;
-/// Time of a solve whose factors are in the cache, relative to one that reads them. With this value
-/// a step of `bench spectral` at a contrast of 4 is estimated to take 2.7 times as long as a
-/// uniform one; 2.7 and 3.0 were measured on one and two ranks.
+/// Time of a solve whose factors were just read, relative to one that reads them. Fitted to steps
+/// of `bench spectral` at a contrast of 4, which take 2.4 to 2.9 times as long as uniform ones.
 constexpr double second_solve = 0.7;
 /// Time of the solves for a column of the matrices of a box, relative to those of an iteration on
 /// the plane (box_response.cpp).
@@ -110,8 +109,9 @@ void add_box(const Case& c, const Measures& m, double modes, double rows_share, 
     const VariationEstimate& v = m.variation;
     const double rounded = rounded_iterations(v.iterations); // these take half as long
     const double planes = v.planes(), products = box_products(v.iterations) * m.steps;
-    const double entries = box_values(*v.box, planes);
-    add_products(entries, sizeof(float), entries * (products - 0.5 * rounded * m.steps), add);
+    const double entries = box_values(*v.box, planes), of_rounded = rounded * m.steps;
+    add_products(entries, 2.0 * sizeof(float), entries * (products - of_rounded), add);
+    add_products(entries, sizeof(float), entries * 0.5 * of_rounded, add);
     add_transfers(planes_of(v, static_cast<double>(v.box->nx)), static_cast<double>(v.box->nx),
                   static_cast<double>(v.box->ny), planes * products, rows_share, add);
     add_divided(of_iteration, of_far_iteration, column_cost * modes * m.levels * m.nodes * planes,
@@ -133,7 +133,7 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
         if (amount > 0.0) e.work.push_back({kind, amount});
     };
     add_divided(of_solve, of_far_solve, solves, m.from_memory, add);
-    // With a box there is one more solve, whose factors are in the cache.
+    // With a box there is one more solve, whose factors were just read.
     add_divided(of_iteration, of_far_iteration, solves * (v.box ? second_solve : more),
                 m.iterated_from_memory, add);
     add_divided(of_reaction, of_far_reaction, solves * m.reactions, m.from_memory, add);

@@ -17,7 +17,8 @@ struct Measures {
     LumpSizes lumps;                                // rigid ones
     double near_pairs = 0.0;                        // lump_stress_pairs()
     double from_memory = 0.0; // share of the first solves of steps that is limited by memory
-    double iterated_from_memory = 0.0; // the same of solves that do not touch the motion
+    double iterated_from_memory =
+        0.0; // share of the solves of iterations that is limited by memory
 };
 
 /// Adds the work of the case to the estimate. Not collective.

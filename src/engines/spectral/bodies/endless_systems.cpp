@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "fft/slab_transform.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -312,7 +313,7 @@ double endless_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const SectionMarkers markers(c, mesh, WaveVectors(c.domain, {}));
     const double parts_of = static_cast<double>(markers.count() * marker_components);
     const double columns = std::ceil(static_cast<double>(c.domain.nx) / (2.0 * lane_count));
-    const double rows = std::ceil(static_cast<double>(c.domain.ny / 2 + 1) / ranks);
+    const auto rows = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
     const double systems = markers.along_x() ? lane_count * std::ceil(columns / ranks) : rows;
     // Systems, phases, and the values at the markers.
     const double blocks = markers.along_x() ? rows + 3.0 * columns : columns + 3.0;

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "engines/spectral/bodies/endless_bodies.hpp"
 #include "engines/spectral/bodies/lump_responses.hpp"
+#include "fft/slab_transform.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -248,7 +249,7 @@ LumpSizes lump_sizes(const Case& c, const DepthMesh& mesh) {
 double lump_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const LumpSizes sizes = lump_sizes(c, mesh);
     const double unknowns = 3.0 * sizes.markers, planes = 3.0 * sizes.depths;
-    const double lines = std::ceil(static_cast<double>(c.domain.ny / 2 + 1) / ranks);
+    const auto lines = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
     const double of_line =
         LineWindow::pays(c.domain.nx, static_cast<std::ptrdiff_t>(sizes.points_x))
             ? sizes.points_x

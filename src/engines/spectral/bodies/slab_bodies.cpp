@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
+#include "fft/slab_transform.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -159,7 +160,7 @@ double SlabBodies::memory_B() const {
 double slab_memory_B(const Case& c, const DepthMesh& mesh, int ranks) {
     const auto depths = static_cast<double>(held_depths_m(c, mesh).size());
     const double columns = std::ceil(static_cast<double>(c.domain.nx) / (2.0 * lane_count));
-    const double rows = std::ceil(static_cast<double>(c.domain.ny / 2 + 1) / ranks);
+    const auto rows = static_cast<double>(fft::most_rows(c.domain.ny, ranks));
     return 5.0 * depths * depths * rows * columns * sizeof(Block);
 }
 

@@ -84,7 +84,6 @@ TEST_CASE("estimated memory equals that of the stepper's arrays", "[spectral]") 
           Approx(counted(c, 0).memory_B).epsilon(0.3));
 }
 
-// The largest deviation of the fit from the mean of a run is a factor of 1.4.
 TEST_CASE("estimated memory of rigid bodies equals that of the stepper's arrays", "[spectral]") {
     Case c = body_case(16.0);
     Body& body = c.scene().medium.bodies[0];
@@ -98,6 +97,7 @@ TEST_CASE("estimated memory of rigid bodies equals that of the stepper's arrays"
           Approx(counted(c, 0).memory_B).epsilon(0.3));
 }
 
+// The largest deviation of the fit from the mean of a run is a factor of 1.4.
 TEST_CASE("estimated iterations are accurate within a factor of 1.5", "[spectral][slow]") {
     Case c = body_case(GENERATE(4.0, 16.0, 100.0));
     SECTION("stiffer") {}
