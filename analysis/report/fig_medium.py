@@ -18,7 +18,7 @@ from words import OTHERS, number
 
 CASES = 4
 ORANGE = "#D55E00"
-RIGID = style.GREY  # the colour of bodies without a shear-wave speed
+RIGID = style.GREY  # the colour of rigid bodies without a shear-wave speed
 POINTS = 240         # of a slice along its longer side
 HALF_SPACE_mm = 20.0  # depth drawn of a half-space without deeper bodies
 CLOSE = 0.08         # least distance between ticks of the colour bar, relative to its length

@@ -18,12 +18,11 @@ std::ptrdiff_t odd_lines(std::ptrdiff_t reals) {
     return line * (((reals + line - 1) / line) | 1);
 }
 
-/// Number of rows of the spectrum below the Nyquist frequency of y, which only an even ny has.
+} // namespace
+
 std::ptrdiff_t below_nyquist(std::ptrdiff_t ny) {
     return (ny + 1) / 2;
 }
-
-} // namespace
 
 std::ptrdiff_t most_rows(std::ptrdiff_t ny, int ranks) {
     const std::ptrdiff_t below = below_nyquist(ny), block = (below + ranks - 1) / ranks;

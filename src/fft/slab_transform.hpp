@@ -22,6 +22,9 @@ struct SlabShare {
 /// How FFTW chooses its plans: from a model of the machine (reproducible) or by measuring.
 enum class Planning { estimated, measured };
 
+/// Number of rows of the spectrum below the Nyquist frequency of y, which only an even ny has.
+/// Further ranks have no rows. Not collective.
+std::ptrdiff_t below_nyquist(std::ptrdiff_t ny);
 /// Number of rows of the spectrum on the rank with most of them. Not collective.
 std::ptrdiff_t most_rows(std::ptrdiff_t ny, int ranks);
 

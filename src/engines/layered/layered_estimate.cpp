@@ -269,7 +269,7 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     expand(own_B, depths - stresses);
     if (stresses > 0.0) expand(stress_B, stresses);
     if (loss_B > 0.0) expand(loss_B, 1.0);
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, (c.domain.ny + 1) / 2));
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
     e.all_to_alls = depths * frames;
     e.all_to_all_B = sizeof(Complex) * static_cast<double>(c.domain.nx * modes);
     return e;

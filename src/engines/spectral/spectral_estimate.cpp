@@ -187,7 +187,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
         return engines::share_from_memory(touched_B, in_cache_B, in_memory_B);
     };
     engines::Estimate e;
-    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, (c.domain.ny + 1) / 2));
+    e.useful_ranks = static_cast<int>(std::min(c.domain.nx, fft::below_nyquist(c.domain.ny)));
     e.memory_per_rank_B = memory.all_B;
     add_work(c,
              {.variation = v,

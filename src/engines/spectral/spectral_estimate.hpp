@@ -29,6 +29,7 @@ struct VariationEstimate {
         return LineWindow::pays(nx, count) ? static_cast<double>(count) : 0.0;
     }
 };
+
 /// Number of iterations of a step whose products with the matrices of a box are rounded, and of all
 /// products: one more for the response to the explicit stress, and one more after rounded ones.
 inline double rounded_iterations(double iterations) {
