@@ -55,6 +55,33 @@ double drive(const SampledGain& g, double t_s) {
     return (1.0 - share) * value(before) + share * value((before + 1) % count);
 }
 
+/// Before, within or after an interval.
+double part_of(double t_s, double from_s, double to_s) {
+    return t_s < from_s ? 0.0 : t_s < to_s ? 1.0 : 2.0;
+}
+
+double smooth_piece(const SineGain&, double) {
+    return 0.0;
+}
+double smooth_piece(const RampGain& g, double t_s) {
+    return part_of(t_s, g.start_s, g.start_s + g.duration_s);
+}
+double smooth_piece(const SquareGain& g, double t_s) {
+    const double periods = g.frequency_Hz * t_s + g.phase_rad / two_pi;
+    const double since_rise_s = (periods - std::floor(periods)) / g.frequency_Hz;
+    const double high_s = g.duty / g.frequency_Hz;
+    return 6.0 * std::floor(periods) + part_of(since_rise_s, 0.0, g.edge_s) +
+           (since_rise_s < high_s ? 0.0 : part_of(since_rise_s, high_s, high_s + g.edge_s) + 2.0);
+}
+double smooth_piece(const WindowGain& g, double t_s) {
+    return part_of(t_s, g.from_s, g.from_s + g.edge_s) +
+           3.0 * part_of(t_s, g.to_s - g.edge_s, g.to_s);
+}
+double smooth_piece(const SampledGain& g, double t_s) {
+    const double at = std::floor(t_s / g.interval_s), last = static_cast<double>(g.values.size());
+    return g.repeat ? at : std::clamp(at, -1.0, last - 1.0);
+}
+
 /// The highest frequency of an edge of this duration; a jump has none and is ignored.
 double edge_frequency_Hz(double edge_s) {
     return edge_s > 0.0 ? 2.0 / edge_s : 0.0;
@@ -89,6 +116,11 @@ double gain(const Envelope& envelope, double t_s) {
             },
             factor);
     return product;
+}
+
+void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>& numbers) {
+    for (const Gain& factor : envelope.gains)
+        numbers.push_back(std::visit([&](const auto& g) { return smooth_piece(g, t_s); }, factor));
 }
 
 double gain_frequency_Hz(const Envelope& envelope) {

@@ -189,6 +189,9 @@ struct Envelope {
 /// Gain in [0, 1] on the force at time t.
 double gain(const Envelope& envelope, double t_s);
 
+/// Appends numbers that do not change while `gain` is a smooth function of time.
+void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>& numbers);
+
 /// The frequency of the first periodic gain that is not steady; 0 if there is none [Hz].
 double gain_frequency_Hz(const Envelope& envelope);
 

@@ -20,6 +20,13 @@ double amplitude(const Load& load, double t_s) {
     return gain(load.modulation.envelope, t_s) * c;
 }
 
+double held_s(const Load& load, double t_s) {
+    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
+    if (!array || array->update_rate_Hz == 0.0) return t_s;
+    // A sample at the time of an update uses the new focus.
+    return std::floor(t_s * array->update_rate_Hz + 1e-9) / array->update_rate_Hz;
+}
+
 std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s) {
     std::vector<double> areas;
     if (times_s.empty()) return areas;

@@ -66,6 +66,10 @@ void walk_fields(Walk& walk, L& load) {
 /// e(t) c(t) at time t, also after the end of the path.
 double amplitude(const Load& load, double t_s);
 
+/// The time at which the focus that is active at t was selected [s]: an array updates it at its
+/// update rate, other sources at all times.
+double held_s(const Load& load, double t_s);
+
 /// Force divided by peak_Pa and by e(t) c(t), at each of these ascending times [m^2].
 std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s);
 

@@ -53,11 +53,8 @@ LoadPattern::LoadPattern(const Load& load, double until_s, ArrayField::Sampling 
 }
 
 double LoadPattern::held_s(double t_s) const {
-    const double within_s = std::min(t_s, until_s_);
-    const auto* array = std::get_if<ArrayFootprint>(&load_.footprint);
-    if (!array || array->update_rate_Hz == 0.0) return array ? within_s : t_s;
-    // A sample at the time of an update uses the new focus.
-    return std::floor(within_s * array->update_rate_Hz + 1e-9) / array->update_rate_Hz;
+    const bool is_array = std::holds_alternative<ArrayFootprint>(load_.footprint);
+    return shearwake::held_s(load_, is_array ? std::min(t_s, until_s_) : t_s);
 }
 
 void LoadPattern::set(double held_s) {

@@ -82,27 +82,3 @@ TEST_CASE("quickstart job is converged in spacing and time", "[verify]") {
         CHECK(eta_b == Approx(eta_a).epsilon(0.005)); // required
     }
 }
-
-TEST_CASE("field converges with fourth order in the time step of the load", "[verify]") {
-    // The load is a step at t = 0; Gregory's weights integrate it to fourth order. Surface at 4 ms,
-    // compared with a step sixteen times shorter.
-    const auto surface = [](double step_s) {
-        Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
-        std::get<Line>(std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]).path.shape)
-            .from_m = {-14e-3, 0.0};
-        c.domain = {96, 64, 0.75e-3, 0.0};
-        c.time = {40, 100e-6};
-        LayeredOptions options;
-        options.time_step_s = step_s;
-        c.solver = options;
-        return test::frames_of(c).at(39);
-    };
-    const auto exact = surface(100e-6 / 32);
-    const double at_50 = difference(surface(50e-6), exact);
-    const double at_25 = difference(surface(25e-6), exact);
-    const double at_12 = difference(surface(12.5e-6), exact);
-    CAPTURE(at_50, at_25, at_12);
-    CHECK(at_50 < 1e-4); // at the step of the jobs; observed 5e-6
-    CHECK(std::log2(at_50 / at_25) > 3.9);
-    CHECK(std::log2(at_25 / at_12) > 3.9);
-}

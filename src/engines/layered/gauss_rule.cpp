@@ -6,12 +6,10 @@
 #include <numbers>
 
 namespace shearwake::layered {
-namespace {
 
 /// Newton's method on the Legendre polynomial.
-GaussRule make_gauss_rule() {
-    constexpr int order = GaussRule::order;
-    GaussRule rule;
+std::vector<std::pair<double, double>> gauss_nodes(int order) {
+    std::vector<std::pair<double, double>> nodes;
     for (int i = 0; i < order; ++i) {
         double x = std::cos(std::numbers::pi * (i + 0.75) / (order + 0.5)), slope = 1.0;
         for (int step = 0; step < 100; ++step) {
@@ -26,16 +24,21 @@ GaussRule make_gauss_rule() {
             x -= change;
             if (std::abs(change) < 1e-16) break;
         }
-        rule.node[static_cast<std::size_t>(i)] = x;
-        rule.weight[static_cast<std::size_t>(i)] = 2.0 / ((1.0 - x * x) * slope * slope);
+        nodes.emplace_back(x, 2.0 / ((1.0 - x * x) * slope * slope));
     }
-    return rule;
+    return nodes;
 }
 
-} // namespace
-
 const GaussRule& gauss_rule() {
-    static const GaussRule rule = make_gauss_rule();
+    static const GaussRule rule = [] {
+        GaussRule made;
+        const auto nodes = gauss_nodes(GaussRule::order);
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            made.node[i] = nodes[i].first;
+            made.weight[i] = nodes[i].second;
+        }
+        return made;
+    }();
     return rule;
 }
 

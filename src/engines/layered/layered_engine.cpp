@@ -4,14 +4,18 @@
 #include "base/constants.hpp"
 #include "base/error.hpp"
 #include "engines/layered/energy_balance.hpp"
+#include "engines/layered/jump_tail.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
 #include "engines/layered/open_grid.hpp"
 #include "engines/layered/work_kinds.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
 #include "fft/reals.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +43,8 @@ public:
           load_(c, key.time, share.ky_start, share.ky_count),
           kept_nx_(load_.is_mirrored() ? c.domain.nx / 2 + 1 : c.domain.nx),
           backward_(coarse_, fft::Direction::backward, lines_together),
-          lines_(static_cast<std::size_t>(coarse_ * lines_together)), spectra_(memory) {
+          lines_(static_cast<std::size_t>(coarse_ * lines_together)),
+          jumps_(static_cast<std::size_t>(jumps_per_line() * lines_together)), spectra_(memory) {
         const auto needed = static_cast<std::size_t>(most_frames * plane());
         if (spectra_.size() < needed) spectra_.resize(needed);
         for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
@@ -62,6 +67,7 @@ public:
                  std::ptrdiff_t count, std::ptrdiff_t most_rows, Energy* energy,
                  CaseProgress& progress) {
         const engines::Timed timed(of_sample);
+        const JumpTail tail(load_.nodes(), time_, time_.samples / coarse_, table.key().quantity);
         for (std::ptrdiff_t ky = 0; ky < most_rows; ++ky) {
             const bool is_mine = ky < share_.ky_count;
             const auto h = is_mine ? table.row(ky, depth) : std::span<const Complex>();
@@ -72,10 +78,14 @@ public:
                 if (!is_mine) continue;
                 const std::ptrdiff_t lines = std::min(lines_together, kept_nx_ - kx);
                 for (std::ptrdiff_t l = 0; l < lines; ++l) {
-                    const auto load = respond(kx + l, ky, h, lines_.data() + l * coarse_);
+                    const auto load = respond(kx + l, ky, h, lines_.data() + l * coarse_,
+                                              jumps_.data() + l * jumps_per_line());
                     if (adds && !load.empty()) add(kx + l, ky, load, surface, energy->sums);
                 }
                 backward_.execute(lines_.data());
+                for (std::ptrdiff_t l = 0; l < lines; ++l)
+                    tail.add(kernels_, of_line(h, kx + l), jumps_.data() + l * jumps_per_line(),
+                             lines_.data() + l * coarse_);
                 kernels_.turn(fft::reals(lines_.data() + first + first_frame_), lines, coarse_,
                               count, plane(), fft::reals(spectra_.data() + ky * kept_nx_ + kx));
                 progress.did(CaseProgress::Stage::samples, static_cast<double>(lines));
@@ -117,6 +127,16 @@ public:
 
 private:
     std::ptrdiff_t plane() const { return share_.ky_count * kept_nx_; }
+    std::ptrdiff_t jumps_per_line() const {
+        return jump_orders * std::ssize(load_.nodes().breaks());
+    }
+    /// H of one wave vector of a row.
+    std::span<const Complex> of_line(std::span<const Complex> h_row, std::ptrdiff_t kx) const {
+        const auto frequencies = static_cast<std::size_t>(time_.samples / 2 + 1);
+        return h_row.subspan(static_cast<std::size_t>(std::min(kx, case_.domain.nx - kx)) *
+                                 frequencies,
+                             frequencies);
+    }
 
     /// Computes the factors of a row, all but e^{+decay t}. They are zero at the Nyquist modes,
     /// which carry no load.
@@ -142,19 +162,20 @@ private:
     }
 
     /// Computes one wave vector: load times H at the frequencies of the frames. Returns the load,
-    /// or nothing where it is zero.
+    /// or nothing where it is zero, and stores its jumps.
     std::span<const Complex> respond(std::ptrdiff_t kx, std::ptrdiff_t ky,
-                                     std::span<const Complex> h_row, Complex* line) {
-        const std::ptrdiff_t nx = case_.domain.nx, frequencies = time_.samples / 2 + 1;
+                                     std::span<const Complex> h_row, Complex* line,
+                                     Complex* jumps) {
         if (!is_loaded(kx, ky)) {
             std::fill_n(line, coarse_, Complex(0.0));
+            std::fill_n(jumps, jumps_per_line(), Complex(0.0));
             return {};
         }
-        const Complex* h = h_row.data() + std::min(kx, nx - kx) * frequencies;
-        const std::span<const Complex> load = load_.line(kx, share_.ky_start + ky);
-        kernels_.respond(fft::reals(h), roll_off_.data(), fft::reals(load.data()), time_.samples,
-                         coarse_, fft::reals(line));
-        return load;
+        const LoadSpectrum::Line of_load = load_.line(kx, share_.ky_start + ky);
+        std::ranges::copy(of_load.jumps, jumps);
+        kernels_.respond(fft::reals(of_line(h_row, kx).data()), roll_off_.data(),
+                         fft::reals(of_load.load.data()), time_.samples, coarse_, fft::reals(line));
+        return of_load.load;
     }
 
     /// H and the loss of a row of wave vectors.
@@ -186,9 +207,26 @@ private:
     std::ptrdiff_t kept_nx_; // modes kept per row
     fft::LineTransform backward_;
     fft::AlignedVector<Complex> lines_;
+    std::vector<Complex> jumps_;   // of each line
     std::vector<Complex> factors_; // [row][kx]
     fft::AlignedVector<Complex>& spectra_;
 };
+
+/// Adds the step and its estimated error to a report.
+void report_step(const Case& c, double step_s, engines::SolverReport& report) {
+    const double error = step_error(c, step_s);
+    report.notes.push_back(
+        fmt::format("time step {:.4g} us, estimated error {:.0e} of the maximum of the field",
+                    1e6 * step_s, error));
+    if (error > stated_accuracy)
+        report.warnings.push_back(
+            {Severity::warning, "solver.layered.time_step_us",
+             fmt::format(
+                 "a time step of {:.4g} us does not resolve the load and the response to its "
+                 "jumps: the estimated error is {:.1e} of the maximum of the field, more "
+                 "than {:.0e}; remove this key, or use a shorter step",
+                 1e6 * step_s, error, stated_accuracy)});
+}
 
 double period_times_area_s_m2(const Case& c) {
     return c.time.duration_s() * c.domain.extent_x_m() * c.domain.extent_y_m();
@@ -219,10 +257,11 @@ void LayeredEngine::prepare(const Case& c, const Comm& team, CaseProgress& progr
         std::unique_ptr<TransferTable>& table;
         TransferKey key;
     };
-    const Kept tables[] = {{table_, key_of(c, options)},
-                           {stress_table_, stress_key_of(c, options)},
-                           {tangential_table_, tangential_key_of(c, options)},
-                           {loss_table_, loss_key_of(c, options)}};
+    const TransferKey key = key_of(c, options);
+    const Kept tables[] = {{table_, key},
+                           {stress_table_, stress_key_of(c, key)},
+                           {tangential_table_, tangential_key_of(c, key)},
+                           {loss_table_, loss_key_of(c, key)}};
     expect_frames(progress, c, tables[0].key, ky_count, team.size());
     for (const Kept& kept : tables)
         if (!kept.table || kept.table->key() != kept.key)
@@ -249,9 +288,13 @@ void LayeredEngine::keep_table(std::unique_ptr<TransferTable>& table, const Tran
 
 engines::StepRefinement LayeredEngine::half_the_step(const Case& c) const {
     auto options = std::get<LayeredOptions>(c.solver);
-    if (options.time_step_s) *options.time_step_s *= 0.5;
+    options.time_step_s = 0.5 * time_transform(solved_case(c), options).step_s;
     options.interpolation_tolerance = std::max(0.25 * options.interpolation_tolerance, 1e-12);
-    return {.options = options, .change = "a quarter of the interpolation tolerance"};
+    return {.options = options,
+            .change =
+                fmt::format("half the time step, {:.4g} us, and a quarter of the interpolation "
+                            "tolerance",
+                            1e6 * *options.time_step_s)};
 }
 
 void LayeredEngine::run(const Case& c, const Comm& team, engines::Observer& observer,
@@ -309,7 +352,10 @@ void LayeredEngine::compute(const Case& given, const Comm& team, engines::Observ
                [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {
                    observer.frame({.number = n, .depth = depth, .u_z_m = values});
                });
-    if (energy) observer.solved(report_of(energy->sums.total(period_times_area_s_m2(c), team)));
+    engines::SolverReport report;
+    if (energy) report = report_of(energy->sums.total(period_times_area_s_m2(c), team));
+    report_step(c, table_->key().time.step_s, report);
+    observer.solved(report);
     if (stress_table_)
         each_frame(*stress_table_, stress_depths_m(c).size(),
                    [&](std::ptrdiff_t n, std::size_t depth, View2<const double> values) {

@@ -30,7 +30,7 @@ public:
     std::vector<Remark> limits(const Case& c) const override;
     std::vector<std::string> choices(const Case& c) const override;
     engines::Edges edges(const Case& c) const override;
-    /// The solution is exact at the frames. Its interpolation has a tolerance.
+    /// Also the interpolation of H has a tolerance.
     engines::StepRefinement half_the_step(const Case& c) const override;
     void run(const Case& c, const Comm& team, engines::Observer& observer,
              engines::Checkpoints* checkpoints) override;

@@ -2,6 +2,7 @@
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
 #include "engines/layered/open_grid.hpp"
 #include "engines/layered/work_kinds.hpp"
@@ -127,22 +128,22 @@ TransferKey key_of(const Case& c, const LayeredOptions& options) {
             .edges = c.domain.edges};
 }
 
-TransferKey stress_key_of(const Case& c, const LayeredOptions& options) {
-    TransferKey key = key_of(c, options);
+TransferKey stress_key_of(const Case& c, const TransferKey& displacement) {
+    TransferKey key = displacement;
     key.depths_m = stress_depths_m(c);
     key.quantity = StackQuantity::compression;
     return key;
 }
 
-TransferKey tangential_key_of(const Case& c, const LayeredOptions& options) {
-    TransferKey key = key_of(c, options);
+TransferKey tangential_key_of(const Case& c, const TransferKey& displacement) {
+    TransferKey key = displacement;
     key.depths_m = wants_tangential(c) ? std::vector{0.0} : std::vector<double>{};
     key.quantity = StackQuantity::tangential;
     return key;
 }
 
-TransferKey loss_key_of(const Case& c, const LayeredOptions& options) {
-    TransferKey key = key_of(c, options);
+TransferKey loss_key_of(const Case& c, const TransferKey& displacement) {
+    TransferKey key = displacement;
     key.depths_m.clear();
     if (c.time.regime == Regime::periodic) key.depths_m.push_back(0.0);
     key.quantity = StackQuantity::loss;
@@ -228,10 +229,10 @@ engines::Estimate LayeredEngine::estimate(const Case& given, int ranks) const {
     const bool along_x = LoadSpectrum::keeps_y(c, key.time); // kx < 0 mirrors kx > 0
     const std::ptrdiff_t kept_nx = along_x ? c.domain.nx / 2 + 1 : c.domain.nx;
     const double batch_B = static_cast<double>(in_batch * ky_count * kept_nx) * sizeof(Complex);
-    const TransferKey stress = stress_key_of(c, options), loss = loss_key_of(c, options);
+    const TransferKey stress = stress_key_of(c, key), loss = loss_key_of(c, key);
     const double own_B = TransferTable::expanded_bytes(key, ky_count);
     const double stress_B = TransferTable::expanded_bytes(stress, ky_count) +
-                            TransferTable::expanded_bytes(tangential_key_of(c, options), ky_count);
+                            TransferTable::expanded_bytes(tangential_key_of(c, key), ky_count);
     const double loss_B = TransferTable::expanded_bytes(loss, ky_count);
     const bool is_open = c.domain.edges == DomainEdges::open;
     const auto is_kept = [&](double table_B) {

@@ -10,10 +10,11 @@ namespace shearwake::layered {
 /// displacement, as the first one; the others have an empty list of depths where they are not
 /// needed. Not collective.
 TransferKey key_of(const Case& c, const LayeredOptions& options);
-TransferKey stress_key_of(const Case& c, const LayeredOptions& options);
+/// `displacement`: key_of() this case.
+TransferKey stress_key_of(const Case& c, const TransferKey& displacement);
 /// Without depths if the case does not request the tangential displacement.
-TransferKey tangential_key_of(const Case& c, const LayeredOptions& options);
-TransferKey loss_key_of(const Case& c, const LayeredOptions& options);
+TransferKey tangential_key_of(const Case& c, const TransferKey& displacement);
+TransferKey loss_key_of(const Case& c, const TransferKey& displacement);
 
 /// Number of frames whose spectra are in memory at the same time, on a rank with ky_count rows. Not
 /// collective.

@@ -9,126 +9,67 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <map>
+#include <utility>
 
 namespace shearwake::layered {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// The part before `end` of the integral of the hat function of half-width `step` around t.
-double covered(double t, double step, double end) {
-    const double x = std::clamp((end - t) / step, -1.0, 1.0);
-    return x < 0.0 ? 0.5 * (1.0 + x) * (1.0 + x) : 1.0 - 0.5 * (1.0 - x) * (1.0 - x);
-}
-
-double band_Hz(const Load& load) {
-    double carrier = 0.0;
-    if (const auto* resolved = std::get_if<ResolvedCarrier>(&load.carrier))
-        carrier = resolved->frequency_Hz;
-    const double scan = bandwidth_rad_m(load.footprint, 1e-6) *
-                        greatest_speed_m_s(load.modulation.trajectory) / two_pi;
-    // A focus that is updated at the rate of the array moves in jumps, which have content slightly
-    // above that rate.
-    const auto* array = std::get_if<ArrayFootprint>(&load.footprint);
-    const double update = array && scan > 0.0 ? array->update_rate_Hz : 0.0;
-    return scan + greatest_envelope_frequency_Hz(load.modulation.envelope) + carrier + update;
-}
-
 } // namespace
-
-TimeTransform time_transform(const Case& c, const LayeredOptions& options) {
-    double longest_step_s = 1.0 / (2.5 * std::max(band_Hz(c.scene().load), 1.0));
-    if (options.time_step_s) longest_step_s = *options.time_step_s;
-    const double ratio = c.time.interval_s / longest_step_s;
-    const auto per_frame =
-        std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(std::ceil(ratio - 1e-9)));
-    TimeTransform time;
-    if (c.time.regime == Regime::periodic) {
-        time.samples = c.time.frames * per_frame;
-        time.step_s = c.time.interval_s / static_cast<double>(per_frame);
-        time.first_s = c.time.interval_s;
-        return time;
-    }
-    const std::ptrdiff_t coarse = good_even_length(static_cast<std::ptrdiff_t>(
-        std::ceil(options.window_factor * static_cast<double>(c.time.frames))));
-    time.samples = coarse * per_frame;
-    time.step_s = c.time.interval_s / static_cast<double>(per_frame);
-    time.decay_rad_s =
-        std::log(options.wrap_suppression) / (static_cast<double>(time.samples) * time.step_s);
-    return time;
-}
-
-std::ptrdiff_t samples_per_frame(const Case& c, const TimeTransform& time) {
-    return static_cast<std::ptrdiff_t>(std::llround(c.time.interval_s / time.step_s));
-}
-
-std::vector<double> sample_weights(const Case& c, const TimeTransform& time) {
-    std::vector<double> weights(static_cast<std::size_t>(time.samples), 1.0);
-    if (c.time.regime == Regime::periodic) return weights;
-    const double gregory[] = {3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0};
-    for (std::size_t i = 0; i < std::min<std::size_t>(3, weights.size()); ++i)
-        weights[i] = gregory[i];
-    const double duration_s = c.time.duration_s();
-    const double period_s = static_cast<double>(time.samples) * time.step_s;
-    const double taper_s = 0.5 * (period_s - duration_s);
-    const double off_s = off_time_s(c.scene().load.modulation.trajectory);
-    for (std::size_t i = 0; i < weights.size(); ++i) {
-        const double t = static_cast<double>(i) * time.step_s;
-        if (off_s < duration_s - 0.5 * time.step_s) weights[i] *= covered(t, time.step_s, off_s);
-        if (t > duration_s) {
-            const double x = std::min(1.0, (t - duration_s) / taper_s);
-            weights[i] *= std::pow(std::cos(0.5 * std::numbers::pi * x), 2);
-        }
-    }
-    return weights;
-}
-
-std::vector<double> roll_off(const TimeTransform& time) {
-    std::vector<double> factors(static_cast<std::size_t>(time.samples));
-    for (std::ptrdiff_t m = 0; m < time.samples; ++m) {
-        const auto nearest = static_cast<double>(std::min(m, time.samples - m));
-        const double of_highest = nearest / (0.5 * static_cast<double>(time.samples));
-        const double x = std::clamp((of_highest - 0.8) / 0.2, 0.0, 1.0);
-        factors[static_cast<std::size_t>(m)] = std::pow(std::cos(0.5 * std::numbers::pi * x), 2);
-    }
-    return factors;
-}
 
 LoadSpectrum::LoadSpectrum(const Case& c, const TimeTransform& time, std::ptrdiff_t ky_start,
                            std::ptrdiff_t ky_count)
     : kernels_(simd::kernels<ResponseKernels>()), nx_(c.domain.nx), ny_(c.domain.ny),
       samples_(time.samples), ky_start_(ky_start), ky_count_(ky_count),
       dkx_rad_m_(two_pi / c.domain.extent_x_m()), dky_rad_m_(two_pi / c.domain.extent_y_m()),
-      pattern_(c.scene().load, time.end_s(c.time)), forward_(time.samples, fft::Direction::forward),
-      y_rests_(keeps_y(c, time)), weighted_(static_cast<std::size_t>(time.samples)),
-      buffer_(static_cast<std::size_t>(time.samples)) {
+      nodes_(c, time), pattern_(c.scene().load, time.end_s(c.time)),
+      forward_(time.samples, fft::Direction::forward), y_rests_(keeps_y(c, time)),
+      buffer_(nodes_.times_s().size()) {
     for (std::ptrdiff_t kx = 0; kx < nx_; ++kx)
         kx_rad_m_.push_back(static_cast<double>(2 * kx < nx_ ? kx : kx - nx_) * dkx_rad_m_);
-    const auto n = static_cast<std::size_t>(samples_);
-    const std::vector<double> weights = sample_weights(c, time);
-    for (std::size_t i = 0; i < n; ++i) {
-        const double t = time.sample_s(static_cast<std::ptrdiff_t>(i));
-        weighted_[i] = weights[i] * std::exp(-time.decay_rad_s * t) * amplitude(c.scene().load, t);
-    }
+    const std::vector<double>& times_s = nodes_.times_s();
+    const std::size_t n = times_s.size();
+    for (std::size_t i = 0; i < n; ++i)
+        weighted_.emplace_back(nodes_.weights()[i] * std::exp(-time.decay_rad_s * times_s[i]) *
+                               strength(c.scene().load, times_s[i]));
     // Positions relative to the corner of the grid, where the transform has its origin.
-    std::vector<Vec2> origin = origins_of_samples(c, time);
+    std::vector<Vec2> origin = origins_of_times(c);
     for (Vec2& place : origin)
         place = place - Vec2{c.domain.x_m(0), c.domain.y_m(0)};
 
-    x_phases_.resize(static_cast<std::size_t>(nx_) * n);
-    for (std::ptrdiff_t i = 0; i < nx_; ++i) {
-        Complex* line = x_phases_.data() + static_cast<std::size_t>(i) * n;
-        const double kx = kx_rad_m_[static_cast<std::size_t>(i)];
+    const std::size_t jumps_per_line =
+        static_cast<std::size_t>(jump_orders) * nodes_.breaks().size();
+    const auto kept = y_rests_ ? static_cast<std::size_t>(samples_) : n;
+    x_phases_.resize(static_cast<std::size_t>(nx_) * kept);
+    jumps_.resize((y_rests_ ? static_cast<std::size_t>(nx_) : 1) * jumps_per_line);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(nx_); ++i) {
+        Complex* line = y_rests_ ? buffer_.data() : x_phases_.data() + i * kept;
         for (std::size_t t = 0; t < n; ++t)
-            line[t] = weighted_[t] * std::polar(1.0, -kx * origin[t].x);
-        if (y_rests_) forward_.execute(line);
+            line[t] = weighted_[t] * std::polar(1.0, -kx_rad_m_[i] * origin[t].x);
+        if (!y_rests_) continue;
+        transform(line, jumps_.data() + i * jumps_per_line);
+        std::copy_n(line, kept, x_phases_.data() + i * kept);
     }
     const auto modes = static_cast<std::size_t>(ny_ / 2 + 1);
     for (std::size_t j = 0; j < modes; ++j)
         for (std::size_t t = 0; t < (y_rests_ ? 1 : n); ++t)
             y_phases_.push_back(
                 std::polar(1.0, -static_cast<double>(j) * dky_rad_m_ * origin[t].y));
+}
+
+/// Reduces the values at the times of nodes_ to the spectrum of the samples and to the jumps.
+void LoadSpectrum::transform(Complex* values, Complex* jumps_of_line) const {
+    const Complex* at_nodes = values + samples_;
+    const Complex* near_breaks = at_nodes + nodes_.nodes();
+    kernels_.distribute(fft::reals(at_nodes), nodes_.coefficients().data(),
+                        nodes_.first_samples().data(), nodes_.nodes(), taps, fft::reals(values),
+                        samples_);
+    for (std::ptrdiff_t b = 0; b < std::ssize(nodes_.breaks()); ++b)
+        std::ranges::copy(jumps(near_breaks + 2 * jump_orders * b),
+                          jumps_of_line + jump_orders * b);
+    forward_.execute(values);
 }
 
 bool LoadSpectrum::keeps_y(const Case& c, const TimeTransform& time) {
@@ -145,20 +86,21 @@ bool LoadSpectrum::keeps_y(const Case& c, const TimeTransform& time) {
 }
 
 /// Also computes the states of a changing pattern.
-std::vector<Vec2> LoadSpectrum::origins_of_samples(const Case& c, const TimeTransform& time) {
+std::vector<Vec2> LoadSpectrum::origins_of_times(const Case& c) {
     std::vector<Vec2> origins;
-    std::vector<double> held_s; // time at which each state begins
-    for (std::ptrdiff_t i = 0; i < samples_; ++i) {
-        const double at_s = pattern_.held_s(time.sample_s(i));
+    std::vector<double> held_s; // a time of each state
+    std::map<std::pair<double, double>, std::size_t> states;
+    for (const double t_s : nodes_.times_s()) {
+        const double at_s = pattern_.held_s(std::max(t_s, 0.0));
         if (!pattern_.changes()) {
             pattern_.set(at_s);
             origins.push_back(pattern_.origin_m());
             continue;
         }
-        const Trajectory& trajectory = c.scene().load.modulation.trajectory;
-        if (held_s.empty() || position(trajectory, at_s) != position(trajectory, held_s.back()))
-            held_s.push_back(at_s);
-        state_of_.push_back(held_s.size() - 1);
+        const Vec2 place = position(c.scene().load.modulation.trajectory, at_s);
+        const auto [state, is_new] = states.try_emplace({place.x, place.y}, held_s.size());
+        if (is_new) held_s.push_back(at_s);
+        state_of_.push_back(state->second);
     }
     if (!pattern_.changes()) return origins;
     const auto last = [&](double dk, std::ptrdiff_t nyquist) {
@@ -217,22 +159,27 @@ double LoadSpectrum::memory_B(const Case& c, const TimeTransform& time, std::ptr
            2.0 * modes(c.domain.extent_x_m(), 0.5 * static_cast<double>(c.domain.nx));
 }
 
-std::span<const Complex> LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
-    const auto n = static_cast<std::size_t>(samples_);
-    const Complex* x = x_phases_.data() + static_cast<std::size_t>(kx) * n;
-    if (y_rests_) return {x, n};
+LoadSpectrum::Line LoadSpectrum::line(std::ptrdiff_t kx, std::ptrdiff_t ky) {
+    const auto n = static_cast<std::size_t>(samples_), row = static_cast<std::size_t>(kx);
+    const std::size_t jumps_per_line =
+        static_cast<std::size_t>(jump_orders) * nodes_.breaks().size();
+    if (y_rests_)
+        return {{x_phases_.data() + row * n, n},
+                std::span(jumps_).subspan(row * jumps_per_line, jumps_per_line)};
     const engines::Timed timed(kinds::of_load);
-    const Complex* y = y_phases_.data() + static_cast<std::size_t>(ky) * n;
-    kernels_.multiply(fft::reals(x), fft::reals(y), samples_, fft::reals(buffer_.data()));
+    const std::size_t times = buffer_.size();
+    kernels_.multiply(fft::reals(x_phases_.data() + row * times),
+                      fft::reals(y_phases_.data() + static_cast<std::size_t>(ky) * times),
+                      static_cast<std::ptrdiff_t>(times), fft::reals(buffer_.data()));
     if (pattern_.changes()) {
         const std::ptrdiff_t mode = 2 * kx < nx_ ? kx : kx - nx_;
         const std::ptrdiff_t at = (ky - ky_start_) * (2 * last_kx_ + 1) + mode + last_kx_;
         const Complex* g = changing_.data() + static_cast<std::size_t>(at) * states_;
-        for (std::size_t t = 0; t < n; ++t)
+        for (std::size_t t = 0; t < times; ++t)
             buffer_[t] *= g[state_of_[t]];
     }
-    forward_.execute(buffer_.data());
-    return buffer_;
+    transform(buffer_.data(), jumps_.data());
+    return {{buffer_.data(), n}, jumps_};
 }
 
 } // namespace shearwake::layered

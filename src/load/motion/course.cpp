@@ -93,15 +93,21 @@ PathProgress in_run(const Timetable& table, const CornerPace& pace, double speed
         const double left_s =
             (is_last ? table.cycle_s(speed_m_s) : table.arrival_s(next, speed_m_s)) - t_s;
         if (left_s >= 0.0 && left_s < zone_s)
-            return {(is_last ? table.cycle_m() : table.arc_m(next)) - from_stop_m(left_s),
-                    slow_m_s + rate * left_s};
+            return {.arc_m = (is_last ? table.cycle_m() : table.arc_m(next)) - from_stop_m(left_s),
+                    .speed_m_s = slow_m_s + rate * left_s,
+                    .stage = 4 * next};
     }
-    if (next == 0) return {speed_m_s * t_s, speed_m_s};
+    if (next == 0) return {.arc_m = speed_m_s * t_s, .speed_m_s = speed_m_s, .stage = -1};
     const double stop_m = table.arc_m(next - 1);
     const double gone_s = t_s - table.arrival_s(next - 1, speed_m_s) - pace.dwell_s;
-    if (gone_s < 0.0) return {stop_m, 0.0};
-    if (gone_s < zone_s) return {stop_m + from_stop_m(gone_s), slow_m_s + rate * gone_s};
-    return {stop_m + zone_m + speed_m_s * (gone_s - zone_s), speed_m_s};
+    if (gone_s < 0.0) return {.arc_m = stop_m, .speed_m_s = 0.0, .stage = 4 * next + 1};
+    if (gone_s < zone_s)
+        return {.arc_m = stop_m + from_stop_m(gone_s),
+                .speed_m_s = slow_m_s + rate * gone_s,
+                .stage = 4 * next + 2};
+    return {.arc_m = stop_m + zone_m + speed_m_s * (gone_s - zone_s),
+            .speed_m_s = speed_m_s,
+            .stage = 4 * next + 3};
 }
 
 /// The time at which an oscillating speed has covered the length [s].
@@ -135,7 +141,10 @@ double end_of_oscillating_s(const OscillatingSpeed& motion, double length_m) {
 PathProgress folded(const Travel& travel, PathProgress in_run) {
     const double length = length_m(travel.path);
     if (travel.at_end != AtEnd::back_and_forth || in_run.arc_m <= length) return in_run;
-    return {2.0 * length - in_run.arc_m, -in_run.speed_m_s};
+    in_run.arc_m = 2.0 * length - in_run.arc_m;
+    in_run.speed_m_s = -in_run.speed_m_s;
+    in_run.pass += 0.5;
+    return in_run;
 }
 
 } // namespace
@@ -186,11 +195,17 @@ PathProgress progress(const Travel& travel, double t_s) {
     const auto* constant = std::get_if<ConstantSpeed>(&travel.motion);
     if (constant && constant->speed_m_s > 0.0 && travel.corners != CornerPace{}) {
         const double run_s = table.cycle_s(constant->speed_m_s);
-        const double since_s = again ? t_s - run_s * std::floor(t_s / run_s) : t_s;
-        return folded(travel, in_run(table, travel.corners, constant->speed_m_s, since_s));
+        const double pass = again ? std::floor(t_s / run_s) : 0.0;
+        PathProgress now = in_run(table, travel.corners, constant->speed_m_s, t_s - run_s * pass);
+        now.pass = pass;
+        return folded(travel, now);
     }
-    PathProgress all = {arc_length_m(travel.motion, t_s), speed_m_s(travel.motion, t_s)};
-    if (again) all.arc_m -= whole_m * std::floor(all.arc_m / whole_m);
+    PathProgress all = {.arc_m = arc_length_m(travel.motion, t_s),
+                        .speed_m_s = speed_m_s(travel.motion, t_s)};
+    if (again) {
+        all.pass = std::floor(all.arc_m / whole_m);
+        all.arc_m -= whole_m * all.pass;
+    }
     return folded(travel, all);
 }
 

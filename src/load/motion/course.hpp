@@ -5,10 +5,14 @@
 
 namespace shearwake {
 
-/// The arc length of a Travel along its path, and its speed (negative: backwards).
+/// The arc length of a Travel along its path, and its speed (negative: backwards). Both are smooth
+/// functions of time while `pass` and `stage` do not change: `stage` counts the parts of a pass
+/// between rests and changes of the acceleration.
 struct PathProgress {
     double arc_m = 0.0;
     double speed_m_s = 0.0;
+    double pass = 0.0;
+    std::ptrdiff_t stage = 0;
 };
 
 /// Continues beyond the end of a path that is traversed once, independent of AtEnd.

@@ -103,6 +103,15 @@ Vec2 tangent(const Curve& path, double arc_m) {
                       path.shape);
 }
 
+std::ptrdiff_t smooth_piece(const Curve& path, double arc_m) {
+    return std::visit(
+        overloaded{
+            [&](const Polyline& line) { return static_cast<std::ptrdiff_t>(line.piece(arc_m)); },
+            [](const auto&) { return std::ptrdiff_t{0}; },
+        },
+        path.shape);
+}
+
 bool is_closed(const Curve& path) {
     return std::visit(
         overloaded{

@@ -4,6 +4,7 @@
 #include "base/vec2.hpp"
 #include "load/motion/lissajous.hpp"
 
+#include <cstddef>
 #include <span>
 #include <variant>
 #include <vector>
@@ -71,12 +72,13 @@ public:
     /// Beyond an end, it continues along the last tangent.
     Vec2 at(double arc_m) const;
     Vec2 tangent(double arc_m) const;
+    /// The side on which an arc length lies.
+    std::size_t piece(double arc_m) const;
     std::span<const double> corners_m() const { return corners_m_; }
     bool starts_at_corner() const { return starts_at_corner_; }
 
 private:
     Vec2 point(std::size_t i) const { return points_m_[i % points_m_.size()]; }
-    std::size_t piece(double arc_m) const;
     Vec2 direction(std::size_t piece) const;
 
     std::vector<Vec2> points_m_;
@@ -128,6 +130,8 @@ double length_m(const Curve& path);
 /// The point and the direction at an arc length; beyond the ends, along the tangent.
 Vec2 point_m(const Curve& path, double arc_m);
 Vec2 tangent(const Curve& path, double arc_m);
+/// The number of the smooth piece at an arc length: of a side of a polyline, 0 for other shapes.
+std::ptrdiff_t smooth_piece(const Curve& path, double arc_m);
 /// Whether the path ends where it starts.
 bool is_closed(const Curve& path);
 /// Arc lengths of the corners between its ends, ascending.

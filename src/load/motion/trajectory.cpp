@@ -119,6 +119,27 @@ Vec2 velocity(const Trajectory& trajectory, double t_s) {
     return sum;
 }
 
+void add_smooth_pieces(const Trajectory& trajectory, double t_s, std::vector<double>& numbers) {
+    const auto of_travel = [&](const Travel& travel) {
+        if (has_ended(travel, t_s)) return numbers.push_back(-1.0);
+        const PathProgress now = progress(travel, t_s);
+        numbers.push_back(now.pass);
+        numbers.push_back(static_cast<double>(now.stage));
+        numbers.push_back(static_cast<double>(smooth_piece(travel.path, now.arc_m)));
+    };
+    for (const Mover& part : trajectory.parts)
+        std::visit(overloaded{
+                       [](const Hold&) {},
+                       [&](const Swing& s) {
+                           const double halves =
+                               2.0 * s.frequency_Hz * t_s + 2.0 * s.phase_rad / two_pi + 0.5;
+                           if (s.wave == SwingWave::triangle) numbers.push_back(std::floor(halves));
+                       },
+                       of_travel,
+                   },
+                   part);
+}
+
 double off_time_s(const Trajectory& trajectory) {
     double off = std::numeric_limits<double>::infinity();
     for (const Mover& part : trajectory.parts) {

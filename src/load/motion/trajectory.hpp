@@ -202,6 +202,8 @@ double greatest_speed_m_s(const Motion& motion);
 Vec2 position(const Trajectory& trajectory, double t_s);
 /// Focus velocity at time t [m/s], the exact derivative of `position`.
 Vec2 velocity(const Trajectory& trajectory, double t_s);
+/// Appends numbers that do not change while `position` is a smooth function of time.
+void add_smooth_pieces(const Trajectory& trajectory, double t_s, std::vector<double>& numbers);
 /// When the focus goes out because a path has ended; infinity if never [s].
 double off_time_s(const Trajectory& trajectory);
 /// Largest speed that the focus ever reaches [m/s].

@@ -35,6 +35,51 @@ void multiply(const double* a, const double* b, std::ptrdiff_t count, double* pr
     }
 }
 
+void distribute(const double* values, const double* coefficients, const std::ptrdiff_t* first,
+                std::ptrdiff_t nodes, std::ptrdiff_t taps, double* samples, std::ptrdiff_t count) {
+    for (std::ptrdiff_t n = 0; n < nodes; ++n, coefficients += 2 * taps) {
+        if (first[n] + taps > count) {
+            for (std::ptrdiff_t l = 0; l < 2 * taps; ++l) {
+                const std::ptrdiff_t sample = (first[n] + l / 2) % count;
+                samples[2 * sample + l % 2] += coefficients[l] * values[2 * n + l % 2];
+            }
+            continue;
+        }
+        const Vector value = load_in_turns(values + 2 * n);
+        double* to = samples + 2 * first[n];
+        for (std::ptrdiff_t l = 0; l < 2 * taps; l += width)
+            store(load(to + l) + value * load(coefficients + l), to + l);
+    }
+}
+
+void add_tail(const double* h, std::ptrdiff_t values, const double* weights, std::ptrdiff_t count,
+              const double* jumps, std::ptrdiff_t orders, double* line) {
+    std::ptrdiff_t n = 0;
+    for (; n + width <= count; n += width) {
+        Vector re, im;
+        load_ascending(line + 2 * n, re, im);
+        const double* w = weights + n;
+        for (std::ptrdiff_t b = 0; b < orders; ++b) {
+            Vector response{};
+            for (std::ptrdiff_t v = 0; v < values; ++v, w += count)
+                response += h[v] * load(w);
+            re += jumps[2 * b] * response;
+            im += jumps[2 * b + 1] * response;
+        }
+        store_ascending(re, im, line + 2 * n);
+    }
+    for (; n < count; ++n) {
+        const double* w = weights + n;
+        for (std::ptrdiff_t b = 0; b < orders; ++b) {
+            double response = 0.0;
+            for (std::ptrdiff_t v = 0; v < values; ++v, w += count)
+                response += h[v] * *w;
+            line[2 * n] += jumps[2 * b] * response;
+            line[2 * n + 1] += jumps[2 * b + 1] * response;
+        }
+    }
+}
+
 /// Computes line[m] += h[m] roll[m] load[m] for `count` values of m; on the negative side with the
 /// conjugate of h[-m] and with roll[-m].
 enum class Side { positive, negative };
@@ -162,8 +207,8 @@ void chebyshev(const double* coefficients, std::ptrdiff_t order, const double* x
     }
 }
 
-constexpr ResponseKernels table = {multiply,           respond,  turn, scale_row,
-                                   scale_mirrored_row, chebyshev};
+constexpr ResponseKernels table = {multiply, distribute, add_tail,           respond,
+                                   turn,     scale_row,  scale_mirrored_row, chebyshev};
 
 } // namespace
 } // namespace shearwake::layered

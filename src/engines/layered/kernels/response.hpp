@@ -10,6 +10,18 @@ struct ResponseKernels {
     /// product[i] = a[i] b[i] for i < count, complex.
     void (*multiply)(const double* a, const double* b, std::ptrdiff_t count, double* product);
 
+    /// Adds coefficient l of node n times its value to samples[first[n] + l], cyclically: `taps`
+    /// coefficients per node, each twice; values and samples are complex.
+    void (*distribute)(const double* values, const double* coefficients,
+                       const std::ptrdiff_t* first, std::ptrdiff_t nodes, std::ptrdiff_t taps,
+                       double* samples, std::ptrdiff_t count);
+
+    /// line[n] += sum_b jumps[b] sum_v weights[b][v][n] h[v] for n < count, b < orders and v <
+    /// values; line and jumps are complex.
+    void (*add_tail)(const double* h, std::ptrdiff_t values, const double* weights,
+                     std::ptrdiff_t count, const double* jumps, std::ptrdiff_t orders,
+                     double* line);
+
     /// Spectrum of the response (h times load times roll-off) at every samples/coarse-th time
     /// sample: higher frequencies fold onto the `coarse` frequencies of `line`. h and roll are
     /// given for m = 0 ... samples/2, and h(-m) is the conjugate of h(m); the load is given for all

@@ -20,10 +20,11 @@ struct LayeredOptions {
 
 template <class Walk, Is<LayeredOptions> Options>
 void walk_fields(Walk& walk, Options& o) {
-    walk(o.time_step_s, {.key = "time_step_us",
-                         .range = Range::at_least(0.01),
-                         .fallback = "from the bandwidth of the load",
-                         .meaning = "time between samples of the load"});
+    walk(o.time_step_s,
+         {.key = "time_step_us",
+          .range = Range::at_least(0.01),
+          .fallback = "from the bandwidth and the jumps of the load and from the medium",
+          .meaning = "time between samples of the load"});
     walk(o.window_factor, {.key = "window_factor",
                            .range = Range::between(1.25, 16.0),
                            .meaning = "period of the time transform, divided by the duration"});

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/layered/load_spectrum.hpp"
+#include "engines/layered/time_step.hpp"
 #include "engines/layered/stack_response.hpp"
 #include "support/cases.hpp"
 #include "support/worst.hpp"
