@@ -13,16 +13,15 @@ namespace {
 
 /// Points per wavelength that represent |p|^2, whose wave numbers reach 2 k.
 constexpr double points_a_wavelength = 4.0;
-/// Side of the lattice relative to the largest lateral offset: waves of up to twice this offset do
-/// not return into the pattern.
-constexpr double sides_an_offset = 3.0;
+/// Points per distance from the skin, which also represent evanescent waves.
+constexpr double points_a_distance = 2.0;
 constexpr double air_impedance_density_kg_m3 = 1.184; // air of 25 degrees
 
-/// The smallest product of 2, 3, 5 and 7 that is at least n.
-std::ptrdiff_t good_length(std::ptrdiff_t n) {
+/// The smallest product of 3, 5 and 7 that is at least n.
+std::ptrdiff_t good_odd_length(std::ptrdiff_t n) {
     for (;; ++n) {
         std::ptrdiff_t rest = n;
-        for (const std::ptrdiff_t factor : {2, 3, 5, 7})
+        for (const std::ptrdiff_t factor : {3, 5, 7})
             while (rest % factor == 0)
                 rest /= factor;
         if (rest == 1) return n;
@@ -79,15 +78,16 @@ double target_pressure(const LensFootprint& lens, Vec2 at_m) {
 
 LensLattice lattice(const LensFootprint& lens) {
     LensLattice lattice;
+    const double spacing_m =
+        std::min(wavelength_m(lens) / points_a_wavelength, lens.distance_m / points_a_distance);
     lattice.points_per_pixel = std::max<std::ptrdiff_t>(
-        1, static_cast<std::ptrdiff_t>(
-               std::ceil(points_a_wavelength * lens.pixel_m / wavelength_m(lens) - 1e-9)));
+        1, static_cast<std::ptrdiff_t>(std::ceil(lens.pixel_m / spacing_m - 1e-9)));
     lattice.spacing_m = lens.pixel_m / static_cast<double>(lattice.points_per_pixel);
-    // From one edge of the lens to the opposite corner of the pattern.
-    const double offset_m =
-        0.5 * lens.aperture_m + std::numbers::sqrt2 * fading_end_m(lens.reach_m);
-    const double pixels = std::ceil(sides_an_offset * offset_m / lens.pixel_m);
-    lattice.side = lattice.points_per_pixel * good_length(static_cast<std::ptrdiff_t>(pixels));
+    // Offsets between the lens and the pattern are at most half a side, with a margin for pixels
+    // and points on their edges.
+    const double offset_m = 0.5 * lens.aperture_m + fading_end_m(lens.reach_m) + 1.5 * lens.pixel_m;
+    const double pixels = std::ceil(2.0 * offset_m / lens.pixel_m);
+    lattice.side = lattice.points_per_pixel * good_odd_length(static_cast<std::ptrdiff_t>(pixels));
     return lattice;
 }
 

@@ -115,7 +115,7 @@ void walk_fields(Walk& walk, Footprint& lens) {
                              .meaning = "number of levels to which the phases are rounded"});
     walk(lens.iterations, {.key = "iterations",
                            .range = Range::between(1, 10000),
-                           .meaning = "iterations of the angular spectrum approach"});
+                           .meaning = "iterations of the design of the phases"});
     walk_material(walk, lens);
     walk_target(walk, lens);
     walk(lens.reach_m, {.key = "reach_mm",
@@ -144,18 +144,19 @@ double focal_width_m(const LensFootprint& lens);
 double target_extent_m(const LensFootprint& lens);
 /// The requested radiation pressure at a point of the skin, relative to its peak.
 double target_pressure(const LensFootprint& lens, Vec2 at_m);
-/// Points along each side of the lattice on which the lens is computed, and their spacing: a whole
-/// number of points per pixel, at least four per wavelength.
+/// Points along each side of the lattice on which the lens is computed, and their spacing: an
+/// integer number of points per pixel, at least four per wavelength. The centre of a pixel is on
+/// the axis.
 struct LensLattice {
     std::ptrdiff_t points_per_pixel = 1, side = 0;
     double spacing_m = 0.0;
-    /// Coordinate of a point; the axis is in the middle between two points.
+    /// Coordinate of a point.
     double at_m(std::ptrdiff_t i) const {
         return (static_cast<double>(i) - 0.5 * static_cast<double>(side - 1)) * spacing_m;
     }
 };
 LensLattice lattice(const LensFootprint& lens);
-/// Pixels along each side of the square around the aperture; its middle is on the axis.
+/// Pixels along each side of the square around the aperture, an odd number.
 std::ptrdiff_t pixels_along(const LensFootprint& lens);
 /// Thickness that delays or advances the sound by this phase (in [0, 2 pi)) relative to the base
 /// thickness [m].

@@ -2,7 +2,7 @@
 #include "load/acoustics/lens_design.hpp"
 
 #include "base/constants.hpp"
-#include "load/acoustics/angular_spectrum.hpp"
+#include "load/acoustics/plane_propagation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,8 +30,7 @@ public:
         : lens_(lens), lattice_(lattice(lens)),
           waves_(
               {two_pi / wavelength_m(lens), lens.absorption_dB_m / (20.0 * std::numbers::log10e)},
-              {lattice_.side, lattice_.spacing_m, lens.distance_m,
-               0.5 * lens.aperture_m + std::numbers::sqrt2 * fading_end_m(lens.reach_m)}) {
+              {lattice_.side, lattice_.spacing_m, lens.distance_m}) {
         pixels_ = pixels_along(lens);
         first_ = (lattice_.side / lattice_.points_per_pixel - pixels_) / 2;
     }
@@ -39,7 +38,7 @@ public:
     const LensLattice& grid() const { return lattice_; }
     std::ptrdiff_t pixels() const { return pixels_; }
     std::size_t points() const { return static_cast<std::size_t>(lattice_.side * lattice_.side); }
-    AngularSpectrum& waves() { return waves_; }
+    PlanePropagation& waves() { return waves_; }
 
     bool is_open(std::ptrdiff_t i, std::ptrdiff_t j) const {
         const double middle = 0.5 * static_cast<double>(pixels_ - 1);
@@ -91,7 +90,7 @@ public:
         for (std::ptrdiff_t i = 0; i < lattice_.side; ++i)
             for (std::ptrdiff_t j = 0; j < lattice_.side; ++j) {
                 const Vec2 middle = {lattice_.at_m(i), lattice_.at_m(j)};
-                if (norm(middle) > 2.0 * lens_.reach_m) continue;
+                if (norm(middle) > fading_end_m(lens_.reach_m)) continue;
                 double sum = 0.0;
                 for (int a = 0; a < subsamples; ++a)
                     for (int b = 0; b < subsamples; ++b)
@@ -108,7 +107,7 @@ public:
 private:
     LensFootprint lens_;
     LensLattice lattice_;
-    AngularSpectrum waves_;
+    PlanePropagation waves_;
     std::ptrdiff_t first_ = 0, pixels_ = 0; // the pixels of the square around the aperture
 };
 
@@ -161,24 +160,24 @@ double spot_m(const std::vector<double>& values, std::ptrdiff_t side, double spa
     return 2.0 * spacing_m * std::sqrt(static_cast<double>(count) / std::numbers::pi);
 }
 
+/// The largest value, by parabolas through the largest sample and its neighbours; samples on the
+/// edge are 0.
+double peak_of(const std::vector<double>& values, std::ptrdiff_t side) {
+    const auto largest = std::max_element(values.begin(), values.end());
+    double peak = *largest;
+    for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, side}) {
+        const double before = *(largest - step), after = *(largest + step);
+        const double bend = 2.0 * *largest - before - after;
+        if (bend > 0.0) peak += (after - before) * (after - before) / (8.0 * bend);
+    }
+    return peak;
+}
+
 /// The pattern, its peak and its width from the field on the skin.
 void set_pattern(const LensFootprint& lens, const LensLattice& grid,
                  const std::vector<Complex>& field, LensDesign& design) {
-    const std::ptrdiff_t fine = refinement * grid.side;
-    const double fine_m = grid.spacing_m / static_cast<double>(refinement);
-    std::vector<double> dense;
-    for (const Complex& p : refined(field, grid.side, refinement))
-        dense.push_back(std::norm(p));
-    for (std::ptrdiff_t n = 0; n < fine * fine; ++n)
-        dense[static_cast<std::size_t>(n)] *=
-            fading(lens.reach_m, std::hypot(grid.at_m(0) + fine_m * static_cast<double>(n / fine),
-                                            grid.at_m(0) + fine_m * static_cast<double>(n % fine)));
-    const double peak = *std::max_element(dense.begin(), dense.end());
-    design.gain = std::sqrt(peak);
-    design.width_m = spot_m(dense, fine, fine_m);
-    const auto half = std::min<std::ptrdiff_t>(
-        grid.side / 2,
-        static_cast<std::ptrdiff_t>(std::ceil(fading_end_m(lens.reach_m) / grid.spacing_m)));
+    const auto half =
+        static_cast<std::ptrdiff_t>(std::ceil(fading_end_m(lens.reach_m) / grid.spacing_m));
     const std::ptrdiff_t first = grid.side / 2 - half;
     Patch& patch = design.pattern;
     patch.side = grid.side - 2 * first;
@@ -186,9 +185,15 @@ void set_pattern(const LensFootprint& lens, const LensLattice& grid,
     patch.origin_m = {grid.at_m(first), grid.at_m(first)};
     for (std::ptrdiff_t i = first; i < first + patch.side; ++i)
         for (std::ptrdiff_t j = first; j < first + patch.side; ++j)
-            patch.values.push_back(std::norm(field[static_cast<std::size_t>(i * grid.side + j)]) /
-                                   peak *
+            patch.values.push_back(std::norm(field[static_cast<std::size_t>(i * grid.side + j)]) *
                                    fading(lens.reach_m, std::hypot(grid.at_m(i), grid.at_m(j))));
+    const std::vector<double> dense = refined(patch.values, patch.side, refinement);
+    const double peak = peak_of(dense, refinement * patch.side);
+    for (double& value : patch.values)
+        value /= peak;
+    design.gain = std::sqrt(peak);
+    design.width_m =
+        spot_m(dense, refinement * patch.side, grid.spacing_m / static_cast<double>(refinement));
 }
 
 double uniformity(const LensFootprint& lens, const Patch& pattern) {

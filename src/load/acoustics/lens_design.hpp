@@ -27,15 +27,15 @@ struct LensDesign {
     std::vector<double> errors;
 };
 
-/// Computes the phases by the iterative angular spectrum approach (Melde et al., Nature 537, 518,
-/// 2016): propagation to the skin, replacement of the amplitude by that of the target, propagation
-/// back, and replacement of the amplitude by that of the lens. The way back is the adjoint of the
-/// way there: each iteration then maximises a linear lower bound of the convex function sum |p|
-/// |p_target|, so that the error decreases. Deterministic. Not collective.
+/// Computes the phases by the iterative algorithm of Melde et al. (Nature 537, 518, 2016), with the
+/// propagation of square pixels: propagation to the skin, replacement of the amplitude by that of
+/// the target, propagation back, and replacement of the amplitude by that of the lens. The way back
+/// is the adjoint of the way there: each iteration then maximises a linear lower bound of the
+/// convex function sum |p| |p_target|, so that the error decreases. Deterministic. Not collective.
 LensDesign design_lens(const LensFootprint& lens);
 
-/// The pressure on the skin by the angular spectrum, for these phases of the pixels and unit
-/// amplitude at the lens, on the lattice of the lens; y fastest.
+/// The pressure on the skin for these phases of the pixels and unit amplitude at the lens, on the
+/// lattice of the lens; y fastest. Valid up to fading_end_m() from the axis.
 std::vector<std::complex<double>> field_on_skin(const LensFootprint& lens,
                                                 const std::vector<double>& phase_rad);
 

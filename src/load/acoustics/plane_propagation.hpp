@@ -15,26 +15,24 @@ struct Sound {
     double attenuation_Np_m = 0.0; // of the pressure
 };
 
-/// Propagation between two parallel planes of side x side points, which represent a part of an
-/// infinite plane.
+/// Two parallel planes with the same square lattice of side x side points.
 struct PlanePair {
     std::ptrdiff_t side = 0;
-    double spacing_m = 0.0;
+    double spacing_m = 0.0; // at most a quarter of the wavelength and half the distance
     double distance_m = 0.0;
-    /// Largest lateral offset between a source and a point of interest. Waves that travel further
-    /// sideways are faded out, since they would return through the periodic edges: with cos^2 from
-    /// `offset_m` to side * spacing - offset_m.
-    double offset_m = 0.0;
 };
 
-/// Propagates the complex pressure e^{-i w t} of a plane by its angular spectrum: each plane wave
-/// is multiplied by e^{i kz z}, with kz^2 = (k + i a)^2 - kx^2 - ky^2. Not collective.
-class AngularSpectrum {
+/// The pressure e^{-i w t} of square cells of uniform pressure, at the points of another plane: the
+/// Rayleigh-Sommerfeld integral of the first kind, (1 / 2 pi) integral of p z / r^2 (1 / r - i k)
+/// e^{i k r}, over each cell. The sum over the cells is a periodic convolution by FFT. It is that
+/// of the open plane where the offset between a cell and a point is at most half a side along each
+/// axis. Not collective.
+class PlanePropagation {
 public:
-    AngularSpectrum(const Sound& sound, const PlanePair& planes);
-    ~AngularSpectrum();
-    AngularSpectrum(AngularSpectrum&&) noexcept;
-    AngularSpectrum& operator=(AngularSpectrum&&) noexcept;
+    PlanePropagation(const Sound& sound, const PlanePair& planes);
+    ~PlanePropagation();
+    PlanePropagation(PlanePropagation&&) noexcept;
+    PlanePropagation& operator=(PlanePropagation&&) noexcept;
 
     /// The pressure on the other plane, in place; y fastest.
     void forward(std::span<std::complex<double>> pressure);
@@ -52,7 +50,7 @@ private:
 };
 
 /// The band-limited samples on a lattice that is `factor` times as fine. Not collective.
-std::vector<std::complex<double>> refined(std::span<const std::complex<double>> samples,
-                                          std::ptrdiff_t side, std::ptrdiff_t factor);
+std::vector<double> refined(std::span<const double> samples, std::ptrdiff_t side,
+                            std::ptrdiff_t factor);
 
 } // namespace shearwake
