@@ -20,13 +20,15 @@ constexpr std::array units = {
     Unit{"_us", 1e-6, "time"},       Unit{"_ns", 1e-9, "time"},
     Unit{"_s", 1.0, "time"},         Unit{"_deg", 0.017453292519943295, "angle"},
     Unit{"_rad", 1.0, "angle"},      Unit{"_mN", 1e-3, "force"},
-    Unit{"_N", 1.0, "force"},
+    Unit{"_N", 1.0, "force"},        Unit{"_dB_m", 1.0, "absorption"},
+    Unit{"_Pa_m", 1.0, "strength"},
 };
 
 } // namespace
 
 std::optional<Unit> unit_of(std::string_view key) {
     std::optional<Unit> found;
+    if (key.find("_over_") != std::string_view::npos) return found; // a ratio
     for (const Unit& unit : units) {
         const bool longer = !found || unit.suffix.size() > found->suffix.size();
         if (longer && key.size() > unit.suffix.size() && key.ends_with(unit.suffix)) found = unit;

@@ -14,7 +14,8 @@ struct Unit {
     std::string_view quantity; // the suggestion for a wrong unit lists units of the same quantity
 };
 
-/// The unit suffix at the end of `key`, if any; the longest one that matches.
+/// The unit suffix at the end of `key`, if any; the longest one that matches. Ratios, such as
+/// "c_p_over_c_s", have none.
 std::optional<Unit> unit_of(std::string_view key);
 
 /// `key` without its unit suffix: "thickness_mm" becomes "thickness".

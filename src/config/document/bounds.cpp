@@ -31,6 +31,10 @@ constexpr std::array by_quantity = {
         PhysicalBounds{1e-12, 1e4, "molecules collide within 1 ps, and no study lasts hours"}},
     std::pair{std::string_view("frequency"),
               PhysicalBounds{1e-6, 1e9, "waves above 1 GHz do not propagate in tissue"}},
+    std::pair{std::string_view("strength"),
+              PhysicalBounds{1e-9, 1e5,
+                             "a piston of 1e5 Pa m would produce the pressure of the atmosphere "
+                             "at a distance of 1 m"}},
 };
 
 } // namespace

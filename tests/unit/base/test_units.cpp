@@ -13,10 +13,13 @@ TEST_CASE("finds the longest unit at the end of a key", "[units]") {
     CHECK(unit_of("at_ms")->to_SI == 1e-3);
     CHECK(unit_of("tau_us")->to_SI == 1e-6);
     CHECK(unit_of("carrier_kHz")->to_SI == 1e3);
+    CHECK(unit_of("absorption_dB_m")->quantity == "absorption");
+    CHECK(unit_of("pressure_Pa_m")->quantity == "strength");
 }
 
 TEST_CASE("finds no unit in a key without one", "[units]") {
-    const std::string key = GENERATE("mach", "focal_radius_fwhm", "am_depth", "_mm", "", "kind");
+    const std::string key =
+        GENERATE("mach", "c_p_over_c_s", "focal_radius_fwhm", "am_depth", "_mm", "", "kind");
     CHECK_FALSE(unit_of(key));
     CHECK(without_unit(key) == key);
 }

@@ -73,6 +73,11 @@ TEST_CASE("numbers of an array can be swept", "[config][footprint][slow]") {
     CHECK(read.plan.cases[1].physics.scene().load.peak_Pa == Approx(51.0).margin(0.5));
 }
 
+TEST_CASE("the strength of a piston is not limited like a length", "[config][footprint]") {
+    CHECK(load_of(board + ", pressure_Pa_m = 12").peak_Pa ==
+          Approx(9.0 * load_of(board + ", pressure_Pa_m = 4").peak_Pa));
+}
+
 TEST_CASE("an error in an array is reported with its location", "[config][footprint]") {
     const auto [footprint, peak, said] = GENERATE_REF(table<std::string, std::string, std::string>({
         {board, "",

@@ -66,6 +66,14 @@ TEST_CASE("the cases of a sweep share a lens", "[config][lens]") {
     CHECK(design(0) == design(1));
 }
 
+TEST_CASE("the absorption of a lens is not limited like a length", "[config][lens]") {
+    CHECK(diagnostics_of(with_lens(plate + ", target_foci_mm = [[0, 0]], absorption_dB_m = 50"))
+              .empty());
+    CHECK(any_contains(
+        diagnostics_of(with_lens(plate + ", target_foci_mm = [[0, 0]], absorption_dB_m = 1001")),
+        "load.footprint.absorption_dB_m must be between 0 and 1000, but is 1001"));
+}
+
 TEST_CASE("an error in a lens is reported", "[config][lens]") {
     const auto [footprint, peak, said] = GENERATE_REF(table<std::string, std::string, std::string>({
         {plate, "peak_Pa = 5\n",
