@@ -54,12 +54,13 @@ std::vector<double> image_uplift_m(const Case& c) {
     averaged.carrier = AveragedCarrier{};
     // The first and the second integral of the force over time, by the trapezoidal rule.
     std::vector<double> once(frames + 1, 0.0), twice(frames + 1, 0.0), uplift_m(frames, 0.0);
-    double before_N = force_N(averaged, 0.0);
+    std::vector<double> times_s;
+    for (std::size_t n = 0; n <= frames; ++n)
+        times_s.push_back(static_cast<double>(n) * dt_s);
+    const std::vector<double> force_N = forces_N(averaged, times_s);
     for (std::size_t n = 1; n <= frames; ++n) {
-        const double now_N = force_N(averaged, static_cast<double>(n) * dt_s);
-        once[n] = once[n - 1] + 0.5 * dt_s * (before_N + now_N);
+        once[n] = once[n - 1] + 0.5 * dt_s * (force_N[n - 1] + force_N[n]);
         twice[n] = twice[n - 1] + 0.5 * dt_s * (once[n - 1] + once[n]);
-        before_N = now_N;
         if (n < delay) continue;
         const std::size_t m = n - delay;
         uplift_m[n - 1] = per_moment * (twice[m] + static_cast<double>(delay) * dt_s * once[m]);

@@ -74,13 +74,10 @@ double peak_Pa(const ArrayFootprint& array, double strength_Pa_m, double air_den
            (air_density_kg_m3 * array.sound_speed_m_s * array.sound_speed_m_s);
 }
 
-ArrayField::ArrayField(const ArrayFootprint& array, double furthest_m, Sampling sampling)
-    : array_(array) {
+ArrayField::ArrayField(const ArrayFootprint& array, double furthest_m) : array_(array) {
     const double wavelength_m = two_pi / wave_number_rad_m(array);
-    per_pitch_ = sampling == Sampling::coarse
-                     ? 3
-                     : static_cast<std::ptrdiff_t>(
-                           std::ceil(samples_a_wavelength * array.pitch_m / wavelength_m - 1e-9));
+    per_pitch_ = static_cast<std::ptrdiff_t>(
+        std::ceil(samples_a_wavelength * array.pitch_m / wavelength_m - 1e-9));
     spacing_m_ = array.pitch_m / static_cast<double>(per_pitch_);
     reach_ = static_cast<std::ptrdiff_t>(std::ceil(fading_end_m(array.reach_m) / spacing_m_));
     peak_ = amplitude_below(array);

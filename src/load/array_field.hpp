@@ -19,16 +19,15 @@ std::complex<double> piston_pressure(const ArrayFootprint& array, double offset_
 ///
 /// All pistons and samples are on one lattice, whose spacing divides the pitch, so that a single
 /// table of offsets contains the pressure of every piston at every sample. A pattern then requires
-/// pistons times samples multiplications, about 2 ms. Each pattern is multiplied by fading() at the
+/// pistons times samples multiplications, about 2 ms. The spacing is at most lambda / 6.5, below
+/// which |p|^2 varies by less than 1e-10 of its peak. Each pattern is multiplied by fading() at the
 /// distance r from its centre, since the side lobes of the array
 /// are unbounded but a patch is not.
 class ArrayField {
 public:
-    enum class Sampling { fine, coarse };
     /// `furthest_m`: the largest offset along x or y of the centre of a pattern from that of the
-    /// array. Fine: a spacing of at most lambda / 6.5, below which |p|^2 varies by less than 1e-10
-    /// of its peak. Coarse: a third of the pitch, which is sufficient for the integral.
-    ArrayField(const ArrayFootprint& array, double furthest_m, Sampling sampling = Sampling::fine);
+    /// array.
+    ArrayField(const ArrayFootprint& array, double furthest_m);
 
     double spacing_m() const { return spacing_m_; }
     /// The pattern, faded out around `middle_m`, of an array that focuses on all `foci_m`

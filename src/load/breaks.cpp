@@ -94,11 +94,6 @@ Vec2 focus_m(const Load& load, double t_s) {
     return position(load.modulation.trajectory, held_s(load, t_s));
 }
 
-double strength(const Load& load, double t_s) {
-    if (t_s < 0.0 || t_s > off_time_s(load.modulation.trajectory)) return 0.0;
-    return amplitude(load, t_s);
-}
-
 std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, double cell_s) {
     const double width_m = fwhm_m(load.footprint) / (2.0 * std::sqrt(2.0 * std::log(2.0)));
     std::vector<Break> all;

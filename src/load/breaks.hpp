@@ -9,8 +9,6 @@ namespace shearwake {
 
 /// Where the focus is at time t [m]; an array moves its focus at its update rate.
 Vec2 focus_m(const Load& load, double t_s);
-/// e(t) c(t) while the load is on, 0 before t = 0 and after the path has ended.
-double strength(const Load& load, double t_s);
 
 /// An instant at which the load is not smooth: limits from both sides of its position and strength,
 /// or of their first two derivatives in time, differ. Between two breaks the load is smooth.

@@ -4,6 +4,7 @@
 #include "load/footprint.hpp"
 #include "load/modulation.hpp"
 
+#include <limits>
 #include <span>
 #include <variant>
 #include <vector>
@@ -66,14 +67,23 @@ void walk_fields(Walk& walk, L& load) {
 /// e(t) c(t) at time t, also after the end of the path.
 double amplitude(const Load& load, double t_s);
 
+/// e(t) c(t) while the load is on, 0 before t = 0 and after the path has ended.
+double strength(const Load& load, double t_s);
+
 /// The time at which the focus that is active at t was selected [s]: an array updates it at its
 /// update rate, other sources at all times.
 double held_s(const Load& load, double t_s);
 
-/// Force divided by peak_Pa and by e(t) c(t), at each of these ascending times [m^2].
-std::vector<double> force_areas_m2(const Load& load, std::span<const double> times_s);
+/// Force divided by peak_Pa and by e(t) c(t), at each of these ascending times [m^2]. That of a
+/// steered array is interpolated between positions of its focus, with an error of 1e-5 or less.
+/// With rounded phases or an iterated hologram it fluctuates from one position to the next, and is
+/// computed at `most_rough` of the times.
+std::vector<double>
+force_areas_m2(const Load& load, std::span<const double> times_s,
+               std::size_t most_rough = std::numeric_limits<std::size_t>::max());
 
-/// The force of the whole footprint at time t [N]; 0 before t = 0 and after the path has ended.
-double force_N(const Load& load, double t_s);
+/// The force of the whole footprint at these ascending times [N]; 0 before t = 0 and after the path
+/// has ended.
+std::vector<double> forces_N(const Load& load, std::span<const double> times_s);
 
 } // namespace shearwake

@@ -35,8 +35,7 @@ Complex mean_phase(const std::vector<Vec2>& offsets_m, double kx_rad_m, double k
 
 } // namespace
 
-LoadPattern::LoadPattern(const Load& load, double until_s, ArrayField::Sampling sampling)
-    : load_(load), until_s_(until_s) {
+LoadPattern::LoadPattern(const Load& load, double until_s) : load_(load), until_s_(until_s) {
     const Trajectory& trajectory = load.modulation.trajectory;
     if (const auto* array = std::get_if<ArrayFootprint>(&load.footprint)) {
         changes_ = greatest_speed_m_s(trajectory) > 0.0;
@@ -45,7 +44,7 @@ LoadPattern::LoadPattern(const Load& load, double until_s, ArrayField::Sampling 
         for (const Vec2& offset : load.modulation.foci_m)
             spread_m = std::max(spread_m, norm(offset));
         reaching.reach_m += spread_m;
-        field_.emplace(reaching, furthest_m(trajectory, array->center_m, until_s), sampling);
+        field_.emplace(reaching, furthest_m(trajectory, array->center_m, until_s));
     } else if (const auto* lens = std::get_if<LensFootprint>(&load.footprint)) {
         patch_ = design_of(*lens)->pattern;
     }
@@ -58,13 +57,20 @@ double LoadPattern::held_s(double t_s) const {
 }
 
 void LoadPattern::set(double held_s) {
-    if (field_ && !changes_ && patch_.side > 0) return;
-    origin_m_ = position(load_.modulation.trajectory, held_s);
+    set_focus(position(load_.modulation.trajectory, held_s));
+}
+
+void LoadPattern::set_focus(Vec2 at_m) {
     if (!field_) {
-        origin_m_ = origin_m_ + patch_.origin_m;
+        origin_m_ = at_m + patch_.origin_m;
         return;
     }
-    patch_ = field_->pattern(origin_m_, foci(load_.modulation, held_s));
+    if (!changes_ && patch_.side > 0) return;
+    std::vector<Vec2> foci_m = load_.modulation.foci_m;
+    if (foci_m.empty()) foci_m.emplace_back();
+    for (Vec2& focus : foci_m)
+        focus = at_m + focus;
+    patch_ = field_->pattern(at_m, foci_m);
     origin_m_ = patch_.origin_m;
 }
 

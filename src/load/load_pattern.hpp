@@ -18,8 +18,7 @@ namespace shearwake {
 class LoadPattern {
 public:
     /// Supports times up to `until_s`; for an array, later times are replaced by it.
-    LoadPattern(const Load& load, double until_s,
-                ArrayField::Sampling sampling = ArrayField::Sampling::fine);
+    LoadPattern(const Load& load, double until_s);
 
     /// Whether the pattern changes as the focus moves.
     bool changes() const { return changes_; }
@@ -27,6 +26,8 @@ public:
     double held_s(double t_s) const;
     /// Selects the pattern of that time.
     void set(double held_s);
+    /// Selects the pattern of a position of the focus within the bounds of the path.
+    void set_focus(Vec2 at_m);
     /// The origin of the spectra [m].
     Vec2 origin_m() const { return origin_m_; }
     /// Spectra at one ky and some kx [m^2].

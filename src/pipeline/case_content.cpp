@@ -60,7 +60,7 @@ std::vector<Variable> root_series(const Case& c, const std::vector<measures::Dep
          ""},
         {"force",
          {"time"},
-         over_time(c, [&](double t) { return force_N(averaged, t); }),
+         forces_N(averaged, time),
          "N",
          "force of the whole footprint, averaged over the carrier's cycle",
          ""},

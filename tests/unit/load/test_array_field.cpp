@@ -47,6 +47,11 @@ double slow_twin(const ArrayFootprint& array, Vec2 focus, Vec2 there) {
     return std::norm(p) / (peak * peak);
 }
 
+double first_force_N(const Load& load) {
+    const double zero = 0.0;
+    return forces_N(load, {&zero, 1}).front();
+}
+
 } // namespace
 
 TEST_CASE("the focus of a 16 x 16 array is as wide as it is known to be", "[array]") {
@@ -157,12 +162,55 @@ TEST_CASE("rounding phases to few levels reduces the peak as predicted by theory
     CHECK(strength(256) / strength(0) == Approx(1.0).epsilon(1e-2));
 }
 
-TEST_CASE("the coarse samples have the integral of the fine ones", "[array]") {
-    const Load load = load_of(board(), at({0.02, 0.01}));
+TEST_CASE("the pattern of an array is that of the discs of its pistons", "[array]") {
+    const ArrayFootprint array = board(GENERATE(0.1, 0.2));
+    const double k = 2.0 * std::numbers::pi * array.frequency_Hz / array.sound_speed_m_s;
+    // The mean of e^{ikr} / r over a disc, by the midpoint rule in rings of equal area.
+    const auto disc = [&](Vec2 off) {
+        constexpr int rings = 10, angles = 24;
+        Complex sum = 0.0;
+        for (int n = 0; n < rings * angles; ++n) {
+            const double radius_m = array.radius_m * std::sqrt((n / angles + 0.5) / rings);
+            const double angle = 2.0 * std::numbers::pi * n / angles;
+            const double r = std::hypot(off.x - radius_m * std::cos(angle),
+                                        off.y - radius_m * std::sin(angle), array.distance_m);
+            sum += std::polar(1.0 / r, k * r);
+        }
+        return sum / static_cast<double>(rings * angles);
+    };
+    const Vec2 focus = {0.02, 0.01};
+    for (const Vec2 off : {Vec2{}, {0.004, 0.002}, {-0.005, 0.003}, {0.015, -0.01}}) {
+        Complex p = 0.0;
+        double peak = 0.0;
+        for (int row = 0; row < array.rows; ++row)
+            for (int column = 0; column < array.columns; ++column) {
+                const Vec2 place = {(column - 7.5) * array.pitch_m, (row - 7.5) * array.pitch_m};
+                const Complex to_focus = piston_pressure(array, norm(focus - place));
+                p += std::conj(to_focus) / std::abs(to_focus) * disc(focus + off - place);
+                peak += std::abs(piston_pressure(array, norm(place)));
+            }
+        // The directivity is that of a far field, whose phase is in error by k a^2 / (4 r) = 0.04
+        // at 0.1 m. An eighth of it differs between the pistons of this steered array.
+        CHECK(slow_twin(array, focus, focus + off) ==
+              Approx(std::norm(p) / (peak * peak)).margin(5e-4 / array.distance_m));
+    }
+}
+
+TEST_CASE("the force of a steered array is the integral of its pressure", "[array]") {
+    ArrayFootprint array = board(GENERATE(0.1, 0.2));
+    array.reach_m = 0.02;
+    const Vec2 focus = {0.02, 0.01};
+    // On a lattice that is not that of the pattern, finer, up to a fade-out of 1e-9.
+    constexpr double spacing_m = 1.1e-3;
+    double sum = 0.0;
+    for (int i = -28; i <= 28; ++i)
+        for (int j = -28; j <= 28; ++j) {
+            const Vec2 off = {i * spacing_m, j * spacing_m};
+            sum += slow_twin(array, focus, focus + off) * fading(array.reach_m, norm(off));
+        }
     const double zero = 0.0;
-    Complex fine;
-    LoadPattern(load, 0.0).spectra(0.0, {&zero, 1}, {&fine, 1});
-    CHECK(force_areas_m2(load, {&zero, 1}).front() == Approx(fine.real()).epsilon(1e-6));
+    CHECK(force_areas_m2(load_of(array, at(focus)), {&zero, 1}).front() ==
+          Approx(sum * spacing_m * spacing_m).epsilon(1e-8)); // both sums are spectrally accurate
 }
 
 TEST_CASE("a force of known pistons is as large as it is known to be", "[array]") {
@@ -170,7 +218,7 @@ TEST_CASE("a force of known pistons is as large as it is known to be", "[array]"
     Load load = load_of(array, at({}));
     load.peak_Pa = peak_Pa(array, 2.53, 1.184);
     // 6 mN, a whole number: the side lobes that are kept are part of it.
-    CHECK(force_N(load, 0.0) == Approx(6e-3).margin(1e-3));
+    CHECK(first_force_N(load) == Approx(6e-3).margin(1e-3));
 }
 
 TEST_CASE("several foci share the power of one", "[array]") {
@@ -179,7 +227,7 @@ TEST_CASE("several foci share the power of one", "[array]") {
     Load one = load_of(footprint, at({})), two = one;
     two.modulation.foci_m = {{-0.02, 0.0}, {0.02, 0.0}};
     // An array steers both beams a little and they interfere in their side lobes.
-    CHECK(force_N(two, 0.0) == Approx(force_N(one, 0.0)).epsilon(is_array ? 0.1 : 1e-12));
+    CHECK(first_force_N(two) == Approx(first_force_N(one)).epsilon(is_array ? 0.1 : 1e-12));
     if (!is_array) return;
     const std::vector<Vec2> places = foci(two.modulation, 0.0);
     const Patch patch = ArrayField(board(), 0.03).pattern({}, places);

@@ -55,10 +55,12 @@ TEST_CASE("the force is the integral of the pressure while the path lasts", "[lo
     const Load load = plain_load();
     const double sigma = 0.003 / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
     const double whole_N = 100.0 * 2.0 * std::numbers::pi * sigma * sigma;
-    CHECK(force_N(load, 0.0) == Approx(whole_N).epsilon(1e-14));
-    CHECK(force_N(load, 0.0139) == Approx(whole_N).epsilon(1e-14));
-    CHECK(force_N(load, -1e-9) == 0.0);
-    CHECK(force_N(load, 0.0141) == 0.0);
+    const std::vector<double> times_s = {-1e-9, 0.0, 0.0139, 0.0141};
+    const std::vector<double> forces = forces_N(load, times_s);
+    CHECK(forces[0] == 0.0);
+    CHECK(forces[1] == Approx(whole_N).epsilon(1e-14));
+    CHECK(forces[2] == Approx(whole_N).epsilon(1e-14));
+    CHECK(forces[3] == 0.0);
 }
 
 TEST_CASE("a resolved carrier has mean one and is never negative", "[load]") {
