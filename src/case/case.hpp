@@ -207,7 +207,8 @@ void walk_fields(Walk& walk, Options& o) {
                   "the sharpness are measured: the size `[x, y]` of a rectangle, `\"path\"` "
                   "(the bounding box of the path and of the foci, 30 mm wider on each side), "
                   "or `\"palm\"` (the outline of the palm of the hand on which "
-                  "`afferents.patch_mm` places the domain)"});
+                  "`afferents.patch_mm` places the domain). Samples on its edge count with the "
+                  "fraction of their cell inside"});
     walk.key({.key = "region_center_mm",
               .type = "point",
               .fallback = "[0, 0]",

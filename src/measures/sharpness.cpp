@@ -65,10 +65,11 @@ double sharpness(View2<const double> mean_u2, const Domain& domain, const Region
     const std::vector<double> shares = shares_near(lines, reach_m, domain);
     double near = 0.0, all = 0.0;
     for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
-        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double weight) {
             for (std::ptrdiff_t j = first; j < end; ++j) {
-                near += shares[static_cast<std::size_t>(i * domain.ny + j)] * mean_u2(i, j);
-                all += mean_u2(i, j);
+                const double energy = weight * mean_u2(i, j);
+                near += shares[static_cast<std::size_t>(i * domain.ny + j)] * energy;
+                all += energy;
             }
         });
     return all > 0.0 ? near / all : std::numeric_limits<double>::quiet_NaN();

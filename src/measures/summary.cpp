@@ -318,24 +318,27 @@ void add_sharpness(Columns& columns, const Case& c, const PeriodWindow& window,
     columns.add("sharpness_1", value, note);
 }
 
-/// The bounding box and the area of a stated region, clipped to the domain.
+/// The area and the bounding box of a stated region, as far as it is measured.
 void add_region(Columns& columns, const Case& c) {
     if (c.measure.region_m.empty()) return;
     const Region region = measured_region(c.domain, c.measure);
-    const Domain& d = c.domain;
     const auto add = [&](const char* name, double value) {
         if (region.samples() > 0)
             columns.add(name, value, "");
         else
             columns.add(name, not_a_number, "the region contains no sample");
     };
-    const auto edge_mm = [](double at_m) { return at_m * 1e3; };
-    const double cell_mm = d.spacing_m * 1e3;
-    add("region_mm2", static_cast<double>(region.samples()) * cell_mm * cell_mm);
-    add("region_from_x_mm", edge_mm(d.x_m(region.x0)));
-    add("region_to_x_mm", edge_mm(d.x_m(region.x1)));
-    add("region_from_y_mm", edge_mm(d.y_m(region.y0)));
-    add("region_to_y_mm", edge_mm(d.y_m(region.y1)));
+    Vec2 low{not_a_number, not_a_number}, high = low;
+    for (const Vec2 corner : measured_outline(c.domain, c.measure)) {
+        low = {std::fmin(low.x, corner.x), std::fmin(low.y, corner.y)};
+        high = {std::fmax(high.x, corner.x), std::fmax(high.y, corner.y)};
+    }
+    const double cell_mm = c.domain.spacing_m * 1e3;
+    add("region_mm2", region.cells() * cell_mm * cell_mm);
+    add("region_from_x_mm", low.x * 1e3);
+    add("region_to_x_mm", high.x * 1e3);
+    add("region_from_y_mm", low.y * 1e3);
+    add("region_to_y_mm", high.y * 1e3);
 }
 
 } // namespace

@@ -44,16 +44,63 @@ std::pair<std::ptrdiff_t, std::ptrdiff_t> index_range(double from, double to, do
     return {static_cast<std::ptrdiff_t>(first), static_cast<std::ptrdiff_t>(end)};
 }
 
-/// Ascending y at which the line of constant x crosses the edges of a polygon.
-std::vector<double> row_crossings_m(std::span<const Vec2> corners, double x_m) {
-    std::vector<double> crossings;
+/// The mean of min(max(s, 0), 1) over s between a and b.
+double mean_of_clamped(double a, double b) {
+    const auto integral = [](double s) {
+        return s <= 0.0 ? 0.0 : s >= 1.0 ? s - 0.5 : 0.5 * s * s;
+    };
+    if (std::max(a, b) <= 0.0) return 0.0;
+    if (std::min(a, b) >= 1.0) return 1.0;
+    if (std::abs(b - a) < 1e-7) return std::clamp(0.5 * (a + b), 0.0, 1.0);
+    return (integral(b) - integral(a)) / (b - a);
+}
+
+/// The first `count` cells of row i inside a polygon in units of cells, where cell (i, j) is the
+/// square [i, i + 1] x [j, j + 1]: the sum over the edges of the signed area of the cell below
+/// each.
+std::vector<SampleRun> row_inside(std::span<const Vec2> corners, std::ptrdiff_t i,
+                                  std::ptrdiff_t count) {
+    std::vector<double> inside(static_cast<std::size_t>(count), 0.0);
+    const auto left = static_cast<double>(i);
     for (std::size_t n = 0; n < corners.size(); ++n) {
         const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
-        if ((a.x <= x_m) == (b.x <= x_m)) continue;
-        crossings.push_back(a.y + (x_m - a.x) / (b.x - a.x) * (b.y - a.y));
+        const double from = std::clamp(a.x, left, left + 1.0),
+                     to = std::clamp(b.x, left, left + 1.0);
+        if (from == to) continue;
+        const double slope = (b.y - a.y) / (b.x - a.x);
+        const double y_from = a.y + slope * (from - a.x), y_to = a.y + slope * (to - a.x);
+        for (std::size_t j = 0; j < inside.size(); ++j) {
+            const auto low = static_cast<double>(j);
+            inside[j] += (to - from) * mean_of_clamped(y_from - low, y_to - low);
+        }
     }
-    std::ranges::sort(crossings);
-    return crossings;
+    // A millionth of a cell, so that rounding does not decide about samples.
+    constexpr double slack = 1e-6;
+    std::vector<SampleRun> runs;
+    for (std::ptrdiff_t j = 0; j < count; ++j) {
+        double weight = std::abs(inside[static_cast<std::size_t>(j)]);
+        if (weight < slack) continue;
+        if (weight > 1.0 - slack) weight = 1.0;
+        if (!runs.empty() && runs.back().end == j && runs.back().weight == weight)
+            ++runs.back().end;
+        else
+            runs.push_back({j, j + 1, weight});
+    }
+    return runs;
+}
+
+/// The part of a polygon on the side of a line where dot(normal, point) <= limit (Sutherland and
+/// Hodgman 1974). Parts that a concave polygon leaves are connected by edges without area.
+std::vector<Vec2> clipped(const std::vector<Vec2>& corners, Vec2 normal, double limit) {
+    std::vector<Vec2> part;
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
+        const double beyond_a = dot(normal, a) - limit, beyond_b = dot(normal, b) - limit;
+        if (beyond_a <= 0.0) part.push_back(a);
+        if (std::min(beyond_a, beyond_b) < 0.0 && std::max(beyond_a, beyond_b) > 0.0)
+            part.push_back(a + (beyond_a / (beyond_a - beyond_b)) * (b - a));
+    }
+    return part;
 }
 
 } // namespace
@@ -75,40 +122,58 @@ Region measured_region(const Domain& domain) {
 std::ptrdiff_t Region::samples() const {
     std::ptrdiff_t count = 0;
     for (std::ptrdiff_t i = x0; i < x1; ++i)
-        runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) { count += end - first; });
+        runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double) { count += end - first; });
     return count;
 }
 
-Region measured_region(const Domain& domain, const MeasureOptions& measure) {
-    Region region = measured_region(domain);
-    if (measure.region_m.empty()) return region;
-    const std::span<const Vec2> corners = measure.region_m;
-    // A millionth of a cell, so that rounding does not decide about samples on an edge.
-    const double h = domain.spacing_m, slack = 1e-6 * h;
-    Region cut = {.x0 = region.x1, .x1 = region.x0, .y0 = region.y1, .y1 = region.y0};
-    std::vector<std::vector<SampleRun>> rows;
-    for (std::ptrdiff_t i = region.x0; i < region.x1; ++i) {
-        std::vector<double> crossings = row_crossings_m(corners, domain.x_m(i) + slack);
-        std::vector<SampleRun> row;
-        for (std::size_t n = 0; n + 1 < crossings.size(); n += 2) {
-            const auto sample = [&](double y_m) {
-                const double at = std::ceil((y_m - slack) / h) + static_cast<double>(domain.ny / 2);
-                return std::clamp(static_cast<std::ptrdiff_t>(at), region.y0, region.y1);
-            };
-            const SampleRun run{sample(crossings[n]), sample(crossings[n + 1])};
-            if (run.end > run.first) row.push_back(run);
-        }
-        if (!row.empty()) {
-            cut.x0 = std::min(cut.x0, i);
-            cut.x1 = i + 1;
-            cut.y0 = std::min(cut.y0, row.front().first);
-            cut.y1 = std::max(cut.y1, row.back().end);
-        }
-        rows.push_back(std::move(row));
+double Region::cells() const {
+    CompensatedSum sum;
+    for (std::ptrdiff_t i = x0; i < x1; ++i)
+        runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double weight) {
+            sum.add(weight * static_cast<double>(end - first));
+        });
+    return sum.value();
+}
+
+std::vector<Vec2> measured_outline(const Domain& domain, const MeasureOptions& measure) {
+    const double half_cell_m = 0.5 * domain.spacing_m;
+    if (measure.region_m.empty()) {
+        const Region region = measured_region(domain);
+        if (region.samples() == 0) return {};
+        const double low_x = domain.x_m(region.x0) - half_cell_m,
+                     high_x = domain.x_m(region.x1) - half_cell_m,
+                     low_y = domain.y_m(region.y0) - half_cell_m,
+                     high_y = domain.y_m(region.y1) - half_cell_m;
+        return {{low_x, low_y}, {high_x, low_y}, {high_x, high_y}, {low_x, high_y}};
     }
-    if (cut.x1 <= cut.x0)
-        return {.x0 = region.x0, .x1 = region.x0, .y0 = region.y0, .y1 = region.y0};
-    cut.cut.assign(rows.begin() + (cut.x0 - region.x0), rows.begin() + (cut.x1 - region.x0));
+    const double margin_m = std::max(domain.sponge_m, half_cell_m);
+    const double far_x = 0.5 * domain.extent_x_m() - margin_m,
+                 far_y = 0.5 * domain.extent_y_m() - margin_m;
+    std::vector<Vec2> corners = clipped(measure.region_m, {1.0, 0.0}, far_x);
+    corners = clipped(corners, {-1.0, 0.0}, far_x);
+    corners = clipped(corners, {0.0, 1.0}, far_y);
+    return clipped(corners, {0.0, -1.0}, far_y);
+}
+
+Region measured_region(const Domain& domain, const MeasureOptions& measure) {
+    if (measure.region_m.empty()) return measured_region(domain);
+    std::vector<Vec2> corners = measured_outline(domain, measure);
+    const Vec2 origin{static_cast<double>(domain.nx / 2) + 0.5,
+                      static_cast<double>(domain.ny / 2) + 0.5};
+    for (Vec2& corner : corners)
+        corner = (1.0 / domain.spacing_m) * corner + origin; // cell (0, 0) begins at 0
+    Region cut = {.x0 = domain.nx, .x1 = 0, .y0 = domain.ny, .y1 = 0};
+    std::vector<std::vector<SampleRun>> rows;
+    for (std::ptrdiff_t i = 0; i < domain.nx; ++i) {
+        rows.push_back(row_inside(corners, i, domain.ny));
+        if (rows.back().empty()) continue;
+        cut.x0 = std::min(cut.x0, i);
+        cut.x1 = i + 1;
+        cut.y0 = std::min(cut.y0, rows.back().front().first);
+        cut.y1 = std::max(cut.y1, rows.back().back().end);
+    }
+    if (cut.x1 <= cut.x0) return {};
+    cut.cut.assign(rows.begin() + cut.x0, rows.begin() + cut.x1);
     const std::vector<SampleRun> full = {{cut.y0, cut.y1}};
     if (std::ranges::all_of(cut.cut, [&](const auto& row) { return row == full; })) cut.cut.clear();
     return cut;
@@ -155,12 +220,12 @@ SurfaceSums surface_sums(View2<const double> slab, std::ptrdiff_t x_start, const
     SurfaceSums sums;
     CompensatedSum u, abs_u, u2, u4;
     for (std::ptrdiff_t i = begin; i < end; ++i)
-        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t last, double weight) {
             kernels.row_sums(slab.row(i - x_start).data() + first, last - first, of_row);
-            u.add(total(of_row.u));
-            abs_u.add(total(of_row.abs_u));
-            u2.add(total(of_row.u2));
-            u4.add(total(of_row.u4));
+            u.add(weight * total(of_row.u));
+            abs_u.add(weight * total(of_row.abs_u));
+            u2.add(weight * total(of_row.u2));
+            u4.add(weight * total(of_row.u4));
             sums.peak = std::max(sums.peak, *std::ranges::max_element(of_row.peak.lane));
         });
     sums.u = u.value();

@@ -14,9 +14,9 @@
 namespace shearwake::measures {
 
 /// Sums from which all surface measures are computed: over the samples of the measured region of
-/// one frame, or over the rows of one slab. u in m; the focal sums over the focal disc, each sample
-/// weighted by the fraction w of its cell inside the disc. If the frame contains NaN, the sums are
-/// NaN.
+/// one frame, or over the rows of one slab. u in m; each sample is weighted by the fraction of its
+/// cell inside the region, and in the focal sums by the fraction w inside the region and the focal
+/// disc. If the frame contains NaN, the sums are NaN.
 struct SurfaceSums {
     double u = 0.0;            // sum u [m]
     double abs_u = 0.0;        // sum |u| [m]
@@ -48,38 +48,47 @@ inline constexpr std::array sum_parts = {
 };
 static_assert(sizeof(SurfaceSums) == sum_parts.size() * sizeof(double), "a sum has no entry");
 
-/// Consecutive samples [first, end) of a row.
+/// Consecutive samples [first, end) of a row with the same weight.
 struct SampleRun {
     std::ptrdiff_t first = 0, end = 0;
+    double weight = 1.0;
     bool operator==(const SampleRun&) const = default;
 };
 
-/// Samples [x0, x1) x [y0, y1) of the global grid, or those of them whose centres lie inside a
-/// polygon.
+/// Samples [x0, x1) x [y0, y1) of the global grid, or those of them whose cells reach into a
+/// polygon. The weight of a sample is the fraction of its cell inside, so that the area does not
+/// depend on the grid.
 struct Region {
     std::ptrdiff_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
     std::vector<std::vector<SampleRun>> cut = {}; // of rows x0 to x1 - 1; none: all of [y0, y1)
     bool operator==(const Region&) const = default;
 
-    /// Calls f(first, end) for each run of samples of the global row i, which is in [x0, x1).
+    /// Calls f(first, end, weight) for each run of samples of the global row i, which is in
+    /// [x0, x1).
     template <class F>
     void runs(std::ptrdiff_t i, F f) const {
-        if (cut.empty()) return f(y0, y1);
+        if (cut.empty()) return f(y0, y1, 1.0);
         for (const SampleRun& run : cut[static_cast<std::size_t>(i - x0)])
-            f(run.first, run.end);
+            f(run.first, run.end, run.weight);
     }
     std::ptrdiff_t samples() const;
+    /// The sum of the weights: the area in cells.
+    double cells() const;
 };
 
 /// The measured region: the whole plane inside the sponge. It includes all samples whose distance
 /// from both edges of the domain, [-extent/2, extent/2), is at least the width of the sponge.
 Region measured_region(const Domain& domain);
-/// The part of that region whose samples have their centres inside the polygon of the options, if
-/// they have one.
+/// The cells, or parts of them, inside the polygon of the options, if they have one.
 Region measured_region(const Domain& domain, const MeasureOptions& measure);
+/// The corners of the measured region: of the polygon of the options, cut off at the sponge, or
+/// without a sponge half a cell before the edges of the domain; without a polygon, the outer edges
+/// of all measured cells. Empty if nothing is left.
+std::vector<Vec2> measured_outline(const Domain& domain, const MeasureOptions& measure);
 
 /// The samples of the measured region in the focal discs around all foci, each with its weight w:
-/// the sum over the discs of the fraction of its cell inside, at most 1. Refers to its arguments.
+/// the sum over the discs of the fraction of its cell inside, at most 1, times its weight in the
+/// region. Refers to its arguments.
 class FocalRegion {
 public:
     FocalRegion(const Domain& domain, const Region& region, std::span<const Vec2> foci_m,
@@ -89,9 +98,9 @@ public:
     /// Calls f(j, w) for each sample of the global row i with w > 0.
     template <class F>
     void row(std::ptrdiff_t i, F f) const {
-        region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+        region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double weight) {
             for (std::ptrdiff_t j = std::max(first, y_first_); j < std::min(end, y_end_); ++j)
-                if (const double w = fraction(i, j); w > 0.0) f(j, w);
+                if (const double w = weight * fraction(i, j); w > 0.0) f(j, w);
         });
     }
 

@@ -71,8 +71,9 @@ public:
         if (kind_ != Quotient::Kind::efficiency && kind_ != Quotient::Kind::sharpness) return;
         Index filled = 0;
         for (std::ptrdiff_t i = region_.x0; i < region_.x1; ++i)
-            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
-                measured_.middleRows(filled, end - first) = fields.samples(i, first, end);
+            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double w) {
+                measured_.middleRows(filled, end - first) =
+                    std::sqrt(w) * fields.samples(i, first, end);
                 filled += end - first;
             });
         add_products(all_, measured_, weight);
@@ -113,7 +114,7 @@ private:
         roots_.resize(region_.samples());
         Index filled = 0;
         for (std::ptrdiff_t i = region_.x0; i < region_.x1; ++i)
-            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double) {
                 for (std::ptrdiff_t j = first; j < end; ++j)
                     roots_(filled++) =
                         std::sqrt(shares[static_cast<std::size_t>(i * c_.domain.ny + j)]);

@@ -16,8 +16,15 @@ STEADY = [("duration_ms = 4.0", 'regime = "periodic"'), ("spacing_mm = 1.5", 'sp
 ENGINES = {"layered": "", "spectral": "", "pstd": "\n[solver.pstd]\nc_p_over_c_s = 3.0\n"}
 
 
-def participation(u, cell_mm2):
-    return (u**2).sum() ** 2 / (u**4).sum() * cell_mm2
+def participation(u, weights):
+    """As an area, for weights in mm2."""
+    return (weights * u**2).sum() ** 2 / (weights * u**4).sum()
+
+
+def inside(at, middle, width):
+    """The length in mm of the cell around each coordinate that lies in an interval."""
+    half = 0.5 * (at[1] - at[0])
+    return np.clip(np.minimum(at + half, middle + width / 2) - np.maximum(at - half, middle - width / 2), 0.0, None)
 
 
 class RegionTest(ProgramTest):
@@ -36,14 +43,40 @@ class RegionTest(ProgramTest):
             with h5py.File(case_files(self.folder / "out" / engine)[0]) as file:
                 x, y = 1e3 * file["surface/x"][()], 1e3 * file["surface/y"][()]
                 u = 1e6 * np.squeeze(file["surface/u_z"][-1])
-            inside = np.ix_(np.abs(x - 4.0) <= 14.65, np.abs(y + 3.0) <= 10.15)
-            spacing = x[1] - x[0]
+            weights = np.outer(inside(x, 4.0, 29.3), inside(y, -3.0, 20.3))
             with self.subTest(engine):
                 # Frames are stored in single precision.
-                np.testing.assert_allclose(float(row["participation_at_mm2"]), participation(u[inside], spacing**2),
-                                           rtol=1e-5)
-                self.assertGreater(abs(participation(u, spacing**2) / participation(u[inside], spacing**2) - 1.0), 0.01)
-                self.assertAlmostEqual(float(row["region_mm2"]), u[inside].size * spacing**2, places=6)
+                np.testing.assert_allclose(float(row["participation_at_mm2"]), participation(u, weights), rtol=1e-5)
+                everything = np.full_like(weights, (x[1] - x[0]) ** 2)
+                self.assertGreater(abs(participation(u, everything) / participation(u, weights) - 1.0), 0.01)
+                self.assertAlmostEqual(float(row["region_mm2"]), 29.3 * 20.3, places=6)
+                for column, edge in (("from_x", 4.0 - 14.65), ("to_x", 4.0 + 14.65), ("from_y", -3.0 - 10.15), ("to_y", -3.0 + 10.15)):
+                    self.assertAlmostEqual(float(row[f"region_{column}_mm"]), edge, places=9)
+
+    def test_a_symmetric_load_has_a_symmetric_region(self):
+        # The edges of this region, 36 mm from the centre, lie on samples.
+        self.write_job(without_reference(*STEADY, ONE_CASE, ('[table]\nx = "load.modulation.am_frequency_Hz"\n', ""),
+                                         ('shape = "line", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0], at_end = "back-and-forth"',
+                                          'shape = "circle", radius_mm = 6.0'), ("spacing_mm = 1.5", "spacing_mm = 1.0"),
+                                         ('kind = "AM-STM"', 'kind = "STM"'), ("am_frequency_Hz = 500.0\n", ""),
+                                         ("speed_m_s = 5.6", "draw_frequency_Hz = 100.0"),
+                                         ("extent_mm = [64.0, 48.0]", "extent_mm = [80.0, 80.0]")))
+        self.shearwake("run", "job.toml")
+        self.shearwake("reduce", "out/small")
+        row = self.table()
+        self.assertEqual([float(row[f"region_{edge}_mm"]) for edge in ("from_x", "to_x", "from_y", "to_y")],
+                         [-36.0, 36.0, -36.0, 36.0])
+        self.assertEqual(float(row["region_mm2"]), 72.0**2)
+        with h5py.File(case_files(self.folder / "out" / "small")[0]) as file:
+            x, y, time = 1e3 * file["surface/x"][()], 1e3 * file["surface/y"][()], file["time"][()]
+            u = 1e6 * file["surface/u_z"][:, 0].astype(float)
+        self.assertEqual(u.shape[0], time.size)  # record.frames
+        weights = np.outer(inside(x, 0.0, 72.0), inside(y, 0.0, 72.0))
+        spread = ((weights * np.abs(u)).sum((1, 2)) ** 2).sum() / (weights * u**2).sum()
+        np.testing.assert_allclose(float(row["ipr_abs_period_mm2"]), spread, rtol=1e-5)
+        # After half a period the load, and so the motion, is turned by 180 degrees about the centre.
+        half, turned = u.shape[0] // 2, u[:, :0:-1, :0:-1]
+        np.testing.assert_allclose(u[half - 1, 1:, 1:], turned[-1], atol=1e-4 * np.abs(u).max())
 
     def test_the_steady_state_is_measured_around_the_path_and_states_its_energies(self):
         self.write_job(without_reference(*STEADY, ONE_CASE, ("frames = true\n", ""), ('[table]\nx = "load.modulation.am_frequency_Hz"\n', "")))

@@ -65,52 +65,136 @@ TEST_CASE("the measured region is the plane inside the sponge", "[surface_sums]"
           measures::Region{5, 5, 4, 4});
 }
 
-TEST_CASE("a stated region contains the samples whose centres lie inside it", "[surface_sums]") {
-    const Domain d{.nx = 40, .ny = 30, .spacing_m = 1e-3, .sponge_m = 2e-3};
-    const auto region_of = [&](std::vector<Vec2> corners) {
-        MeasureOptions measure;
-        measure.region_m = std::move(corners);
-        return measures::measured_region(d, measure);
-    };
-    CHECK(region_of({}) == measures::measured_region(d));
-    // [-4, 4) mm along x and [-3, 3) mm along y: a rectangle has no rows of its own.
-    CHECK(region_of({{-4e-3, -3e-3}, {4e-3, -3e-3}, {4e-3, 3e-3}, {-4e-3, 3e-3}}) ==
-          measures::Region{16, 24, 12, 18});
-    // What reaches beyond the sponge is clipped, and what lies outside is empty.
-    CHECK(region_of({{-1.0, -1.0}, {1.0, -1.0}, {1.0, 1.0}, {-1.0, 1.0}}) ==
-          measures::measured_region(d));
-    CHECK(region_of({{0.5, 0.5}, {0.6, 0.5}, {0.6, 0.6}}).samples() == 0);
+namespace {
 
-    // A concave polygon: sample by sample, by the number of edges that a ray crosses.
+measures::Region region_of(const Domain& d, std::vector<Vec2> corners) {
+    MeasureOptions measure;
+    measure.region_m = std::move(corners);
+    return measures::measured_region(d, measure);
+}
+
+std::vector<Vec2> rectangle(double half_x_m, double half_y_m) {
+    return {
+        {-half_x_m, -half_y_m}, {half_x_m, -half_y_m}, {half_x_m, half_y_m}, {-half_x_m, half_y_m}};
+}
+
+/// The weight of every sample, row by row.
+std::vector<double> weights_of(const Domain& d, const measures::Region& region) {
+    std::vector<double> weights(static_cast<std::size_t>(d.nx * d.ny), 0.0);
+    for (std::ptrdiff_t i = region.x0; i < region.x1; ++i)
+        region.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double weight) {
+            for (std::ptrdiff_t j = first; j < end; ++j)
+                weights[static_cast<std::size_t>(i * d.ny + j)] = weight;
+        });
+    return weights;
+}
+
+bool is_in_polygon(const std::vector<Vec2>& corners, Vec2 at) {
+    bool inside = false;
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
+        if ((a.x > at.x) != (b.x > at.x) && at.y < a.y + (at.x - a.x) / (b.x - a.x) * (b.y - a.y))
+            inside = !inside;
+    }
+    return inside;
+}
+
+} // namespace
+
+TEST_CASE("a region whose edges lie on samples is symmetric and has its stated area",
+          "[surface_sums]") {
+    // An edge that differs from the samples by rounding is the same edge.
+    const double off_m = GENERATE(0.0, 1e-16, -1e-16, 1e-11, -1e-11);
+    const Domain d{.nx = 40, .ny = 30, .spacing_m = 1e-3, .sponge_m = 2e-3};
+    const measures::Region region = region_of(d, rectangle(4e-3 + off_m, 3e-3 - off_m));
+    CHECK(region.x0 == 16);
+    CHECK(region.x1 == 25);
+    CHECK(region.y0 == 12);
+    CHECK(region.y1 == 19);
+    CHECK(region.samples() == 9 * 7);
+    CHECK(region.cells() == Approx(8.0 * 6.0).epsilon(1e-6)); // 1e-11 m of 6 mm, at both edges
+    const auto weights = weights_of(d, region);
+    for (std::ptrdiff_t i = 1; i < d.nx; ++i)
+        for (std::ptrdiff_t j = 1; j < d.ny; ++j) {
+            const auto at = [&](std::ptrdiff_t x, std::ptrdiff_t y) {
+                return weights[static_cast<std::size_t>(x * d.ny + y)];
+            };
+            // Corners count as a quarter, edges as a half; the tolerance is that of the offset.
+            const double x = std::abs(d.x_m(i)) * 1e3, y = std::abs(d.y_m(j)) * 1e3;
+            const auto part = [](double from_edge) {
+                return from_edge < -0.1 ? 0.0 : from_edge > 0.1 ? 1.0 : 0.5;
+            };
+            CHECK(at(i, j) == Approx(part(4.0 - x) * part(3.0 - y)).margin(1e-7));
+            CHECK(at(i, j) == Approx(at(d.nx - i, d.ny - j)).margin(1e-7)); // mirrored
+        }
+}
+
+TEST_CASE("the area of a stated region does not depend on the spacing", "[surface_sums]") {
+    const double half_x_m = 9.3e-3, half_y_m = 7.77e-3;
+    for (const std::ptrdiff_t n : {20, 40, 54, 80}) {
+        const Domain d{.nx = 2 * n, .ny = 2 * n, .spacing_m = 40e-3 / static_cast<double>(2 * n)};
+        const double cell_m2 = d.spacing_m * d.spacing_m;
+        CHECK(region_of(d, rectangle(half_x_m, half_y_m)).cells() * cell_m2 ==
+              Approx(4.0 * half_x_m * half_y_m).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("a stated region ends at the sponge or half a cell inside the domain", "[surface_sums]") {
+    Domain d{.nx = 40, .ny = 30, .spacing_m = 1e-3, .sponge_m = 2e-3};
+    CHECK(region_of(d, {}) == measures::measured_region(d));
+    CHECK(region_of(d, rectangle(1.0, 1.0)).cells() == Approx(36.0 * 26.0).epsilon(1e-12));
+    CHECK(region_of(d, {{0.5, 0.5}, {0.6, 0.5}, {0.6, 0.6}}).samples() == 0);
+    d.sponge_m = 0.0;
+    CHECK(region_of(d, rectangle(1.0, 1.0)) == measures::Region{1, 40, 1, 30}); // symmetric
+    // The outline of the whole plane consists of the outer edges of all cells.
+    const auto outline = measures::measured_outline(d, {});
+    CHECK(outline.front().x == Approx(-20.5e-3).epsilon(1e-14));
+    CHECK(outline[2].y == Approx(14.5e-3).epsilon(1e-14));
+    Domain larger = d;
+    larger.nx *= 2;
+    larger.ny *= 2;
+    CHECK(region_of(larger, outline) == measures::Region{20, 60, 15, 45});
+}
+
+TEST_CASE("samples count with the fraction of their cell inside a concave polygon",
+          "[surface_sums]") {
+    const Domain d{.nx = 40, .ny = 30, .spacing_m = 1e-3, .sponge_m = 2e-3};
     const std::vector<Vec2> corners = {{-9.3e-3, -8.2e-3},
                                        {11.1e-3, -7.7e-3},
                                        {2.4e-3, 0.3e-3},
                                        {10.6e-3, 9.9e-3},
                                        {-8.8e-3, 7.1e-3}};
-    const measures::Region region = region_of(corners);
+    const measures::Region region = region_of(d, corners);
+    const auto weights = weights_of(d, region);
+    double twice_area_m2 = 0.0;
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+        const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
+        twice_area_m2 += a.x * b.y - b.x * a.y;
+    }
+    // Weights below a millionth are left out.
+    CHECK(region.cells() * 1e-6 == Approx(0.5 * twice_area_m2).epsilon(1e-6));
     const auto u = realistic_frame(d);
     const View2<const double> all(u.data(), d.nx, d.ny);
     const Vec2 focus{3e-3, 1e-3};
-    const measures::SurfaceSums sums = measures::surface_sums(all, 0, d, region, focus, 4e-3);
-    double u2 = 0.0, focal_u2 = 0.0;
-    std::ptrdiff_t samples = 0;
+    double u2 = 0.0, focal_u2 = 0.0, farthest = 0.0;
     for (std::ptrdiff_t i = 0; i < d.nx; ++i)
         for (std::ptrdiff_t j = 0; j < d.ny; ++j) {
-            bool is_inside = false;
-            for (std::size_t n = 0; n < corners.size(); ++n) {
-                const Vec2 a = corners[n], b = corners[(n + 1) % corners.size()];
-                if ((a.x > d.x_m(i)) != (b.x > d.x_m(i)) &&
-                    d.y_m(j) < a.y + (d.x_m(i) - a.x) / (b.x - a.x) * (b.y - a.y))
-                    is_inside = !is_inside;
-            }
-            if (!is_inside) continue;
-            ++samples;
-            u2 += all(i, j) * all(i, j);
-            focal_u2 += measures::disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 4e-3) *
-                        all(i, j) * all(i, j);
+            constexpr int points = 40;
+            int inside = 0;
+            for (int a = 0; a < points; ++a)
+                for (int b = 0; b < points; ++b)
+                    inside +=
+                        is_in_polygon(corners, {d.x_m(i) + 1e-3 * ((a + 0.5) / points - 0.5),
+                                                d.y_m(j) + 1e-3 * ((b + 0.5) / points - 0.5)});
+            const double w = weights[static_cast<std::size_t>(i * d.ny + j)];
+            farthest = std::max(farthest, std::abs(w - inside / double(points * points)));
+            u2 += w * all(i, j) * all(i, j);
+            focal_u2 += w * all(i, j) * all(i, j) *
+                        measures::disc_fraction(d.x_m(i), d.y_m(j), d.spacing_m, focus, 4e-3);
         }
-    CHECK(samples > 100);
-    CHECK(region.samples() == samples);
+    // Per column of points, one edge is known to half a point, and two edges at a corner.
+    CHECK(farthest < 1.0 / 40);
+    const measures::SurfaceSums sums = measures::surface_sums(all, 0, d, region, focus, 4e-3);
     CHECK_THAT(sums.u2,
                Catch::Matchers::WithinRel(u2, 1e-13)); // sums of some hundred positive terms
     CHECK_THAT(sums.focal_u2, Catch::Matchers::WithinRel(focal_u2, 1e-13));

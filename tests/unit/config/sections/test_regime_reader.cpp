@@ -3,6 +3,8 @@
 #include "check/check.hpp"
 #include "unit/config/jobs.hpp"
 
+#include <fmt/format.h>
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -83,6 +85,20 @@ TEST_CASE("the measured region is a rectangle, the path or the palm", "[config][
     REQUIRE(path.size() == 4);
     CHECK(path[0].x == Approx(-44e-3));
     CHECK(path[2].y == Approx(30e-3));
+    const std::string line =
+        "path = { shape = \"line\", from_mm = [-14.0, 0.0], to_mm = [14.0, 0.0] }";
+    // Sampled points miss the extent of a circle along y; the region does not.
+    for (const double radius_mm : {1.0, 6.0, 7.3}) {
+        const double far_m = (30.0 + radius_mm) / 1e3;
+        const auto around =
+            only_case(test::plain_with(line, fmt::format("path = {{ shape = \"circle\", "
+                                                         "radius_mm = {} }}",
+                                                         radius_mm)) +
+                      "\n[measure]\nregion_mm = \"path\"\n")
+                .measure.region_m;
+        CHECK(around == std::vector<Vec2>{
+                            {-far_m, -far_m}, {far_m, -far_m}, {far_m, far_m}, {-far_m, far_m}});
+    }
     CHECK(region("region_mm = \"palm\"\n").size() > 4);
     CHECK(only_case(steady_job()).measure.region_m.size() == 4); // the path
     CHECK(any_contains(diagnostics_of(plain_and("[measure]\nregion_mm = [100, 20]\n")),
