@@ -17,11 +17,16 @@ struct PeriodSums {
     double u2_squared = 0.0;    // < (sum u^2)^2 >
     double u4 = 0.0;            // < sum u^4 >
     double focal_u2 = 0.0;      // < sum w u^2 >
-    double focal_mean_u2 = 0.0; // < sum w u^2 / sum w >; NaN where the disc is empty in the window
+    double focal_weight = 0.0;  // < sum w >
     double weight = 0.0;        // < 1 >, in frames
 };
 
 /// `weights` has one entry per frame; frames of weight 0 are ignored.
 PeriodSums period_sums(std::span<const SurfaceSums> frames, std::span<const double> weights);
+
+/// The fraction of the area of the focal discs that lies inside the measured region, averaged over
+/// the frames with these weights. Not collective.
+double focal_share(const Case& c, std::span<const SurfaceSums> frames,
+                   std::span<const double> weights);
 
 } // namespace shearwake::measures

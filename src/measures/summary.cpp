@@ -30,6 +30,7 @@ struct Readings {
     std::optional<SurfaceSums> instant;
     std::string instant_note; // why there is none, or which frame is used instead
     std::optional<PeriodSums> period;
+    std::vector<double> weights; // of the frames in `period`
     std::string period_note;
     double peak_m = not_a_number; // largest |u| of any frame up to the instant
 };
@@ -79,9 +80,10 @@ Readings read(const Case& c, const PeriodWindow& window, const DepthSeries& dept
         const double peak = depth.frames[static_cast<std::size_t>(n)].peak;
         r.peak_m = std::isnan(r.peak_m) ? peak : std::max(r.peak_m, peak);
     }
-    if (window.fits())
-        r.period = period_sums(depth.frames,
-                               window_weights(time, window.from_s, window.to_s, window.edge_s));
+    if (window.fits()) {
+        r.weights = window_weights(time, window.from_s, window.to_s, window.edge_s);
+        r.period = period_sums(depth.frames, r.weights);
+    }
     r.period_note = window.reason;
     return r;
 }
@@ -143,17 +145,26 @@ void add_peak(Columns& columns, const Readings& r) {
     columns.add("peak_um", r.peak_m * 1e6, note);
 }
 
-void add_focal_rms(Columns& columns, const Readings& r) {
+void add_focal_rms(Columns& columns, const Case& c, const Readings& r,
+                   std::span<const SurfaceSums> frames) {
     double value = not_a_number;
     std::string note = r.period_note;
     if (r.period) {
-        value = std::sqrt(r.period->focal_mean_u2 / r.period->weight) * 1e6;
-        if (std::isnan(value)) note = "the focal disc is not inside the measured region";
+        value = std::sqrt(r.period->focal_u2 / r.period->focal_weight) * 1e6;
+        const double inside = focal_share(c, frames, r.weights);
+        if (std::isnan(value))
+            note = "the focal disc is not inside the measured region";
+        else if (inside < 1.0 - 1e-9)
+            note =
+                fmt::format("{:.3g} % of the focal disc, on average over the window, lies outside "
+                            "the measured region and is left out",
+                            100.0 * (1.0 - inside));
     }
     columns.add("focal_rms_um", value, note);
 }
 
-void add_surface(Columns& columns, const Case& c, const Readings& r) {
+void add_surface(Columns& columns, const Case& c, const Readings& r,
+                 std::span<const SurfaceSums> frames) {
     columns.add("eta_at_1", r.instant ? reconstruction_efficiency(*r.instant) : not_a_number,
                 r.instant_note);
     add_efficiency_of_period(columns, r);
@@ -162,7 +173,7 @@ void add_surface(Columns& columns, const Case& c, const Readings& r) {
     add_spread(columns, c, r, "participation",
                [](const auto& sums) { return participation(sums); });
     add_peak(columns, r);
-    add_focal_rms(columns, r);
+    add_focal_rms(columns, c, r, frames);
 }
 
 /// The load of a grid study does not drive it; the study has sources of its own.
@@ -355,7 +366,8 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
 
     Columns columns({{"radius", fmt::format("{:g}", c.measure.focal_radius_m * 1e3)},
                      {"fwhm", fmt::format("{:g}", fwhm_m(c.scene().load.footprint) * 1e3)}});
-    add_surface(columns, c, surface);
+    add_surface(columns, c, surface,
+                depths.empty() ? std::span<const SurfaceSums>{} : depths.front().frames);
     add_impulse(columns, c);
     add_spectrum(columns, c, traces);
     add_mach(columns, c, mach);
@@ -367,7 +379,7 @@ std::vector<Column> summarise(const Case& c, const std::vector<DepthSeries>& dep
         const Readings below = read(c, window, depths[d]);
         columns.at_depth(depths[d].depth_m);
         add_efficiency_of_period(columns, below);
-        add_focal_rms(columns, below);
+        add_focal_rms(columns, c, below, depths[d].frames);
         add_peak(columns, below);
     }
     return columns.take();

@@ -59,5 +59,6 @@ TEST_CASE("the period reading sums before it divides", "[participation]") {
     CHECK(measures::ipr(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
     CHECK(measures::ipr_abs(sums) == Approx((16 + 0.5 * 576) / (4 + 0.5 * 72)));
     CHECK(measures::participation(sums) == Approx((16 + 0.5 * 72 * 72) / (4 + 0.5 * 648)));
-    CHECK(sums.focal_mean_u2 == Approx((0.5 + 0.5 * 4.5) * 1e-12));
+    CHECK(sums.focal_u2 == Approx((2 + 0.5 * 18) * 1e-12));
+    CHECK(sums.focal_weight == Approx(4 + 0.5 * 4));
 }

@@ -28,7 +28,9 @@ Case thesis_case() {
     return c;
 }
 
-/// Frame n: 100 samples of n nm, 20 of them in the focal disc of 50 samples.
+constexpr double disc_cells = 16.0 * std::numbers::pi; // a radius of 3 mm in cells of 0.75 mm
+
+/// Frame n: 100 samples of n nm, and 20 in the focal disc.
 measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scale = 1.0) {
     measures::DepthSeries series{.depth_m = depth_m};
     for (std::ptrdiff_t n = 0; n < frames; ++n) {
@@ -38,7 +40,7 @@ measures::DepthSeries growing(double depth_m, std::ptrdiff_t frames, double scal
                                  .u2 = 100 * u2,
                                  .u4 = 100 * u2 * u2,
                                  .focal_u2 = 20 * u2,
-                                 .focal_weight = 50,
+                                 .focal_weight = disc_cells,
                                  .peak = u,
                                  .focal_peak = u});
     }
@@ -115,10 +117,11 @@ TEST_CASE("the table holds the measures in its units", "[summary]") {
     CHECK(value("ipr_abs_period_mm2") == Approx(100 * 0.5625).epsilon(1e-12));
     CHECK(value("participation_period_1") == Approx(100).epsilon(1e-12));
     CHECK(value("peak_um") == Approx(0.28).epsilon(1e-12));
-    // rms of a straight line from 80 to 280 nm, times sqrt(20/50); the trapezoidal rule on its
-    // square over 200 intervals adds 1/6 nm^2 to 35 000.
+    // rms of a straight line from 80 to 280 nm, times sqrt(20/disc_cells); the trapezoidal rule on
+    // its square over 200 intervals adds 1/6 nm^2 to 35 000.
     CHECK(value("focal_rms_um") ==
-          Approx(1e-3 * std::sqrt(0.4 * (280.0 * 280 + 280.0 * 80 + 80.0 * 80) / 3)).epsilon(1e-5));
+          Approx(1e-3 * std::sqrt(20.0 / disc_cells * (280.0 * 280 + 280.0 * 80 + 80.0 * 80) / 3))
+              .epsilon(1e-5));
     // Half the steady force, and 2.8 periods: sin(2 pi 2.8) = -0.951.
     const double force_mN = 0.1 * std::numbers::pi * 9 / (4 * std::numbers::ln2);
     CHECK(value("impulse_mN_ms") ==
@@ -263,4 +266,69 @@ TEST_CASE("bands beyond the Nyquist frequency of the frames stay empty", "[summa
     const auto columns = measures::summarise(c, {}, {trace}, {});
     CHECK(find(columns, "rms_40_400_um").note.empty());
     CHECK(find(columns, "rms_5_800_um").note == "frames every 1000 us cannot represent 800 Hz");
+}
+
+TEST_CASE("focal_rms_um leaves out the part of the path outside the measured region", "[summary]") {
+    Case c = thesis_case();
+    c.measure.settled_after_s = 4e-3;
+    // The focus leaves the region, x < 0, at 7 ms. In frame n, u is n nm in the disc.
+    c.measure.region_m = {{-80e-3, -50e-3}, {0.0, -50e-3}, {0.0, 50e-3}, {-80e-3, 50e-3}};
+    const measures::Region region = measures::measured_region(c.domain, c.measure);
+    measures::DepthSeries series{.depth_m = 0.0};
+    std::vector<double> u(static_cast<std::size_t>(c.domain.nx * c.domain.ny));
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+        std::ranges::fill(u, 1e-9 * static_cast<double>(n + 1));
+        series.frames.push_back(measures::surface_sums(
+            {u.data(), c.domain.nx, c.domain.ny}, 0, c.domain, region,
+            foci(c.scene().load.modulation, c.time.frame_s(n)).front(), c.measure.focal_radius_m));
+    }
+    const auto rms = find(measures::summarise(c, {series}, {}, {}), "focal_rms_um");
+    // The integral of n^2 over the window from frame 80 to the frame at which a point of the disc
+    // leaves: 140 on average, with the variance r^2 / 4 of the positions in a disc.
+    const double radius = 3.0 / 0.35; // in frames
+    const double mean =
+        (std::pow(140.0, 3) + 3.0 * 140.0 * radius * radius / 4.0 - std::pow(80.0, 3)) / 3.0 / 60.0;
+    // The trapezoidal rule adds 1/6 nm^2 to 12 400. The cells on the edge of the region leave as a
+    // whole, within half of their width, 1.07 frames: 3 * 140 * 1.07^2 / 180 = 2.7 nm^2.
+    CHECK(rms.value == Approx(1e-3 * std::sqrt(mean)).epsilon(1.2e-4));
+    // 7 of the 10 ms of the window, which are two periods of 5 ms that end at 14 ms.
+    CHECK(rms.note.find("70 % of the focal disc") == 0);
+
+    // Completely outside: no value.
+    for (Vec2& corner : c.measure.region_m)
+        corner.y += 60e-3;
+    for (measures::SurfaceSums& frame : series.frames)
+        frame.focal_u2 = frame.focal_weight = 0.0;
+    const auto none = find(measures::summarise(c, {series}, {}, {}), "focal_rms_um");
+    CHECK(std::isnan(none.value));
+    CHECK(none.note == "the focal disc is not inside the measured region");
+}
+
+TEST_CASE("overlapping focal discs inside the region leave nothing out", "[summary]") {
+    Case c = thesis_case();
+    c.scene().load.modulation.foci_m = {{-1e-3, 0.0}, {1e-3, 0.0}};
+    const measures::Region region = measures::measured_region(c.domain, c.measure);
+    const std::vector<double> u(static_cast<std::size_t>(c.domain.nx * c.domain.ny), 1e-9);
+    measures::DepthSeries series{.depth_m = 0.0};
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
+        series.frames.push_back(measures::surface_sums(
+            {u.data(), c.domain.nx, c.domain.ny}, 0, c.domain, region,
+            foci(c.scene().load.modulation, c.time.frame_s(n)), c.measure.focal_radius_m));
+    REQUIRE(series.frames[200].focal_weight < 1.5 * disc_cells);
+    const auto rms = find(measures::summarise(c, {series}, {}, {}), "focal_rms_um");
+    CHECK(rms.value == Approx(1e-3).epsilon(1e-12));
+    CHECK(rms.note.empty());
+}
+
+TEST_CASE("the columns of a stated region are the edges of what is measured", "[summary]") {
+    Case c = thesis_case();
+    c.domain = {.nx = 80, .ny = 80, .spacing_m = 1e-3};
+    c.measure.region_m = {{-36e-3, -20.2e-3}, {36e-3, -20.2e-3}, {36e-3, 60e-3}, {-36e-3, 60e-3}};
+    const auto columns = measures::summarise(c, {growing(0.0, 280)}, {}, {});
+    const auto value = [&](const std::string& name) { return find(columns, name).value; };
+    CHECK(value("region_from_x_mm") == Approx(-36.0).epsilon(1e-14));
+    CHECK(value("region_to_x_mm") == Approx(36.0).epsilon(1e-14));
+    CHECK(value("region_from_y_mm") == Approx(-20.2).epsilon(1e-14));
+    CHECK(value("region_to_y_mm") == Approx(39.5).epsilon(1e-14)); // half a cell inside the domain
+    CHECK(value("region_mm2") == Approx(72.0 * 59.7).epsilon(1e-12));
 }
