@@ -80,6 +80,12 @@ TEST_CASE("a body that fills a layer is equivalent to the layer", "[verify]") {
         body.scene().medium.bodies[0].viscosity_Pa_s = 1.5;
         layers.scene().medium.layers[1].loss = KelvinVoigt{1.5};
     }
+    SECTION("less viscous") {
+        body = with_step(body, 12.5e-6);
+        body.scene().medium.bodies = {slab(1.0)};
+        body.scene().medium.bodies[0].viscosity_Pa_s = 0.3;
+        layers.scene().medium.layers[1].loss = KelvinVoigt{0.3};
+    }
     SECTION("slower in compression") {
         body = with_step(body, 12.5e-6);
         body.scene().medium.bodies = {slab(1.0)};

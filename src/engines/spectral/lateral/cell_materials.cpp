@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::spectral {
 
@@ -26,12 +25,7 @@ double shear_reflection(double stiffness_ratio, double density_ratio) {
 }
 
 CappedMaterials::CappedMaterials(const Case& c, const Material& layer)
-    : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa),
-      layer_viscosity_Pa_s_(layer.viscosity_Pa_s),
-      omega_rad_s_(bandwidth_rad_m(c.scene().load.footprint, 0.5) *
-                       greatest_speed_m_s(c.scene().load.modulation.trajectory) +
-                   2.0 * std::numbers::pi *
-                       greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope)) {}
+    : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa) {}
 
 Material CappedMaterials::operator()(Material m) const {
     if (m.mu_Pa > most_mu_Pa_) {
@@ -39,9 +33,6 @@ Material CappedMaterials::operator()(Material m) const {
         if (m.lambda_Pa < 0.0) m.lambda_Pa *= most_mu_Pa_ / m.mu_Pa;
         m.mu_Pa = most_mu_Pa_;
     }
-    const double less_Pa_s = layer_viscosity_Pa_s_ - m.viscosity_Pa_s;
-    if (less_Pa_s > 0.0 && omega_rad_s_ * less_Pa_s < unseen_loss * m.mu_Pa)
-        m.viscosity_Pa_s = layer_viscosity_Pa_s_;
     return m;
 }
 

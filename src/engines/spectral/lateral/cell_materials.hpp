@@ -20,26 +20,20 @@ DepthCell depth_cell(const DepthMesh& mesh, std::size_t element, std::size_t nod
 /// sampled at points, which converges spectrally.
 bool is_smooth(const Medium& medium);
 
-/// A smaller loss in a stiff body than in the layer around it is neglected if the difference is
-/// below this share of the body's stiffness, at the frequency with which the footprint moves it.
-constexpr double unseen_loss = 0.01;
-
 /// Reflected share of the amplitude of a shear wave at normal incidence on a plane interface, from
 /// the impedances sqrt(mu rho). Both ratios are those behind the interface over those in front of
 /// it.
 double shear_reflection(double stiffness_ratio, double density_ratio);
 
 /// The material with which the engine represents an inclusion: its shear stiffness is capped at
-/// `contrast_cap` times that of the layer, and its viscosity is that of the layer where the
-/// difference is negligible. A background without viscosity would require iterations for all cells
-/// of the plane.
+/// `contrast_cap` times that of the layer.
 class CappedMaterials {
 public:
     CappedMaterials(const Case& c, const Material& layer);
     Material operator()(Material m) const;
 
 private:
-    double most_mu_Pa_, layer_viscosity_Pa_s_, omega_rad_s_;
+    double most_mu_Pa_;
 };
 
 /// Materials at one strain point for the rows of this rank, [row][ny]. Not collective.
