@@ -15,7 +15,7 @@ namespace shearwake::spectral {
 double DepthMesh::z_m(std::size_t level) const {
     const auto d = static_cast<std::size_t>(degree);
     const std::size_t element = std::min(level / d, elements() - 1);
-    const double x = rule.nodes[level - element * d];
+    const double x = rule.nodes[std::min(level - element * d, d)];
     return ends_m[element] + 0.5 * (1.0 + x) * length_m(element);
 }
 

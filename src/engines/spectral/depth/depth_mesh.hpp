@@ -28,9 +28,13 @@ struct DepthMesh {
 
     std::size_t elements() const { return layers.size(); }
     bool has_light_body(std::size_t element) const { return !light.empty() && light[element]; }
-    std::size_t levels() const { return elements() * static_cast<std::size_t>(degree) + 1; }
+    /// The last level is fixed: the base. An absorber ends in a level that moves and in one that
+    /// holds the unknowns of its termination (kernels/termination.hpp), which have no depth.
+    std::size_t levels() const {
+        return elements() * static_cast<std::size_t>(degree) + (bottom ? 3 : 1);
+    }
     double length_m(std::size_t element) const { return ends_m[element + 1] - ends_m[element]; }
-    /// Depth of a level in metres.
+    /// Depth of a level in metres, at most that of the end of the mesh.
     double z_m(std::size_t level) const;
     /// Number of levels whose motion is that of the medium: all above the absorber, including its
     /// top.

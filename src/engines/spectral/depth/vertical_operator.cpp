@@ -53,6 +53,12 @@ VerticalOperator::VerticalOperator(const DepthMesh& mesh, Background background)
       assembly_(simd::kernels<AssemblyKernels>()), kernels_(simd::kernels<VerticalKernels>()),
       solver_(simd::kernels<SkylineKernels>()), psv_matrix_(levels_, mesh.degree, 2),
       sh_matrix_(levels_, mesh.degree, 1) {
+    if (mesh.bottom) {
+        const std::size_t last = point(mesh.elements() - 1, nodes_ - 1);
+        termination_ =
+            Termination{background_.density_kg_m3[last],
+                        background_.force_lambda_Pa[last] + 2.0 * background_.mu_accurate_Pa[last]};
+    }
     if (nodes_ > most_nodes)
         throw CaseFailure("solver.spectral.degree must be at most " +
                           std::to_string(most_nodes - 1));
@@ -106,6 +112,7 @@ VerticalArrays VerticalOperator::arrays() const {
             .viscosity_Pa_s = b.viscosity_Pa_s.data(),
             .swirl_viscosity_Pa_s = b.swirl_viscosity_Pa_s.data(),
             .force_lambda_Pa = b.force_lambda_Pa.data(),
+            .termination = termination_ ? &*termination_ : nullptr,
             .psv = psv_matrix_.rows(),
             .sh = sh_matrix_.rows()};
 }

@@ -5,6 +5,7 @@
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/kernels/vertical.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace shearwake::spectral {
@@ -42,10 +43,11 @@ Background background_of(const DepthMesh& mesh, const Medium& medium);
 ///       + mu (V'^2 + k^2 V^2)                                                        (SH)
 /// and, in an absorber, a dissipation that acts on curl v alone,
 ///     integral of swirl_viscosity ((U' - kW)^2 + V'^2 + k^2 V^2),   with velocities U, V, W.
-/// It damps shear waves but not potential flow, which reaches as deep as the domain is wide. The
-/// surface traction is the natural condition, the mass is diagonal (quadrature at the nodes), and
-/// the last level is fixed (rigid base). A pencil is stored as [2 level + {U, W}][part] for all
-/// moving levels, followed by [level][part] for V. No member function is collective.
+/// It damps shear waves but not potential flow, for which the absorber ends in the impedance of the
+/// half-space (kernels/termination.hpp). The surface traction is the natural condition, the mass is
+/// diagonal (quadrature at the nodes), and the last level is fixed (rigid base). A pencil is stored
+/// as [2 level + {U, W}][part] for all moving levels, followed by [level][part] for V. No member
+/// function is collective.
 class VerticalOperator {
 public:
     VerticalOperator(const DepthMesh& mesh, Background background);
@@ -100,6 +102,7 @@ private:
     std::vector<double> derivative_; // of the reference element
     std::vector<double> weights_;
     std::ptrdiff_t nodes_, levels_;
+    std::optional<Termination> termination_; // of an absorber
     const AssemblyKernels& assembly_;
     const VerticalKernels& kernels_;
     const SkylineKernels& solver_;

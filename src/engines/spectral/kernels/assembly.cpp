@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/kernels/slices.hpp"
+#include "engines/spectral/kernels/termination.hpp"
 #include "engines/spectral/kernels/vertical.hpp"
 #include "simd/kernels.hpp"
 
@@ -85,6 +86,25 @@ void add_psv_pair(const Assembly& a, std::ptrdiff_t first, double slope, Vector 
     a.add(ui + 1, uj, wu);
 }
 
+void add_termination(const Assembly& a, Operator which, Vector k, double dt_s) {
+    const Termination& end = *a.v.termination;
+    const double rate = which == Operator::implicit ? 0.5 / dt_s : 0.0;
+    const Vector stiffness = share_of_lambda(which) * end.modulus_Pa * k, scale = root(k);
+    const Vector dashpot =
+        simd::all_lanes(rate * std::sqrt(end.density_kg_m3 * end.modulus_Pa)); // rho c_p
+    const std::ptrdiff_t w = a.rows.count - 3;
+    a.add(w, w, dashpot);
+    for (std::ptrdiff_t i = 0; i < oscillators; ++i) {
+        const std::ptrdiff_t y = w + 1 + i;
+        const Oscillator& o = oscillator[i];
+        a.add(w, w, stiffness * (o.spring * o.lever * o.lever));
+        a.add(y, w, scale * (dashpot * o.share - stiffness * (o.spring * o.lever)));
+        a.add(y, y, end.density_kg_m3 / (dt_s * dt_s) + scale * scale * stiffness * o.spring);
+        for (std::ptrdiff_t j = 0; j <= i; ++j)
+            a.add(y, w + 1 + j, scale * scale * dashpot * (o.share * oscillator[j].share));
+    }
+}
+
 void assemble_psv(const VerticalArrays& v, Operator which, const Block& k8, double dt_s,
                   Block* matrix) {
     clear(v.psv, matrix);
@@ -110,6 +130,7 @@ void assemble_psv(const VerticalArrays& v, Operator which, const Block& k8, doub
                 for (std::ptrdiff_t j = 0; j <= i; ++j)
                     add_psv_pair(a, 2 * e * (v.nodes - 1), el.slope, k, m, i, j);
         }
+        if (v.termination) add_termination(a, which, k, dt_s);
     }
 }
 
@@ -122,6 +143,9 @@ void assemble_sh(const VerticalArrays& v, Operator which, const Block& k8, doubl
         const Vector k = get(k8, s);
         for (std::ptrdiff_t i = 0; i < v.sh.count; ++i)
             a.add(i, i, simd::all_lanes(v.mass_kg_m2[i] / (dt_s * dt_s)));
+        if (v.termination) // its level has no unknown here, and the matrix has to be regular
+            a.add(v.sh.count - 1, v.sh.count - 1,
+                  simd::all_lanes(v.termination->density_kg_m3 / (dt_s * dt_s)));
         for (std::ptrdiff_t e = 0; e < v.elements; ++e) {
             const VerticalElement& el = v.element[e];
             const std::ptrdiff_t first = e * (v.nodes - 1);

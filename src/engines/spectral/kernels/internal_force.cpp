@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/kernels/slices.hpp"
+#include "engines/spectral/kernels/termination.hpp"
 #include "engines/spectral/kernels/vertical.hpp"
 #include "simd/kernels.hpp"
 
@@ -203,6 +204,32 @@ struct Element {
     subtract_pushed(a, a.nodes, first, pushed, s, force);
 }
 
+/// Adds the force of the termination of an absorber.
+void add_termination_force(const VerticalArrays& a, Vector k, double rate, const Block* u,
+                           const Block* before, std::ptrdiff_t s, Block* force) {
+    const Termination& end = *a.termination;
+    const double impedance = rate * std::sqrt(end.density_kg_m3 * end.modulus_Pa); // rho c_p
+    const Vector stiffness = end.modulus_Pa * k, scale = root(k);
+    const std::ptrdiff_t w = (2 * a.levels - 3) * parts, y = w + parts;
+    for (std::ptrdiff_t p = 0; p < parts; ++p) {
+        const auto moved = [&](std::ptrdiff_t at) { return get(u[at], s) - get(before[at], s); };
+        Vector strain_rate = moved(w + p);
+        for (std::ptrdiff_t i = 0; i < oscillators; ++i)
+            strain_rate += scale * oscillator[i].share * moved(y + i * parts + p);
+        const Vector pull = impedance * strain_rate;
+        Vector on_w = pull;
+        for (std::ptrdiff_t i = 0; i < oscillators; ++i) {
+            const Oscillator& o = oscillator[i];
+            const std::ptrdiff_t at = y + i * parts + p;
+            const Vector spring =
+                stiffness * o.spring * (o.lever * get(u[w + p], s) - scale * get(u[at], s));
+            on_w += o.lever * spring;
+            set(force[at], s, get(force[at], s) - scale * (o.share * pull - spring));
+        }
+        set(force[w + p], s, get(force[w + p], s) - on_w);
+    }
+}
+
 /// A number of nodes that is known at compile time lets the compiler unroll the sums; 0 stands for
 /// any number.
 template <std::ptrdiff_t known_nodes>
@@ -226,6 +253,8 @@ void add_forces(const VerticalArrays& a, const Block& k8, double rate, const Blo
                 add_swirl_force(a, d, fetch, e, first, k, rate, u, before, s, force);
         }
     }
+    for (std::ptrdiff_t s = 0; a.termination && s < slices; ++s)
+        add_termination_force(a, get(k8, s), rate, u, before, s, force);
 }
 
 void add_internal_force(const VerticalArrays& a, const Block& k, double rate, const Block* u,

@@ -20,6 +20,11 @@ struct VerticalElement {
     bool absorbs;     // whether it has swirl viscosity
 };
 
+/// Material below the end of an absorber (kernels/termination.hpp).
+struct Termination {
+    double density_kg_m3, modulus_Pa; // of compressional waves
+};
+
 /// The data of VerticalOperator as arrays; materials are indexed by [element * nodes + node].
 struct VerticalArrays {
     /// Nodes per element; moving levels; total number of elements.
@@ -30,6 +35,7 @@ struct VerticalArrays {
     double finest;                      // eigenvalue of the reference element's finest mode
     const double *lambda_Pa, *mu_accurate_Pa, *mu_stable_Pa, *mu_greatest_Pa, *viscosity_Pa_s;
     const double *swirl_viscosity_Pa_s, *force_lambda_Pa;
+    const Termination* termination; // null above a rigid base
     SkylineRows psv, sh;
 };
 
