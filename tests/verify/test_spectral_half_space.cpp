@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The absorbing bottom of engine "spectral" compared with the exact half-space of engine "layered".
+#include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"
@@ -98,6 +99,33 @@ double worst_trace(const Case& c, const test::FrameStore& a, const test::FrameSt
     return difference / largest;
 }
 
+/// Relative L2 difference of all frames at the surface.
+double relative_l2(const Case& c, const test::FrameStore& a, const test::FrameStore& b) {
+    double above = 0.0, below = 0.0;
+    for (std::ptrdiff_t n = 0; n < c.time.frames; ++n) {
+        const auto &x = a.at(n), &y = b.at(n);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            above += std::pow(x[i] - y[i], 2);
+            below += y[i] * y[i];
+        }
+    }
+    return std::sqrt(above / below);
+}
+
+/// A focus of 4 mm at rest on a half-space with c_p = ratio c_s. Its force is modulated and starts
+/// at 0.
+Case pulsating(double ratio, double frequency_Hz) {
+    Case c =
+        test::moving_focus(test::half_space(test::tissue(5.0 * ratio, 0.5)), ConstantSpeed{5.0});
+    c.scene().load.footprint = GaussianFootprint{4e-3};
+    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
+    c.scene().load.modulation.envelope = {{SineGain{frequency_Hz}}};
+    c.domain = {60, 44, 1.6e-3, 0.0};
+    c.time = {100, 100e-6};
+    c.measure.depths_m = {0.0, 4e-3};
+    return c;
+}
+
 } // namespace
 
 TEST_CASE("neither compressional nor shear waves return from below a half-space", "[verify]") {
@@ -110,14 +138,7 @@ TEST_CASE("neither compressional nor shear waves return from below a half-space"
                                                                        {30.0, 200.0},
                                                                        {100.0, 200.0},
                                                                        {300.0, 200.0}}));
-    Case c =
-        test::moving_focus(test::half_space(test::tissue(5.0 * ratio, 0.5)), ConstantSpeed{5.0});
-    c.scene().load.footprint = GaussianFootprint{4e-3};
-    c.scene().load.modulation.trajectory = {{Hold{{0.0, 0.0}}}};
-    c.scene().load.modulation.envelope = {{SineGain{frequency_Hz}}}; // starts at 0
-    c.domain = {60, 44, 1.6e-3, 0.0};
-    c.time = {100, 100e-6};
-    c.measure.depths_m = {0.0, 4e-3};
+    Case c = pulsating(ratio, frequency_Hz);
     Case exact = c;
     c.solver = SpectralOptions{.time_step_s = 12.5e-6};
     exact.solver = LayeredOptions{.time_step_s = 12.5e-6};
@@ -129,4 +150,23 @@ TEST_CASE("neither compressional nor shear waves return from below a half-space"
     // 3e-4 at 800 Hz, a rigid end 1e-2 at 50 m/s.
     CHECK(surface < 1e-4);
     CHECK(below < 1e-4);
+}
+
+TEST_CASE("the estimated error of an absorber is within a factor of two of its error", "[verify]") {
+    const auto [ratio, frequency_Hz, depth_m] =
+        GENERATE(table<double, double, double>({{300.0, 200.0, 50e-3},
+                                                {300.0, 200.0, 30e-3},
+                                                {10.0, 800.0, 75e-3},
+                                                {10.0, 800.0, 40e-3}}));
+    Case c = pulsating(ratio, frequency_Hz);
+    SpectralOptions options{.time_step_s = 25e-6, .absorbing_depth_m = depth_m};
+    const double estimated = spectral::probed_return(c, options, *options.time_step_s);
+    c.solver = options;
+    const auto frames = test::frames_of(c);
+    options.absorbing_depth_m = 0.4; // returns nothing that is visible here
+    c.solver = options;
+    const double error = relative_l2(c, frames, test::frames_of(c));
+    CAPTURE(ratio, frequency_Hz, depth_m, estimated, error);
+    CHECK(estimated < 2.0 * error);
+    CHECK(estimated > 0.5 * error);
 }

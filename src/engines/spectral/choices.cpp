@@ -4,6 +4,7 @@
 #include "case/edge_absorption.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
+#include "engines/spectral/stepping/step_probe.hpp"
 #include "medium/material_field.hpp"
 
 #include <algorithm>
@@ -97,7 +98,8 @@ std::string elastic_note(const Case& c, std::size_t i) {
 
 } // namespace
 
-std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh) {
+std::vector<std::string> discretisation_notes(const Case& c, const TimeStep& time,
+                                              const DepthMesh& mesh) {
     double longest_m = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         longest_m = std::max(longest_m, mesh.length_m(e));
@@ -108,9 +110,10 @@ std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthM
                               1e3 * mesh.length_m(0), 1e3 * longest_m)};
     if (mesh.bottom)
         notes.push_back(fmt::format(
-            "the half-space consists of {:.3g} mm of the medium and an absorber of "
-            "{:.3g} mm, designed for shear wavelengths up to {:.3g} mm",
-            1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m, 1e3 * mesh.bottom->longest_m));
+            "the half-space consists of {:.3g} mm of the medium and an absorber of {:.3g} mm, "
+            "designed for shear wavelengths up to {:.3g} mm (estimated error {:.2g})",
+            1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m, 1e3 * mesh.bottom->longest_m,
+            probed_return(c, std::get<SpectralOptions>(c.solver), time.step_s)));
     return notes;
 }
 

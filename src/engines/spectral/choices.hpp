@@ -10,8 +10,10 @@
 
 namespace shearwake::spectral {
 
-/// Notes on the discretisation in time and depth, one line each. Not collective.
-std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh);
+/// Notes on the discretisation in time and depth, with the estimated errors, one line each. Not
+/// collective.
+std::vector<std::string> discretisation_notes(const Case& c, const TimeStep& time,
+                                              const DepthMesh& mesh);
 
 /// Notes on the share of energy that the absorbing edges return, one line each. Not collective.
 std::vector<std::string> edge_notes(const Case& c);

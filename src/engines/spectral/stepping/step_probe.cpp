@@ -18,24 +18,24 @@ constexpr std::ptrdiff_t probed_columns = 2 * lane_count, probed_rows = 2;
 /// that the effort does not grow with the number of frames.
 constexpr double most_intervals = 2500.0;
 
-Case with_few_wave_vectors(Case c) {
-    c.domain = {probed_columns, 2 * probed_rows,
+Case with_few_wave_vectors(Case c, std::ptrdiff_t rows) {
+    c.domain = {probed_columns, 2 * rows,
                 std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 1e-2), 0.0};
     return c;
 }
 
-/// The layers under a load at a few wave vectors.
+/// The layers under a load at the first block of wave vectors of each row.
 class Probe {
 public:
     Probe(const Case& c, const VerticalOperator& vertical, const WaveVectors& vectors,
           double step_s)
         : kernels_(simd::kernels<PencilKernels>()), vertical_(vertical), vectors_(vectors),
           load_(c, vectors, step_s), step_s_(step_s) {
-        factors_.resize(static_cast<std::size_t>(probed_rows * vertical.factor_size()));
-        now_.assign(static_cast<std::size_t>(probed_rows * size()), Block{});
+        factors_.resize(static_cast<std::size_t>(vectors.rows() * vertical.factor_size()));
+        now_.assign(static_cast<std::size_t>(vectors.rows() * size()), Block{});
         before_ = now_;
         force_.resize(static_cast<std::size_t>(size()));
-        for (std::ptrdiff_t row = 0; row < probed_rows; ++row)
+        for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
             vertical.factorise_implicit(vectors.waves(row, 0).k, step_s,
                                         factors_.data() + row * vertical.factor_size());
     }
@@ -43,7 +43,7 @@ public:
     void advance() {
         const double scale = step_ == 0 ? 0.5 : 1.0; // starts from rest
         load_.sample(step_);
-        for (std::ptrdiff_t row = 0; row < probed_rows; ++row) {
+        for (std::ptrdiff_t row = 0; row < vectors_.rows(); ++row) {
             const Block* u = now_.data() + row * size();
             Block *before = before_.data() + row * size(), *force = force_.data();
             std::fill(force_.begin(), force_.end(), Block{});
@@ -91,7 +91,7 @@ double extrapolated(const Deviation& half, const Deviation& whole, double ratio)
 } // namespace
 
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
-    const Case few = with_few_wave_vectors(c);
+    const Case few = with_few_wave_vectors(c, probed_rows);
     fft::SlabShare share;
     share.ky_count = probed_rows; // without the Nyquist mode
     const WaveVectors vectors(few.domain, share);
@@ -121,6 +121,73 @@ double probed_error(const Case& c, const DepthMesh& mesh, double step_s) {
         if (n + 1 == steps / 2) half_sums = sums;
     }
     return extrapolated(half_sums, sums, c.time.duration_s() / probed_s);
+}
+
+namespace {
+
+/// The part of the cell of a sample of |kx| or |ky| that lies above a limit.
+double share_above(double limit_rad_m, double sample_rad_m, double spacing_rad_m) {
+    const double from = std::max(sample_rad_m - 0.5 * spacing_rad_m, 0.0);
+    const double to = sample_rad_m + 0.5 * spacing_rad_m;
+    return std::clamp((to - limit_rad_m) / (to - from), 0.0, 1.0);
+}
+
+} // namespace
+
+double probed_return(const Case& c, const SpectralOptions& options, double step_s) {
+    // Where the absorber returns the most: the lowest wave vectors of the domain, exactly.
+    constexpr std::ptrdiff_t low_rows = 4, high_rows = 4;
+    fft::SlabShare low_share, high_share;
+    low_share.ky_count = std::min(low_rows, (c.domain.ny + 1) / 2);
+    high_share.ky_count = high_rows;
+    const WaveVectors low = WaveVectors(c.domain, low_share)
+                                .coarser(std::min(probed_columns, c.domain.nx), c.domain.ny);
+    // Samples of the spectrum of the footprint, for the size of the complete field.
+    const Case few = with_few_wave_vectors(c, high_rows);
+    const WaveVectors high(few.domain, high_share);
+
+    const DepthMesh mesh = choose_mesh(c, options, step_s);
+    SpectralOptions deeper = options;
+    deeper.absorbing_depth_m = 2.0 * mesh.bottom->depth_m;
+    const DepthMesh deeper_mesh = choose_mesh(c, deeper, step_s);
+    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
+    const VerticalOperator reference(deeper_mesh, background_of(deeper_mesh, c.scene().medium));
+    Probe here(c, vertical, low, step_s), deep(c, reference, low, step_s);
+    Probe all(few, vertical, high, step_s);
+
+    const PencilKernels& kernels = simd::kernels<PencilKernels>();
+    const double low_kx = low.kx_rad_m(low.nx() / 2) - 0.5 * low.kx_rad_m(1);
+    const double low_ky = low.ky_rad_m(low.rows()) - 0.5 * low.ky_rad_m(1);
+    const double per_sample = few.domain.extent_x_m() * few.domain.extent_y_m() /
+                              (c.domain.extent_x_m() * c.domain.extent_y_m());
+    const auto square = [&](const Block* w, const Counted& counted) {
+        return sum_of(kernels.product(parts, w, w, counted.part));
+    };
+    Deviation sums;
+    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
+    for (long n = std::lround(probed_s / step_s); n > 0; --n) {
+        for (Probe* probe : {&here, &deep, &all})
+            probe->advance();
+        for (std::ptrdiff_t row = 0; row < low.rows(); ++row) {
+            Block apart[parts];
+            kernels.difference(parts, 1.0, here.surface(row), deep.surface(row), apart);
+            sums.difference += square(apart, low.counted(row, 0));
+            sums.all += square(here.surface(row), low.counted(row, 0));
+        }
+        for (std::ptrdiff_t row = 0; row < high_rows; ++row) {
+            Counted counted = high.counted(row, 0);
+            const double below_y = 1.0 - share_above(low_ky, high.ky_rad_m(row), high.ky_rad_m(1));
+            for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
+                const double below_x =
+                    1.0 - share_above(low_kx, high.kx_rad_m(lane), high.kx_rad_m(1));
+                const bool is_mean = row == 0 && lane == 0;
+                for (Block& part : counted.part)
+                    part[lane] *= is_mean ? 0.0 : per_sample * (1.0 - below_x * below_y);
+            }
+            sums.all += square(all.surface(row), counted);
+        }
+    }
+    return sums.all > 0.0 ? std::sqrt(sums.difference / sums.all) : 0.0;
 }
 
 } // namespace shearwake::spectral

@@ -12,4 +12,10 @@ namespace shearwake::spectral {
 /// 2500. Takes milliseconds. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
 
+/// Relative L2 error of the surface field that the absorber of a half-space causes: the difference
+/// from an absorber of twice the depth at the lowest wave vectors of the domain, relative to the
+/// field of the load. Advances twelve pencils for the duration of the run, at most 2500 frames. Not
+/// collective.
+double probed_return(const Case& c, const SpectralOptions& options, double step_s);
+
 } // namespace shearwake::spectral
