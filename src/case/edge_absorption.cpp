@@ -10,14 +10,14 @@
 namespace shearwake {
 namespace {
 
-constexpr double strength = 7.3;
+constexpr double damping_scale = 7.3;
 
 } // namespace
 
 double edge_drag_Hz(double distance_m, double width_m, double speed_m_s) {
     const double inward = distance_m / width_m;
     if (!(inward < 1.0)) return 0.0;
-    return strength * speed_m_s / width_m * std::pow(1.0 - std::max(inward, 0.0), 1.5);
+    return damping_scale * speed_m_s / width_m * std::pow(1.0 - std::max(inward, 0.0), 1.5);
 }
 
 /// Solves u'' + (k^2 - i k gamma/c) u = 0 slice by slice from the far side, where u = e^{-ikx}.
