@@ -67,8 +67,10 @@ TEST_CASE("the cases of a sweep share a lens", "[config][lens]") {
 }
 
 TEST_CASE("the absorption of a lens is not limited like a length", "[config][lens]") {
-    CHECK(diagnostics_of(with_lens(plate + ", target_foci_mm = [[0, 0]], absorption_dB_m = 50"))
-              .empty());
+    const auto found = diagnostics_of(
+        with_lens(plate + ", target_foci_mm = [[0, 0]], absorption_dB_m = 50, reach_mm = 30"));
+    CAPTURE(found);
+    CHECK(found.empty());
     CHECK(any_contains(
         diagnostics_of(with_lens(plate + ", target_foci_mm = [[0, 0]], absorption_dB_m = 1001")),
         "load.footprint.absorption_dB_m must be between 0 and 1000, but is 1001"));

@@ -22,7 +22,7 @@ constexpr double pi = std::numbers::pi;
 /// jump decays; it is 5e-4 at the beginning of the roll-off (observed: 2e-4). Samples without nodes
 /// are in error by half a step, 8e-3 of the period in these tests.
 double allowed(double of_highest) {
-    return 1e-6 + 5e-4 * std::pow(of_highest / 0.8, 3);
+    return 3e-6 + 5e-4 * std::pow(of_highest / 0.8, 3);
 }
 
 /// Integral of e^{a t} over [from, to].
