@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests that no text of a figure is clipped or hidden by another, and the fonts of the files.
+"""Tests that no text of a figure is clipped or hidden by another.
 
 Run: python3 tests/report/test_texts.py    (unittest, numpy, h5py, matplotlib; half a minute)
 """
@@ -14,7 +14,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 from synthetic import AM, FWHM, Folder, case_id, sweep  # noqa: E402
 
 import texts  # noqa: E402
-import fonts  # noqa: E402
 import style  # noqa: E402
 from style import plt  # noqa: E402
 
@@ -83,26 +82,6 @@ class Texts(unittest.TestCase):
         self.assertEqual(axes.yaxis.get_offset_text().get_text(), "×10⁻⁷")
         self.assertIn("\N{MINUS SIGN}2", [label.get_text() for label in axes.get_yticklabels()])
         plt.close(figure)
-
-
-class Fonts(unittest.TestCase):
-    def test_a_font_is_reduced_once_unless_other_characters_appear(self):
-        font = plt.matplotlib.font_manager.findfont("DejaVu Sans")
-        calls = []
-
-        def reduce(path, characters):
-            calls.append(characters)
-            return original(path, characters)
-
-        original = fonts.get_glyphs_subset
-        with mock.patch.object(fonts, "get_glyphs_subset", reduce), mock.patch.dict(fonts.subsets, clear=True):
-            first = fonts.common_subset(font, "efficiency η").getvalue()
-            self.assertEqual(fonts.common_subset(font, "µm ×10⁻⁷").getvalue(), first)
-            self.assertEqual(len(calls), 1)
-            face = plt.matplotlib.ft2font.FT2Font(fonts.common_subset(font, "ж"))
-            self.assertEqual(len(calls), 2)
-            for letter in "aηж⁷":
-                self.assertGreater(face.get_char_index(ord(letter)), 0, letter)
 
 
 if __name__ == "__main__":
