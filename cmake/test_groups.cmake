@@ -43,13 +43,14 @@ function(add_catch_group name label runner)
     add_group(${name} ${label} catch $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
 endfunction()
 
-# Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle, since
-# other processes may use the cores: next to another program, two ranks took six times as long as one. For the same
-# reason no other group runs beside them: next to two groups, three ranks took ten times as long as alone.
+# Adds the test cases of a Catch2 runner on several ranks. The ranks are not bound and yield when idle
+# (analysis/nightly/ranks.py), since other processes may use the cores: next to another program, two ranks took six
+# times as long as one. For the same reason no other group runs beside them: next to two groups, three ranks took ten
+# times as long as alone.
 function(add_mpi_group name label runner ranks)
     set(launch "")
     if(ranks GREATER 1)
-        set(launch mpirun --oversubscribe --bind-to none --mca mpi_yield_when_idle 1 -n ${ranks})
+        set(launch ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks})
     endif()
     add_group(${name} ${label} catch ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
     if(ranks GREATER 1) # more than there are: nothing runs beside it

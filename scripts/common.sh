@@ -26,7 +26,8 @@ count_cores() {
     fi
 }
 
-# on_ranks N COMMAND...: runs mpirun, also as root (in a container) and with fewer cores than ranks.
+# on_ranks N COMMAND...: runs mpirun, also as root (in a container) and with fewer cores than ranks, which Open MPI 4
+# (OMPI) and 5 (PRTE) refuse otherwise.
 on_ranks() {
     ranks=$1
     shift
@@ -34,10 +35,11 @@ on_ranks() {
         export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
     fi
     if [ "$(count_cores)" -lt "$ranks" ]; then
-        mpirun --oversubscribe -n "$ranks" "$@"
-    else
-        mpirun -n "$ranks" "$@"
+        export OMPI_MCA_rmaps_base_oversubscribe=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
     fi
+    # All ranks are on this machine. Open MPI 5 would warn if the network does not lead back to it.
+    export OMPI_MCA_btl="${OMPI_MCA_btl:-^tcp}"
+    mpirun -n "$ranks" "$@"
 }
 
 # show_steps LOG: copies the output of a build to LOG and shows its progress: on a terminal a line that is

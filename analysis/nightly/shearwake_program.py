@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the program and parses its output."""
-import os
 import re
 import subprocess
 from dataclasses import dataclass
+
+from ranks import environment, launch
 
 BENCHES = {"layered": (), "spectral": ("--grid", "192x128x25", "--steps", "20")}
 LOWER_BOUND = re.compile(r"^\s*lower bound: (?P<name>.+?)\s+(?P<s>[0-9.]+) s\s+.*? takes (?P<ratio>[0-9.]+) "
@@ -17,13 +18,6 @@ class Outcome:
     output: str  # standard output and standard error
 
 
-def environment():
-    found = dict(os.environ)
-    if os.geteuid() == 0:  # a container
-        found.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    return found
-
-
 class Program:
     def __init__(self, path, log, inherited=()):
         """`inherited`: file descriptors that the processes inherit, so that a lock is held until the last
@@ -32,9 +26,7 @@ class Program:
 
     def __call__(self, *arguments, ranks=1, limit_s=3600):
         """Runs the program to its end or to the time limit; the output is appended to the log."""
-        # Ranks are not bound, since other processes may use the cores that mpirun would choose.
-        launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)] if ranks > 1 else []
-        command = [*launch, self.path, *map(str, arguments)]
+        command = [*launch(ranks), self.path, *map(str, arguments)]
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
                               env=environment(), pass_fds=self.inherited) as process:

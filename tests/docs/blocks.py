@@ -55,7 +55,4 @@ def make_reader_folder(folder):
     (folder / "build").mkdir()
     (folder / "build" / "shearwake").symlink_to(PROGRAM)
     return {**environment(), "PATH": f"{folder / 'build'}{os.pathsep}{os.environ['PATH']}",
-            "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg",
-            # Other groups of tests use the same cores.
-            "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
-            "OMPI_MCA_hwloc_base_binding_policy": "none"}
+            "PYTHONPATH": str(folder / "analysis"), "SHEARWAKE_PYTHON": sys.executable, "MPLBACKEND": "Agg"}

@@ -8,6 +8,7 @@ import re
 import resource
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -16,6 +17,10 @@ from pathlib import Path
 import xxhash
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.append(str(ROOT / "analysis" / "nightly"))
+
+from ranks import environment, launch  # noqa: E402
+
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
 
 # Time limit of a single command. It distinguishes a hang from a slow or busy machine and does not express an
@@ -104,18 +109,8 @@ LONG = without_reference(
     ("frames = true", "snapshots_ms = [4.0]"))
 
 
-def environment():
-    found = dict(os.environ)
-    if os.geteuid() == 0:
-        found.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    return found
-
-
 def command(*arguments, ranks=1):
-    # The ranks are not bound and yield when idle, since other processes may use the same cores.
-    launch = ["mpirun", "--oversubscribe", "--bind-to", "none", "--mca", "mpi_yield_when_idle", "1",
-              "-n", str(ranks)] if ranks > 1 else []
-    return [*launch, str(PROGRAM), *map(str, arguments)]
+    return [*launch(ranks), str(PROGRAM), *map(str, arguments)]
 
 
 def processor_s():

@@ -32,7 +32,7 @@ class Installed(ProgramTest):
 
     def test_the_main_job_runs_and_is_reported(self):
         job = self.prefix / "share" / "shearwake" / "jobs" / "quickstart.toml"
-        self.command("mpirun", "--oversubscribe", "--bind-to", "none", "-n", "2", "shearwake", "run", job,
+        self.command("mpirun", "-n", "2", "shearwake", "run", job,
                      "-S", 'sweep."load.modulation.am_frequency_Hz"=[200]', cwd=self.user)
         self.command("shearwake", "reduce", "out/quickstart", cwd=self.user)
         self.command("shearwake", "report", "out/quickstart", cwd=self.user)

@@ -15,9 +15,7 @@ matplotlib.use("Agg")
 import program  # noqa: E402
 import shearwake  # noqa: E402
 
-os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM), OMPI_MCA_rmaps_base_oversubscribe="1",
-                  OMPI_MCA_mpi_yield_when_idle="1",  # other tests use the same cores
-                  OMPI_MCA_hwloc_base_binding_policy="none")
+os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM))
 AM, FWHM = "load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm"
 
 

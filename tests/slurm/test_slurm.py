@@ -66,7 +66,7 @@ class Slurm(unittest.TestCase):
         cls.job.write_text(LONG.replace("1000, 12]", "1000, 24]"), encoding="utf-8")
         whole = cls.folder / "whole"
         # As on a laptop.
-        cls.command(["mpirun", "--oversubscribe", "--bind-to", "none", "-n", "2", str(PROGRAM), "run", "job.toml",
+        cls.command(["mpirun", "-n", "2", str(PROGRAM), "run", "job.toml",
                      "--out", whole, "--ranks-per-case", "1"])
         cls.command([str(PROGRAM), "reduce", whole])
         cls.reference = table_bytes(whole)
