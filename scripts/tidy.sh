@@ -23,7 +23,7 @@ if [ $# -gt 1 ]; then
     fi
 fi
 log=$build/clang-tidy.log
-if run-clang-tidy-14 -quiet -p "$build" -j "$(nproc)" "$units" >"$log" 2>/dev/null; then
+if run-clang-tidy -quiet -p "$build" -j "$(nproc)" "$units" >"$log" 2>/dev/null; then
     exit 0
 fi
 grep -E -A 4 '(warning|error):' "$log" | head -n 200 >&2

@@ -2,6 +2,7 @@
 #include "app/commands.hpp"
 #include "app/converted_scan.hpp"
 #include "app/fit_output.hpp"
+#include "app/optional_commands.hpp"
 #include "app/python_script.hpp"
 #include "config/uncertain.hpp"
 #include "laboratory/observed_model.hpp"
@@ -207,6 +208,7 @@ std::vector<SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
 } // namespace
 
 ExitCode fit_command(const FitArguments& arguments, const Comm& world) {
+    require_library(OptionalCommand::fit);
     std::vector<Parameter> parameters;
     std::vector<std::string> overrides = {"sweep={}", "uncertain={}", "table={}"};
     overrides.insert(overrides.end(), arguments.overrides.begin(), arguments.overrides.end());

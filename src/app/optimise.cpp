@@ -2,6 +2,7 @@
 #include "app/commands.hpp"
 #include "app/optimise_study.hpp"
 #include "app/optimise_table.hpp"
+#include "app/optional_commands.hpp"
 #include "optimise/study_file.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/job_source.hpp"
@@ -121,6 +122,7 @@ ExitCode search(const Study& study, const Comm& world) {
 } // namespace
 
 ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world) {
+    require_library(OptionalCommand::optimise);
     Study study = read_study(arguments, world);
     on_root(world, [&] { prepare(study); });
     if (const ExitCode code = search_sm(study, world); code != ExitCode::done) return code;

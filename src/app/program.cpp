@@ -4,12 +4,12 @@
 #include "app/declare_commands.hpp"
 #include "app/interactive_commands.hpp"
 #include "app/laboratory_commands.hpp"
+#include "app/optional_commands.hpp"
 
 #include "base/json_document.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "config/job.hpp"
-#include "pipeline/provenance.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -160,14 +160,14 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     CLI::App app("shearwake: parameter sweeps of mid-air ultrasound haptics on viscoelastic skin");
     app.require_subcommand(1);
     app.footer("shearwake --help explains the exit codes."); // of each command
-    app.set_version_flag("--version", pipeline::version_text());
+    app.set_version_flag("--version", full_version_text());
     add_job_commands(app, action);
     add_result_commands(app, action);
     add_laboratory_commands(app, action);
     add_interactive_commands(app, action);
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",
-             [] { return pipeline::version_text() + "\n"; });
+             [] { return full_version_text() + "\n"; });
     add_text(app, action, "man", "print the manual page, in the format of man(7)",
              [&app] { return man_page(app); });
     add_text(app, action, "completion", "print a script that completes commands in bash",

@@ -6,18 +6,22 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <ceres/ceres.h>
 #include <cmath>
 #include <memory>
+#if SHEARWAKE_CERES
+#include <ceres/ceres.h>
+#endif
 
 namespace shearwake::laboratory {
 namespace {
 
+/// Residuals of a point above this multiple of the typical ones reduce its weight.
+constexpr double outlier_scale = 2.0;
+#if SHEARWAKE_CERES
+
 /// Relative step of the derivatives: truncation and the interpolation of the engine both
 /// contribute about 1e-3.
 constexpr double relative_step = 1e-3;
-/// Residuals of a point above this multiple of the typical ones reduce its weight.
-constexpr double outlier_scale = 2.0;
 constexpr int most_rounds = 4; // of the noise
 constexpr int most_iterations = 30;
 
@@ -370,8 +374,11 @@ private:
     PriorResiduals priors_;
     double noise_ = 1.0;
 };
+#endif
 
 } // namespace
+
+const bool can_fit = SHEARWAKE_CERES;
 
 double robust_chi_squared(double mean_square, std::size_t samples, double noise) {
     const double allowed = outlier_scale * outlier_scale;
@@ -381,7 +388,11 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
 
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,
               std::size_t points, const Model& model, std::optional<double> noise) {
+#if SHEARWAKE_CERES
     return Fit(parameters, observed, points, model).run(noise);
+#else
+    throw Error("built without Ceres Solver");
+#endif
 }
 
 } // namespace shearwake::laboratory

@@ -60,4 +60,7 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,
               std::size_t points, const Model& model, std::optional<double> noise = std::nullopt);
 
+/// False if the program was built without Ceres Solver; fit() then throws.
+extern const bool can_fit;
+
 } // namespace shearwake::laboratory

@@ -1,22 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/best_envelope.hpp"
 
+#include "base/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <nlopt.h>
 #include <numbers>
 #include <random>
+#if SHEARWAKE_NLOPT
+#include <nlopt.h>
+#endif
 
 namespace shearwake::optimise {
 namespace {
-
-constexpr int most_evaluations = 1000; // of one local search; usually 100 suffice
 
 struct Search {
     const Forms& forms;
     double squared_strength;
 };
+
+#if SHEARWAKE_NLOPT
+constexpr int most_evaluations = 1000; // of one local search; usually 100 suffice
 
 Eigen::VectorXd envelope_of(unsigned count, const double* values) {
     return Eigen::Map<const Eigen::VectorXd>(values, static_cast<Eigen::Index>(count));
@@ -44,6 +49,26 @@ double constraint(unsigned count, const double* values, double* gradient, void* 
     store(-squared_strength_gradient(search.forms, e), gradient);
     return search.squared_strength - squared_strength(search.forms, e);
 }
+
+/// Improves the values. A negative code of the solver means that rounding ended the search; the
+/// values are the best so far.
+void search_from(Search& search, Eigen::VectorXd& e) {
+    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> solver(
+        nlopt_create(NLOPT_LD_SLSQP, static_cast<unsigned>(e.size())), nlopt_destroy);
+    nlopt_set_lower_bounds1(solver.get(), 0.0);
+    nlopt_set_upper_bounds1(solver.get(), 1.0);
+    nlopt_set_max_objective(solver.get(), objective, &search);
+    nlopt_add_inequality_constraint(solver.get(), constraint, &search, 1e-10);
+    nlopt_set_ftol_rel(solver.get(), 1e-9);
+    nlopt_set_maxeval(solver.get(), most_evaluations);
+    double reached = 0.0;
+    nlopt_optimize(solver.get(), e.data(), &reached);
+}
+#else
+void search_from(Search&, Eigen::VectorXd&) {
+    throw Error("built without NLopt");
+}
+#endif
 
 /// The nearest envelope on the way to the unmodulated load that satisfies all constraints, if that
 /// load does. eta does not depend on the scale, so the largest value is 1.
@@ -100,6 +125,8 @@ Eigen::VectorXd pauses(Eigen::Index knots, Uniform& uniform) {
 
 } // namespace
 
+const bool can_search = SHEARWAKE_NLOPT;
+
 Envelope measured(const Forms& forms, Eigen::VectorXd values) {
     Envelope envelope{.values = std::move(values)};
     envelope.eta = eta(forms, envelope.values);
@@ -116,20 +143,9 @@ Envelope best_from(const Forms& forms, double strength, const Eigen::VectorXd& s
     if (squared_strength(forms, Eigen::VectorXd::Ones(start.size())) <
         search.squared_strength * (1.0 - 1e-12))
         return {.values = Eigen::VectorXd::Ones(start.size())};
-    const auto count = static_cast<unsigned>(start.size());
-    const std::unique_ptr<nlopt_opt_s, void (*)(nlopt_opt)> solver(
-        nlopt_create(NLOPT_LD_SLSQP, count), nlopt_destroy);
-    nlopt_set_lower_bounds1(solver.get(), 0.0);
-    nlopt_set_upper_bounds1(solver.get(), 1.0);
-    nlopt_set_max_objective(solver.get(), objective, &search);
-    nlopt_add_inequality_constraint(solver.get(), constraint, &search, 1e-10);
-    nlopt_set_ftol_rel(solver.get(), 1e-9);
-    nlopt_set_maxeval(solver.get(), most_evaluations);
     const Envelope first = measured(forms, feasible(forms, search.squared_strength, start));
     Eigen::VectorXd e = first.values;
-    double reached = 0.0;
-    // A negative code means that rounding ended the search; the values are the best so far.
-    nlopt_optimize(solver.get(), e.data(), &reached);
+    search_from(search, e);
     Envelope last = measured(forms, feasible(forms, search.squared_strength, std::move(e)));
     return last.eta > first.eta ? last : first;
 }

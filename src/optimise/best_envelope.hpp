@@ -33,4 +33,7 @@ std::vector<Eigen::VectorXd> starts(Eigen::Index knots, std::size_t count, std::
 Envelope best_envelope(const Forms& forms, double strength,
                        const std::vector<Eigen::VectorXd>& starts);
 
+/// False if the program was built without NLopt; the searches then throw.
+extern const bool can_search;
+
 } // namespace shearwake::optimise

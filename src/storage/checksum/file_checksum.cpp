@@ -16,7 +16,6 @@
 #include <utility>
 #include <vector>
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 namespace shearwake::storage {

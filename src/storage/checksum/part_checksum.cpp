@@ -11,7 +11,6 @@
 #include <new>
 #include <sstream>
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 namespace shearwake::storage {

@@ -3,7 +3,6 @@
 
 #include "base/hash.hpp"
 
-#define XXH_INLINE_ALL
 #include <xxhash.h>
 
 namespace shearwake::storage {

@@ -343,7 +343,7 @@ std::vector<std::string> dataset_names(hid_t group) {
         if (H5Lget_info(parent, name, &link, H5P_DEFAULT) < 0) return -1;
         if (link.type == H5L_TYPE_EXTERNAL) return 0;
         H5O_info_t info;
-        if (H5Oget_info_by_name1(parent, name, &info, H5P_DEFAULT) < 0) return -1;
+        if (H5Oget_info_by_name(parent, name, &info, H5P_DEFAULT) < 0) return -1;
         if (info.type == H5O_TYPE_DATASET)
             static_cast<std::vector<std::string>*>(out)->emplace_back(name);
         return 0;

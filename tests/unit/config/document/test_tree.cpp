@@ -96,4 +96,8 @@ TEST_CASE("non-ASCII characters are allowed only in strings and comments", "[tre
     // And here, where a quote that begins no string hides the letter from a first look.
     CHECK(mistakes("_m =16E2EEKEEEE'16E2EE\xc2\xba"
                    "EEE:E::EE\n") == 1);
+    CHECK(mistakes("\"\xc3\xa9\" = [\"\xc3\xa9\",'\xc3\xa9', {a='\xc3\xa9'}]\n") == 0);
+    for (const char* hidden : {"a = 1.'\xc2\xba'\n", "a = [\n1.'\xc2\xba']\n",
+                               "a = 'b''\xc2\xba'\n", "a.'#'\xc2\xba = 1\n", "a = 'b\n\xc2\xba'\n"})
+        CHECK(mistakes(hidden) == 1);
 }

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a user reads when a library or a package is missing."""
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+class Requirements(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="shearwake-requirements-")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def test_setup_lists_the_requirements_where_there_are_no_debian_packages(self):
+        for tool in ("sh", "dirname", "awk", "sed"):
+            (self.folder / tool).symlink_to(shutil.which(tool))
+        for option, has_ceres in ((), True), (("--minimal",), False):
+            done = subprocess.run(["/bin/sh", ROOT / "scripts" / "setup", *option], env={"PATH": str(self.folder)},
+                                  capture_output=True, text=True, check=False)
+            self.assertEqual((done.returncode, done.stdout), (6, ""), done.stderr)
+            for name in ("MPI 3.1", "HDF5 1.10 with MPI", "Matplotlib"):
+                self.assertIn(name, done.stderr)
+            self.assertEqual("Ceres" in done.stderr, has_ceres)
+            self.assertNotIn("Catch2", done.stderr)
+
+    def configure(self, *disabled):
+        return subprocess.run(
+            ["cmake", "-S", ROOT, "-B", self.folder / "build", "-G", "Ninja",
+             *(f"-DCMAKE_DISABLE_FIND_PACKAGE_{name}=ON" for name in disabled)],
+            env={**os.environ, "LC_ALL": "C"}, capture_output=True, text=True, check=False)
+
+    def test_all_missing_libraries_are_listed_with_their_options(self):
+        done = self.configure("HDF5", "fmt")
+        self.assertEqual(done.returncode, 1, done.stdout)
+        for line in ("HDF5 with MPI (HDF5_ROOT)", "fmt (fmt_ROOT)"):
+            self.assertIn(line, done.stderr)
+        self.assertNotIn("FFTW", done.stderr)
+
+    def test_a_library_of_one_command_is_optional(self):
+        done = self.configure("Ceres", "Catch2")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for line in ("Ceres Solver (Ceres_ROOT): no command `fit`", "Catch2 (Catch2_ROOT): no tests"):
+            self.assertIn(line, done.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
