@@ -216,7 +216,7 @@ class Tree:
     def library_header(self, header, path, component):
         found = library(header)
         if found is None:
-            if header in STANDARD or (not component and header in ("catch2/catch.hpp",)):
+            if header in STANDARD or (not component and header in ("catch2/catch.hpp", "catch2/catch_all.hpp")):
                 return None
             if (self.source / header).is_file() or (self.root / "tests" / header).is_file():
                 return f"<{header}> is a header of the project; write it in quotes"

@@ -33,7 +33,11 @@ int main(int argc, char** argv) {
         shearwake::simd::use_instruction_set(*set);
     int verdict = session.applyCommandLine(argc, argv);
     if (verdict == 0) {
+#if CATCH_VERSION_MAJOR < 3
         std::string& file = session.configData().outputFilename;
+#else
+        std::string& file = session.configData().defaultOutputFilename;
+#endif
         file = report_of(rank, file);
         verdict = session.run();
     }

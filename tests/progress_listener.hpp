@@ -14,12 +14,14 @@
 /// scripts/test_runner/progress.py, which describes the lines. Reports nothing without that
 /// variable. Needs MPI to be initialised; every rank writes a file of its own. Collective: no.
 class ProgressListener : public Catch::TestEventListenerBase {
+    using Base = Catch::TestEventListenerBase;
+
 public:
-    using TestEventListenerBase::TestEventListenerBase;
+    using Base::Base;
 
     // The base class keeps account of what is running and needs every call.
     void testRunStarting(const Catch::TestRunInfo& info) override {
-        TestEventListenerBase::testRunStarting(info);
+        Base::testRunStarting(info);
         const char* stem = std::getenv("SHEARWAKE_TEST_PROGRESS");
         if (stem == nullptr) return;
         int rank = 0;
@@ -29,15 +31,16 @@ public:
         report("total " + std::to_string(count_tests()));
     }
     void testCaseStarting(const Catch::TestCaseInfo& info) override {
-        TestEventListenerBase::testCaseStarting(info);
-        report("begin " + info.name);
+        Base::testCaseStarting(info);
+        name_ = info.name;
+        report("begin " + name_);
     }
     void testCaseEnded(const Catch::TestCaseStats& stats) override {
-        report("end " + stats.testInfo.name);
-        TestEventListenerBase::testCaseEnded(stats);
+        report("end " + name_);
+        Base::testCaseEnded(stats);
     }
     void sectionStarting(const Catch::SectionInfo& info) override {
-        TestEventListenerBase::sectionStarting(info);
+        Base::sectionStarting(info);
         report_life();
     }
     /// Before every assertion, and also when it passes: assertionEnded is left out then.
@@ -52,7 +55,7 @@ private:
             return Catch::filterTests(all, m_config->testSpec(), *m_config).size();
         std::size_t shown = 0;
         for (const Catch::TestCase& test : all)
-            shown += test.isHidden() ? 0 : 1;
+            shown += test.getTestCaseInfo().isHidden() ? 0 : 1;
         return shown;
     }
 
@@ -68,6 +71,7 @@ private:
         reported_ = Clock::now();
     }
 
-    int file_ = -1; // open to the end of the process
+    std::string name_; // of the running test case
+    int file_ = -1;    // open to the end of the process
     Clock::time_point reported_;
 };

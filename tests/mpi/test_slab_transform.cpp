@@ -87,7 +87,7 @@ TEST_CASE("slab transform equals the Fourier sum for all ranks and extents", "[m
 TEST_CASE("rows below the Nyquist frequency are distributed evenly", "[mpi]") {
     const auto [nx, ny] = GENERATE(values(grids));
     const Comm world = Comm::world();
-    const fft::SlabShare& share = fft::SlabTransform(nx, ny, world).share();
+    const fft::SlabShare share = fft::SlabTransform(nx, ny, world).share();
     const std::ptrdiff_t below = (ny + 1) / 2, ranks = world.size(),
                          block = (below + ranks - 1) / ranks;
     std::ptrdiff_t mine = 0;

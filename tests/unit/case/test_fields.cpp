@@ -285,6 +285,6 @@ TEST_CASE("a grid study and its scene are different cases", "[fields][case]") {
     CHECK(case_id(study) != case_id(scene));
     const std::string line = "study = \"0123456789abcdef\"\n";
     std::string text = canonical_text(study);
-    CHECK_THAT(text, Catch::Matchers::Contains("engine = \"pstd\"\n" + line));
+    CHECK_THAT(text, Catch::Contains("engine = \"pstd\"\n" + line));
     CHECK(text.replace(text.find(line), line.size(), "") == canonical_text(scene));
 }

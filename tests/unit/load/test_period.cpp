@@ -6,7 +6,7 @@
 #include <numbers>
 
 using namespace shearwake;
-using Catch::Matchers::Contains;
+using Catch::Contains;
 
 namespace {
 

@@ -108,7 +108,7 @@ TEST_CASE("receptors state the counted periods of an endless loop and have no fi
     CHECK(result.notes.empty()); // the motion does not begin, so it begins with no step
     CHECK(column(result, "receptor_periods_1").value == 8.0);
     CHECK(column(result, "receptor_run_in_periods_1").value == 38.0); // 0.74 s for SA1
-    const measures::Column& first = column(result, "PC_first_spike_ms");
+    const measures::Column first = column(result, "PC_first_spike_ms");
     CHECK(std::isnan(first.value));
     CHECK(first.note == "the motion has always repeated, so that no spike is the first");
     for (const double t_s : values(result, "spike_time"))

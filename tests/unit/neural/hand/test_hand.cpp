@@ -122,7 +122,7 @@ TEST_CASE("numbers of fibres of the hand equal areas times densities", "[hand]")
 
 TEST_CASE("fibres depend on the seed but not on the other populated regions", "[hand]") {
     const Hand hand = make_hand();
-    const HandRegion& palm = region(hand, "palm");
+    const HandRegion palm = region(hand, "palm");
     const auto alone = populate(palm, AfferentClass::PC, 3);
     const auto all = populate(hand.regions, all_classes, 3);
     CHECK(std::search(all.begin(), all.end(), alone.begin(), alone.end()) != all.end());
