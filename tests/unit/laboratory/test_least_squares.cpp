@@ -66,7 +66,7 @@ bool holds(const laboratory::Estimate& estimate, double truth) {
 
 } // namespace
 
-TEST_CASE("the true values lie in the 95 % intervals of 90 of 100 seeds", "[laboratory]") {
+TEST_CASE("the true values lie in the 95 % intervals of 90 of 100 seeds", "[laboratory][ceres]") {
     // Of a binomial distribution with 95 %, 88 or fewer of 100 occur once in 230 times.
     for (const bool coloured : {false, true}) {
         int speeds = 0, decays = 0;
@@ -83,7 +83,7 @@ TEST_CASE("the true values lie in the 95 % intervals of 90 of 100 seeds", "[labo
     }
 }
 
-TEST_CASE("points with a wrong signal change the estimates little", "[laboratory]") {
+TEST_CASE("points with a wrong signal change the estimates little", "[laboratory][ceres]") {
     std::vector<double> rows = noisy_wave(7, false);
     for (const std::size_t point : {4u, 11u, 23u})
         for (std::size_t n = 0; n < wave_samples; ++n)
@@ -96,7 +96,7 @@ TEST_CASE("points with a wrong signal change the estimates little", "[laboratory
     CHECK(result.noise == Approx(0.1).epsilon(0.1)); // the median of 30 points
 }
 
-TEST_CASE("priors and bounds limit the estimates", "[laboratory]") {
+TEST_CASE("priors and bounds limit the estimates", "[laboratory][ceres]") {
     const std::vector<double> rows = noisy_wave(1, false);
     std::vector<Parameter> parameters = wave_parameters();
     parameters[1].high = 12.0;
@@ -113,7 +113,7 @@ TEST_CASE("priors and bounds limit the estimates", "[laboratory]") {
     CHECK(logarithmic.estimates[1].value == Approx(11.0).margin(0.01));
 }
 
-TEST_CASE("a known noise is used instead of that of the residuals", "[laboratory]") {
+TEST_CASE("a known noise is used instead of that of the residuals", "[laboratory][ceres]") {
     const std::vector<double> rows = noisy_wave(3, false);
     const auto fitted = [&](std::optional<double> noise) {
         return laboratory::fit(wave_parameters(), rows, wave_points, decaying_wave, noise);
@@ -132,7 +132,7 @@ TEST_CASE("a known noise is used instead of that of the residuals", "[laboratory
           0.5 * own.estimates[0].standard_error);
 }
 
-TEST_CASE("a parameter that few points determine has a wide interval", "[laboratory]") {
+TEST_CASE("a parameter that few points determine has a wide interval", "[laboratory][ceres]") {
     // The level of three points and that of the other 27.
     const auto levels = [](std::span<const double> values) {
         std::vector<double> rows(wave_points * wave_samples, values[1]);
@@ -156,7 +156,7 @@ TEST_CASE("a parameter that few points determine has a wide interval", "[laborat
     CHECK(held >= 90);
 }
 
-TEST_CASE("data without noise give the exact values", "[laboratory]") {
+TEST_CASE("data without noise give the exact values", "[laboratory][ceres]") {
     const std::vector<double> truth{wave_speed, wave_decay};
     const FitResult result =
         laboratory::fit(wave_parameters(), *decaying_wave(truth), wave_points, decaying_wave);
@@ -164,7 +164,7 @@ TEST_CASE("data without noise give the exact values", "[laboratory]") {
     CHECK(result.estimates[1].value == Approx(wave_decay).epsilon(1e-4));
 }
 
-TEST_CASE("a parameter without effect and a model that fails are rejected", "[laboratory]") {
+TEST_CASE("a parameter without effect and a model that fails are rejected", "[laboratory][ceres]") {
     const std::vector<double> rows = noisy_wave(1, false);
     std::vector<Parameter> parameters = wave_parameters();
     parameters.push_back({"unused", 1.0, 0.0, 2.0});

@@ -67,7 +67,7 @@ TEST_CASE("gradients of eta and of the strength agree with finite differences", 
 }
 
 TEST_CASE("an optimum satisfies its constraints and lies between its starts and the ceiling",
-          "[optimise]") {
+          "[optimise][nlopt]") {
     const double strength = GENERATE(0.5, 0.8, 1.0);
     const Forms forms = forms_with_memory(24, GENERATE(3.0, 12.0));
     const std::vector<VectorXd> from = starts(24, 8, 1);
@@ -90,7 +90,7 @@ TEST_CASE("an optimum satisfies its constraints and lies between its starts and 
     }
 }
 
-TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise]") {
+TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise][nlopt]") {
     // F = N = 1 and D = diag(d): only the squares of the values matter. For d = 1 in the first half
     // and 4 in the second, the optimum with e <= 1 has e = 1 where d = 1 and e^2 = 2 s^2 - 1
     // elsewhere: eta = 2 s^2 / (1 + 4 (2 s^2 - 1)), and the relaxation is exact.
@@ -108,7 +108,8 @@ TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise]")
     CHECK(best_envelope(forms, s, starts(n, 6, 1)).eta == Approx(known).epsilon(1e-6));
 }
 
-TEST_CASE("the ceiling of few knots excludes what only negative values reach", "[optimise]") {
+TEST_CASE("the ceiling of few knots excludes what only negative values reach",
+          "[optimise][nlopt]") {
     // All envelopes of three knots in steps of 1 / 20, with and without negative values.
     const Forms forms = forms_with_memory(3, 4.0);
     const double s = GENERATE(0.5, 0.7, 0.9);
@@ -151,7 +152,7 @@ TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
     CHECK_FALSE(is_valid(forms, negative));
 }
 
-TEST_CASE("forms and optima are read back exactly", "[optimise]") {
+TEST_CASE("forms and optima are read back exactly", "[optimise][nlopt]") {
     const Forms forms = forms_with_memory(5, 3.0);
     const Knots knots{.count = 5, .interval_s = 1e-3, .repeat = true};
     const Forms read = read_forms(forms_text("id", knots, forms), "file");
