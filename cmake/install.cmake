@@ -28,11 +28,11 @@ endforeach()
 # system's Python: in /usr/local, and in ~/.local for its owner. The folder depends on the prefix of the installation.
 install(CODE [[
     execute_process(COMMAND python3 -c "import site, sys
-prefix = sys.argv[1]
-name = 'lib/python%d.%d/' % sys.version_info[:2]
+prefix = sys.argv[1] + '/lib/python'
+version = '%d.%d/' % sys.version_info[:2]
 known = site.getsitepackages() + [site.getusersitepackages()]
-folders = [prefix + '/' + name + last for last in ('dist-packages', 'site-packages')]
-print(next((folder for folder in folders if folder in known), folders[1]), end='')" ${CMAKE_INSTALL_PREFIX}
+folders = [prefix + last for last in (version + 'dist-packages', '3/dist-packages', version + 'site-packages')]
+print(next((folder for folder in folders if folder in known), folders[2]), end='')" ${CMAKE_INSTALL_PREFIX}
         OUTPUT_VARIABLE folder RESULT_VARIABLE code)
     if(code EQUAL 0)
         file(RELATIVE_PATH target "${folder}" "${CMAKE_INSTALL_PREFIX}/share/shearwake/analysis/shearwake")
