@@ -80,7 +80,8 @@ build() {
     if [ "$(tail -n 1 "$folder/build.log")" = "the build is complete" ]; then
         return 0
     fi
-    grep -m 20 -A 5 -E 'error|FAILED' "$folder/build.log" >&2 || tail -n 40 "$folder/build.log" >&2
+    grep -m 1 -A 30 'CMake Error' "$folder/build.log" >&2 || # lists all missing libraries
+        grep -m 20 -A 5 -E 'error|FAILED' "$folder/build.log" >&2 || tail -n 40 "$folder/build.log" >&2
     echo "the build failed; log: $PWD/$folder/build.log" >&2
     return 1
 }
