@@ -48,7 +48,7 @@ endfunction()
 find_package(MPI QUIET COMPONENTS C)
 list_library("MPI" MPI_C_FOUND "${MPI_C_VERSION}" "${MPI_C_INCLUDE_DIRS}" "MPI_C_COMPILER=/path/to/mpicc" "")
 
-# Debian and MPI's own compilers install HDF5 for several libraries of MPI. h5pcc is the one for the default MPI.
+# A system may have HDF5 for several MPI libraries. The compiler wrapper h5pcc on the PATH belongs to the default one.
 set(HDF5_PREFER_PARALLEL ON)
 find_package(HDF5 QUIET COMPONENTS C HL)
 if(HDF5_FOUND AND HDF5_IS_PARALLEL)
