@@ -53,7 +53,7 @@ function(add_mpi_group name label runner ranks)
         set(launch ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks})
     endif()
     add_group(${name} ${label} catch ${launch} $<TARGET_FILE:${runner}> -\# -r xml -o REPORT ${ARGN})
-    if(ranks GREATER 1) # more than there are: nothing runs beside it
+    if(ranks GREATER 1 AND TEST ${name}) # more than there are: nothing runs beside it
         set_tests_properties(${name} PROPERTIES PROCESSORS 1000)
     endif()
 endfunction()
