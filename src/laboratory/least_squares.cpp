@@ -386,13 +386,15 @@ double robust_chi_squared(double mean_square, std::size_t samples, double noise)
            std::log1p(mean_square / (noise * noise * allowed));
 }
 
+#if SHEARWAKE_CERES
 FitResult fit(const std::vector<Parameter>& parameters, std::span<const double> observed,
               std::size_t points, const Model& model, std::optional<double> noise) {
-#if SHEARWAKE_CERES
     return Fit(parameters, observed, points, model).run(noise);
-#else
-    throw Error("built without Ceres Solver");
-#endif
 }
-
+#else
+FitResult fit(const std::vector<Parameter>&, std::span<const double>, std::size_t, const Model&,
+              std::optional<double>) {
+    throw Error("built without Ceres Solver");
+}
+#endif
 } // namespace shearwake::laboratory
