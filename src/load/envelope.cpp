@@ -88,13 +88,13 @@ double edge_frequency_Hz(double edge_s) {
 }
 
 double greatest_frequency_Hz(const SineGain& g) {
-    return g.frequency_Hz;
+    return g.depth > 0.0 ? g.frequency_Hz : 0.0;
 }
 double greatest_frequency_Hz(const RampGain& g) {
     return edge_frequency_Hz(g.duration_s);
 }
 double greatest_frequency_Hz(const SquareGain& g) {
-    return std::max(g.frequency_Hz, edge_frequency_Hz(g.edge_s));
+    return g.depth > 0.0 ? std::max(g.frequency_Hz, edge_frequency_Hz(g.edge_s)) : 0.0;
 }
 double greatest_frequency_Hz(const WindowGain& g) {
     return edge_frequency_Hz(g.edge_s);
