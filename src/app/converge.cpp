@@ -76,8 +76,10 @@ std::string omitted_text(const std::vector<converge::CaseChange>& changes,
         for (const converge::ColumnChange& column : c.columns)
             omitted.erase(column.column);
     if (omitted.empty()) return "";
-    return fmt::format("\ncolumns without an estimate, which are empty or count samples: {}\n",
-                       fmt::join(omitted, ", "));
+    return fmt::format(
+        "\ncolumns without an estimate, which are empty, count samples or are the largest "
+        "of all samples: {}\n",
+        fmt::join(omitted, ", "));
 }
 
 /// Writes the result and returns it as text.

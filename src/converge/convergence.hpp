@@ -17,7 +17,7 @@ struct ColumnChange {
     std::string column;
     double value = 0.0;
     std::vector<double> changes; // per refinement, refined minus unrefined; NaN: not computed
-    double error = 0.0;          // sum of the estimated errors; NaN if one is unknown
+    double error = 0.0;          // 1.5 times the sum of the estimated errors; NaN: unknown
 };
 
 struct CaseChange {
@@ -26,8 +26,9 @@ struct CaseChange {
     bool is_complete = false;          // all refinements have results
 };
 
-/// Compares the refined cases with the unrefined ones. Columns that count samples do not converge
-/// and are omitted. `values` maps ids to the values of complete cases. Not collective.
+/// Compares the refined cases with the unrefined ones. Columns that count samples do not converge,
+/// and the changes of a largest sample do not show what lies between samples: both are omitted.
+/// `values` maps ids to the values of complete cases. Not collective.
 std::vector<CaseChange> changes_of(const RefinedPlan& refined,
                                    const std::map<std::string, Values>& values);
 

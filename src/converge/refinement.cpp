@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/registry/make_engine.hpp"
+#include "measures/surface_sums.hpp"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -10,10 +11,15 @@
 namespace shearwake::converge {
 namespace {
 
+/// Measures are sums over cells, of which the edges of the focal disc cut some, and over frames by
+/// the trapezoidal rule. Both are of second order, whatever that of the field is.
+constexpr double order_of_sums = 2.0;
+
 /// At the faces of bodies, cells contain the mean of two materials, which is of first order.
-std::optional<double> order_in_spacing(const Case& c) {
-    return varies_laterally(c.scene().medium) ? std::optional(1.0)
-                                              : engines::make_engine(c.solver)->order_in_spacing();
+double order_in_spacing(const Case& c) {
+    return varies_laterally(c.scene().medium)
+               ? 1.0
+               : engines::make_engine(c.solver)->order_in_spacing().value_or(order_of_sums);
 }
 
 Refinement half_the_spacing(const Case& c) {
@@ -22,6 +28,9 @@ Refinement half_the_spacing(const Case& c) {
     d.nx *= 2;
     d.ny *= 2;
     d.spacing_m *= 0.5;
+    // Without a sponge, a region ends half a cell before the edges of the domain.
+    if (!c.measure.region_m.empty())
+        r.physics.measure.region_m = measures::measured_outline(c.domain, c.measure);
     r.change = fmt::format("half the spacing, {:.4g} mm", 1e3 * d.spacing_m);
     return r;
 }
@@ -31,6 +40,8 @@ Refinement twice_the_domain(const Case& c) {
     Domain& d = r.physics.domain;
     d.nx *= 2;
     d.ny *= 2;
+    // The larger domain is measured where the original one is.
+    r.physics.measure.region_m = measures::measured_outline(c.domain, c.measure);
     r.change = fmt::format("twice the domain, {:.4g} x {:.4g} mm", 1e3 * d.extent_x_m(),
                            1e3 * d.extent_y_m());
     return r;
@@ -43,7 +54,7 @@ Refinement half_the_step(const Case& c) {
                            "half the frame interval",
                  .physics = c,
                  .ratio = step.ratio,
-                 .order = step.order};
+                 .order = step.order.value_or(order_of_sums)};
     r.physics.solver = step.options;
     r.physics.time.frames *= 2;
     r.physics.time.interval_s *= 0.5;

@@ -16,7 +16,7 @@ struct Refinement {
     Case physics;
     /// Ratio by which the refined quantity, the spacing or the step, is smaller.
     double ratio = 2.0;
-    /// Order of convergence in that quantity; none: faster than any power, or unknown.
+    /// Order of convergence of the measures in that quantity; none: unknown.
     std::optional<double> order;
 };
 
@@ -24,8 +24,8 @@ struct Refinement {
 Case without_fields(Case c);
 
 /// The case with half the spacing, with half the time step (or a quarter of the tolerance), and
-/// with twice the domain. Each keeps all other parameters. Throws UsageError for a grid study,
-/// whose grid is given. Not collective.
+/// with twice the domain. Each keeps all other parameters, and the measured region. Throws
+/// UsageError for a grid study, whose grid is given. Not collective.
 std::vector<Refinement> refinements(const Case& c);
 
 /// The estimated error of the unrefined value, given the change of the value by the refinement:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
 #include "converge/convergence.hpp"
+#include "measures/surface_sums.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <cmath>
@@ -37,7 +38,7 @@ TEST_CASE("refined cases differ in one numerical parameter", "[converge]") {
     const Domain &finer = all[0].physics.domain, &wider = all[2].physics.domain;
     CHECK(finer.spacing_m == 0.5 * c.domain.spacing_m);
     CHECK(finer.extent_x_m() == c.domain.extent_x_m());
-    CHECK_FALSE(all[0].order.has_value());
+    CHECK(all[0].order == 2.0);
     CHECK(wider.spacing_m == c.domain.spacing_m);
     CHECK(wider.extent_y_m() == 2.0 * c.domain.extent_y_m());
     const Case& smaller = all[1].physics;
@@ -49,6 +50,31 @@ TEST_CASE("refined cases differ in one numerical parameter", "[converge]") {
     CHECK(all[1].ratio == 2.0); // the square of the step follows the tolerance
 }
 
+TEST_CASE("refined cases measure the same region in mm", "[converge]") {
+    const auto area_m2 = [](const Case& c) {
+        return measures::measured_region(c.domain, c.measure).cells() * c.domain.spacing_m *
+               c.domain.spacing_m;
+    };
+    const std::string region = GENERATE("", "region_mm = [21.3, 17.0]\n", "region_mm = \"path\"\n",
+                                        "region_mm = \"palm\"\n");
+    const std::string edges = GENERATE("periodic", "open");
+    std::string job = plain_with("spacing_mm", "edges = \"" + edges + "\"\nspacing_mm");
+    const Case c = only_case(job + "\n[measure]\n" + region);
+    const double area = area_m2(c);
+    const auto outline = measures::measured_outline(c.domain, c.measure);
+    REQUIRE(area > 1e-4);
+    for (const Refinement& r : converge::refinements(c)) {
+        INFO(r.name << ", " << region);
+        CHECK(area_m2(r.physics) == Approx(area).epsilon(1e-5)); // small parts are left out
+        // Without a region, the spacing changes the cells at the edges of the whole plane.
+        const double moved_m = region.empty() ? 0.5 * c.domain.spacing_m : 1e-12;
+        const auto refined = measures::measured_outline(r.physics.domain, r.physics.measure);
+        REQUIRE(refined.size() == outline.size());
+        for (std::size_t n = 0; n < outline.size(); ++n)
+            CHECK(norm(refined[n] - outline[n]) < moved_m);
+    }
+}
+
 TEST_CASE("given time steps, and those of pstd, are halved", "[converge]") {
     const auto spectral = converge::refinements(
         case_of("engine = \"spectral\"\nspectral = { time_step_us = 20.0 }\n"));
@@ -58,6 +84,7 @@ TEST_CASE("given time steps, and those of pstd, are halved", "[converge]") {
     const double step_s = std::get<PstdOptions>(pstd[1].physics.solver).time_step_s.value();
     CHECK(std::abs(std::remainder(25e-6, step_s)) < 1e-12); // divides half of the frame interval
     CHECK(pstd[0].order == 2.0);
+    CHECK(pstd[1].order == 2.0);
 }
 
 TEST_CASE("Richardson's estimate is exact for a power of the step", "[converge]") {
@@ -96,19 +123,22 @@ TEST_CASE("columns that count samples are omitted and missing values stay unknow
     const auto refined = converge::refined_plan(plan, {}, 1);
     const converge::StudiedCase& studied = refined.cases[0];
     std::map<std::string, converge::Values> values = {
-        {studied.base_id, {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}, {"peak_um", 2.0}}},
-        {studied.refined_ids[0], {{"eta_at_1", 0.52}, {"ipr_at_1", 36.0}, {"peak_um", 2.0}}},
+        {studied.base_id,
+         {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}},
+        {studied.refined_ids[0],
+         {{"eta_at_1", 0.52}, {"ipr_at_1", 36.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}},
         {studied.refined_ids[1], {{"eta_at_1", 0.5}, {"ipr_at_1", 9.0}}},
-        {studied.refined_ids[2], {{"eta_at_1", 0.49}, {"ipr_at_1", 9.0}, {"peak_um", 2.0}}}};
+        {studied.refined_ids[2],
+         {{"eta_at_1", 0.49}, {"ipr_at_1", 9.0}, {"focal_rms_um", 2.0}, {"peak_um", 3.0}}}};
     const auto changes = converge::changes_of(refined, values);
     REQUIRE(changes.size() == 1);
     CHECK(changes[0].is_complete);
     REQUIRE(changes[0].columns.size() == 2);
     CHECK(changes[0].columns[0].column == "eta_at_1");
-    CHECK(changes[0].columns[0].error == Approx(0.03).epsilon(1e-12)); // 0.02 + 0 + 0.01
+    CHECK(changes[0].columns[0].error == Approx(0.055).epsilon(1e-12)); // 1.5 (4/3 0.02 + 0 + 0.01)
     CHECK(std::isnan(changes[0].columns[1].error));
     const auto json = nlohmann::json::parse(converge::json_text("plain", changes));
-    CHECK(json["cases"][0]["columns"]["peak_um"]["error"].is_null());
+    CHECK(json["cases"][0]["columns"]["focal_rms_um"]["error"].is_null());
     CHECK(json["cases"][0]["columns"]["eta_at_1"]["changes"]["domain"].get<double>() ==
           Approx(-0.01).epsilon(1e-12));
     values.erase(studied.refined_ids[2]);
