@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <map>
 
 namespace shearwake::reduce {
@@ -25,6 +26,8 @@ constexpr double least_beyond = 10.0, least_values = 30.0;
 /// Half the width of an interval beyond which an index is considered uncertain: absolute for Sobol
 /// indices, relative to the largest mu_star for Morris measures.
 constexpr double widest_index = 0.05, widest_effect = 0.2;
+/// The beginning of a remark on a case whose readings are not valid, followed by the key.
+constexpr std::string_view not_valid = "not valid: ";
 
 std::size_t place_of(const Table& table, const std::string& column) {
     return static_cast<std::size_t>(std::ranges::find(table.columns, column) -
@@ -102,6 +105,47 @@ private:
         return std::get<double>(cells[column]);
     }
 
+    /// Why the case of a design row has no value: the keys of the errors for which it is not valid,
+    /// or its status.
+    std::vector<std::string> reasons(const Group& group, std::size_t design_row) const {
+        const auto row = group.rows.find(design_row);
+        if (row == group.rows.end()) return {"missing"};
+        std::vector<std::string> keys;
+        if (row->second < table_.remarks.size())
+            for (const std::string& remark : table_.remarks[row->second]) {
+                if (!remark.starts_with(not_valid)) continue;
+                const std::string of = remark.substr(not_valid.size());
+                keys.push_back(of.substr(0, of.find(": ")));
+            }
+        const std::size_t status = place_of(table_, "status");
+        if (keys.empty() && status < table_.columns.size())
+            keys.push_back(std::get<std::string>(table_.rows[row->second][status]));
+        return keys;
+    }
+
+    /// "all 64 samples are invalid (domain.extent_mm: 64)", for samples that have no value: the
+    /// first `rows` of each block of `step` rows of the design.
+    std::string without_values(const Group& group, std::size_t rows, std::size_t step) const {
+        std::map<std::string, std::size_t> counts;
+        const std::size_t valid = place_of(table_, "valid"), all = design_.samples * rows;
+        std::size_t invalid = 0;
+        for (std::size_t j = 0; j < design_.samples; ++j)
+            for (std::size_t r = 0; r < rows; ++r) {
+                const auto row = group.rows.find(j * step + r);
+                invalid += row != group.rows.end() && valid < table_.columns.size() &&
+                           table_.rows[row->second][valid] == Cell(std::string("no"));
+                for (const std::string& reason : reasons(group, j * step + r))
+                    ++counts[reason];
+            }
+        std::vector<std::string> parts;
+        for (const auto& [reason, count] : counts)
+            parts.push_back(fmt::format("{}: {}", reason, count));
+        return fmt::format("{} ({})",
+                           invalid == all ? fmt::format("all {} samples are invalid", all)
+                                          : fmt::format("none of {} samples has a value", all),
+                           fmt::join(parts, ", "));
+    }
+
     void put(Table& out, const Group& group, std::vector<Cell> own, const Estimate& e,
              std::size_t values, std::size_t all, const std::string& note) const {
         std::vector<Cell> row = group.settings;
@@ -133,7 +177,9 @@ private:
                                   : exceeds ? n * std::min(e.value, 1.0 - e.value)
                                             : least_beyond;
             std::string note;
-            if (n < least_values)
+            if (values.empty())
+                note = without_values(group, independent_rows(), step);
+            else if (n < least_values)
                 note = fmt::format("too few samples: {} values; at least {} are required",
                                    values.size(), least_values);
             else if (beyond < least_beyond)
@@ -152,11 +198,13 @@ private:
         const sampling::Points all =
             is_morris ? sampling::design_points(design_) : sampling::Points{};
         Blocks blocks;
+        bool has_value = false;
         std::vector<std::vector<std::vector<double>>> points;
         for (std::size_t j = 0; j < design_.samples; ++j) {
             std::vector<double> block(step);
             for (std::size_t r = 0; r < step; ++r)
                 block[r] = value(group, j * step + r, place);
+            has_value |= std::ranges::any_of(block, [](double v) { return std::isfinite(v); });
             if (std::ranges::any_of(block, [](double v) { return !std::isfinite(v); })) continue;
             blocks.push_back(std::move(block));
             if (is_morris) {
@@ -178,11 +226,16 @@ private:
         for (std::size_t i = 0; i < estimates.size(); ++i) {
             const Estimate& e = estimates[i];
             const double half = (e.high - e.low) / 2.0;
-            const std::string note =
-                half > widest ? fmt::format("too few samples: the interval is +- {:.2g}; increase "
-                                            "uncertain.samples",
-                                            half)
-                              : std::string();
+            std::string note;
+            if (blocks.empty())
+                note = has_value ? fmt::format("too few samples: none of them has a value in all "
+                                               "of its {} cases",
+                                               step)
+                                 : without_values(group, step, step);
+            else if (half > widest)
+                note = fmt::format("too few samples: the interval is +- {:.2g}; increase "
+                                   "uncertain.samples",
+                                   half);
             put(result_.sensitivity, group, {column, plan_.keys[i / per_key], e.name}, e,
                 blocks.size(), design_.samples, note);
         }

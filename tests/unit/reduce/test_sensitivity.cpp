@@ -118,6 +118,40 @@ TEST_CASE("a small sample of indices has a warning and wide intervals", "[reduce
     CHECK(total.high - total.low > 0.1);
 }
 
+TEST_CASE("a sample without valid readings states why", "[reduce][sensitivity]") {
+    ModelRun run("sobol-indices", 16, 3, test::ishigami);
+    const std::string invalid = "not valid: domain.extent_mm: waves return";
+    const std::vector<std::string> others = {"warning: load: weak",
+                                             "not valid: solver.engine: not converged"};
+    run.table.columns.insert(run.table.columns.end(), {"valid", "status"});
+    for (std::size_t r = 0; r < run.table.rows.size(); ++r) {
+        run.table.rows[r].insert(run.table.rows[r].end(),
+                                 {std::string("no"), std::string("complete")});
+        run.table.remarks.push_back({invalid});
+    }
+    run.table.remarks[0].insert(run.table.remarks[0].end(), others.begin(), others.end());
+    const auto notes = [&](double scale) {
+        const auto tables = reduce::uncertain_tables(run.plan, run.table, {"eta"});
+        return std::pair{ModelRun::line(tables.statistics, scale, {"eta", "mean"}).note,
+                         ModelRun::line(tables.sensitivity, scale, {"eta", "x1", "total"}).note};
+    };
+    // Two independent cases per sample for the statistics, and five in all for three keys.
+    CHECK(notes(1.0).first ==
+          "all 32 samples are invalid (domain.extent_mm: 32, solver.engine: 1)");
+    CHECK(notes(10.0).second == "all 80 samples are invalid (domain.extent_mm: 80)");
+    // One of the first two cases has failed.
+    const std::size_t at = run.table.columns.size() - 2;
+    run.table.rows[0][at] = std::string();
+    run.table.rows[0][at + 1] = std::string("failed");
+    run.table.rows[0][2] = std::nan("");
+    run.table.remarks[0] = {"out of memory"};
+    CHECK(notes(1.0).first == "none of 32 samples has a value (domain.extent_mm: 31, failed: 1)");
+    // One that is valid: too few.
+    run.table.rows[1][at] = std::string("yes");
+    CHECK(notes(1.0).first == "too few samples: 1 values; at least 30 are required");
+    CHECK(notes(1.0).second == "too few samples: none of them has a value in all of its 5 cases");
+}
+
 TEST_CASE("Morris measures separate linear, inactive and interacting keys",
           "[reduce][sensitivity]") {
     const ModelRun run("morris", 64, 4, [](const std::vector<double>& u) {
