@@ -23,7 +23,7 @@ public:
     double relative(double step_s) const;
 
 private:
-    static constexpr int wavenumbers = 8;
+    static constexpr int wavenumbers = 12;
     static constexpr std::size_t orders = 3; // jump, kink, bend
     /// By depth: the sum over all wave vectors of the footprint.
     Eigen::VectorXcd at_focus(std::complex<double> omega_rad_s) const;

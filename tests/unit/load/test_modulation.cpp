@@ -164,7 +164,8 @@ TEST_CASE("the modulation frequency is that of the first periodic part", "[modul
 TEST_CASE("a gain on the pressure doubles the frequency on the force", "[modulation]") {
     CHECK(greatest_envelope_frequency_Hz({}) == 0.0);
     CHECK(greatest_envelope_frequency_Hz({{SineGain{200.0}}}) == 200.0);
-    // A gain that does not vary has no frequency: a constant force is the same however it is written.
+    // A gain that does not vary has no frequency: a constant force is the same however it is
+    // written.
     CHECK(greatest_envelope_frequency_Hz({{SineGain{200.0, 0.0}}}) == 0.0);
     CHECK(greatest_envelope_frequency_Hz({{SquareGain{200.0, 0.5, 0.0, 0.0, 1e-3}}}) == 0.0);
     CHECK(greatest_envelope_frequency_Hz({{SineGain{200.0, 1.0, 0.0, GainOn::pressure}}}) == 400.0);

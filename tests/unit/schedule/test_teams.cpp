@@ -25,7 +25,7 @@ struct Cases {
 
 Cases alike(int count) {
     Cases cases;
-    const Case c = test::moving_focus(test::half_space(test::tissue()), ConstantSpeed{7.0});
+    const Case c = test::moving_focus(test::half_space(test::tissue(1500.0)), ConstantSpeed{7.0});
     for (int i = 0; i < count; ++i)
         cases.planned.push_back({std::to_string(i), c, {}, false, ""});
     return cases;
