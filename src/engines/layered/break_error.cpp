@@ -18,7 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 
 /// Any even length: only the frequencies of the fit relative to the highest one matter.
-constexpr std::ptrdiff_t samples = 1024;
+constexpr std::ptrdiff_t probe_samples = 1024;
 
 } // namespace
 
@@ -76,12 +76,12 @@ double BreakError::relative(double step_s) const {
     if (typical_m_Pa_.size() == 0) return 0.0;
     // Damped by 0.2 per step, which smooths the resonances between the few wavenumbers.
     const auto response = [&](double x) { return at_focus(Complex(x, -0.2) / step_s); };
-    const TailFit fit(samples, StackQuantity::displacement);
+    const TailFit fit(probe_samples, StackQuantity::displacement);
     const Eigen::Index depths = typical_m_Pa_.size();
     Eigen::MatrixXd fitted(fit.matrix().cols(), depths);
     for (std::size_t v = 0; v < fit.frequencies().size(); ++v) {
         const Eigen::VectorXcd h =
-            response(two_pi * static_cast<double>(fit.frequencies()[v]) / samples);
+            response(two_pi * static_cast<double>(fit.frequencies()[v]) / probe_samples);
         fitted.row(static_cast<Eigen::Index>(2 * v)) = h.real();
         fitted.row(static_cast<Eigen::Index>(2 * v + 1)) = h.imag();
     }
@@ -91,8 +91,8 @@ double BreakError::relative(double step_s) const {
     constexpr int instants = 33;
     std::array<Eigen::MatrixXd, orders> left; // [depth][instant]
     left.fill(Eigen::MatrixXd::Zero(depths, instants));
-    for (const auto& [from, to, order] : {std::tuple(0.8, 1.6, 12), std::tuple(1.6, 4.8, 28)})
-        for (const auto& [node, weight] : gauss_nodes(order)) {
+    for (const auto& [from, to, nodes] : {std::tuple(0.8, 1.6, 12), std::tuple(1.6, 4.8, 28)})
+        for (const auto& [node, weight] : gauss_nodes(nodes)) {
             const double half = 0.5 * (to - from) * std::numbers::pi;
             const double x = half * (1.0 + node) + from * std::numbers::pi;
             Eigen::VectorXcd h = response(x);

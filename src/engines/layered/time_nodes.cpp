@@ -153,8 +153,8 @@ void TimeNodes::add_nodes(const Case& c, double from_s, double to_s) {
     const double h = time_.step_s;
     const double half_s = 0.5 * (to_s - from_s);
     // At most 3.5 rad per step, of which a Gauss rule of n nodes integrates 2 n - 10 to 1e-6.
-    const auto order = static_cast<int>(std::ceil(3.8 * half_s / h)) + 5;
-    for (const auto& [node, weight] : gauss_nodes(order)) {
+    const auto count = static_cast<int>(std::ceil(3.8 * half_s / h)) + 5;
+    for (const auto& [node, weight] : gauss_nodes(count)) {
         const double t_s = within_period_s(from_s + half_s * (1.0 + node));
         const double share = taper(t_s) * (1.0 - smooth_share(t_s));
         if (share == 0.0 || strength(c.scene().load, t_s) == 0.0) continue;
