@@ -211,7 +211,7 @@ TEST_CASE("rare frames do not change the field", "[layered][jumps]") {
                 for (std::size_t i = 0; i < u.size(); ++i)
                     difference = std::max(difference, std::abs(u[i] - v[i]));
             }
-            INFO("depth " << depth);
+            INFO("depth " << depth << ": " << difference / most);
             CHECK(difference < 1e-4 * most); // the stated accuracy
         }
     }
