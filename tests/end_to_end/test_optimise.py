@@ -120,7 +120,7 @@ class Optimise(ProgramTest):
             # The relaxation is not exact, but excludes most of what the envelope cannot reach.
             self.assertLess(row["eta_ceiling_1"], 1.2 * row["eta_optimum_1"])
 
-    def check_jobs(self, *rows, kind="", column="eta_optimum_1", out="out/best.optimise"):
+    def check_jobs(self, *rows, kind="", column="eta_computed_1", out="out/best.optimise"):
         """The written job of each optimum reproduces it."""
         for n, row in enumerate(rows):
             job = self.folder / out / "optimise" / f"{row['case']}.strength-{row['strength_at_least_1']:g}.{kind}job.toml"
@@ -128,7 +128,7 @@ class Optimise(ProgramTest):
             self.shearwake("reduce", f"job-{kind}{n}")
             with open(self.folder / f"job-{kind}{n}/tables/best-optimum.csv", encoding="utf-8") as file:
                 [again] = list(csv.DictReader(file))
-            # Both are the same case but for the rounding of units, and the optimum is exact but for that of its forms.
+            # Both are the same case but for the rounding of units.
             self.assertLess(abs(float(again["eta_period_1"]) / row[column] - 1.0), 1e-6)
 
     def test_a_steady_optimum_is_reproduced_exported_and_below_a_verified_bound(self):
