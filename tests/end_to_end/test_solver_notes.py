@@ -106,13 +106,20 @@ class SolverNotes(ProgramTest):
             self.assertGreater(found["solver_energy_J"], 0.0)
             self.assertLess(found["solver_energy_J"], found["solver_work_J"])  # it is viscous
 
-    def test_engine_layered_has_no_notes(self):
+    def test_engine_layered_states_its_time_step_and_warns_of_a_long_one(self):
         self.write_job(changed(*SHORT))
         self.assertNotIn("over depth", self.shearwake("plan", "job.toml").said)
         self.shearwake("run", "job.toml")
         for path in case_files(self.out):
-            self.assertFalse([name for name in self.attributes(path) if name.startswith("solver")])
-        self.assertNotIn("solver: ", self.shearwake("show", path).said)
+            attributes = self.attributes(path)
+            self.assertEqual([name for name in attributes if name.startswith("solver")], ["solver_notes"])
+            self.assertRegex(str(attributes["solver_notes"]), "time step .* us, estimated error below 2e-05 of the maximum of the field")
+        self.assertNotIn("does not resolve the load", self.shearwake("show", path).said)
+        self.shearwake("run", "job.toml", "-S", "solver.layered.time_step_us=300", "-S", "time.output_interval_us=300",
+                       "--out", "coarse")
+        for path in case_files(self.folder / "coarse"):
+            self.assertIn("does not resolve the load", self.shearwake("show", path).said)
+
 
 
 if __name__ == "__main__":
