@@ -5,9 +5,10 @@
 
 namespace shearwake {
 
-/// Integers in the memory of rank 0 to which every rank adds by one-sided communication
-/// (MPI_Fetch_and_op), without participation of rank 0. Initially zero. Construction and
-/// destruction are collective, all other calls are not.
+/// Integers in the memory of rank 0 to which every rank adds without participation of rank 0: in
+/// shared memory if all ranks run on one host, otherwise by one-sided communication
+/// (MPI_Fetch_and_op), which MPICH completes only while rank 0 is in a call of MPI. Initially zero.
+/// Construction and destruction are collective, all other calls are not.
 class SharedCounters {
 public:
     SharedCounters(const Comm& comm, int count);
@@ -21,6 +22,7 @@ public:
 
 private:
     MPI_Win window_ = MPI_WIN_NULL;
+    long* memory_ = nullptr; // of rank 0, if it is shared
 };
 
 } // namespace shearwake

@@ -5,7 +5,12 @@
 #include "parallel/spaced_question.hpp"
 
 #include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
 #include <numeric>
+#include <thread>
+#include <unistd.h>
 
 using namespace shearwake;
 
@@ -47,6 +52,32 @@ TEST_CASE("shared counter returns every number exactly once", "[mpi]") {
     }
     world.sum(mine);
     CHECK(mine == std::vector<double>(static_cast<std::size_t>(wanted), 1.0));
+}
+
+TEST_CASE("ranks add to shared counters while rank 0 calls no function of MPI", "[mpi]") {
+    const Comm world = Comm::world();
+    const std::string stem =
+        world.broadcast("/tmp/shearwake-counters-" + std::to_string(::getpid()) + "-");
+    const auto file_of = [&](int rank) { return stem + std::to_string(rank); };
+    bool have_all_added = true;
+    {
+        SharedCounters counters(world, 1);
+        world.barrier();
+        if (!world.is_root()) {
+            counters.fetch_add(0, 1);
+            std::ofstream(file_of(world.rank())) << "added";
+        }
+        // A minute, which only a rank that waits for rank 0 needs.
+        for (int rank = 1; world.is_root() && rank < world.size(); ++rank) {
+            for (int n = 0; n < 6000 && !std::filesystem::exists(file_of(rank)); ++n)
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            have_all_added = have_all_added && std::filesystem::exists(file_of(rank));
+        }
+        world.barrier();
+        std::filesystem::remove(file_of(world.rank()));
+        CHECK(counters.read(0) == world.size() - 1);
+    }
+    CHECK(world.max(have_all_added ? 0 : 1) == 0);
 }
 
 TEST_CASE("gathers uneven and empty contributions in the order of ranks", "[mpi]") {
