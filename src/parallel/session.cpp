@@ -12,6 +12,7 @@
 #include <cstring>
 #include <algorithm>
 #include <exception>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -147,8 +148,13 @@ std::string mpi_version() {
     char text[MPI_MAX_LIBRARY_VERSION_STRING] = {};
     int length = 0;
     MPI_Get_library_version(text, &length);
-    const std::string whole(text);
-    return whole.substr(0, whole.find(','));
+    // Open MPI adds its package after a comma, MPICH "Version:", blanks, and its configuration in
+    // further lines.
+    std::istringstream words(std::string(text, std::strcspn(text, ",\n")));
+    std::string version;
+    for (std::string word; words >> word;)
+        if (word != "Version:") version += (version.empty() ? "" : " ") + word;
+    return version;
 }
 
 } // namespace shearwake
