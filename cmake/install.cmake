@@ -31,7 +31,7 @@ install(CODE [[
 prefix = sys.argv[1] + '/lib/python'
 version = '%d.%d/' % sys.version_info[:2]
 known = site.getsitepackages() + [site.getusersitepackages()]
-folders = [prefix + last for last in (version + 'dist-packages', '3/dist-packages', version + 'site-packages')]
+folders = [prefix + last for last in ('3/dist-packages', version + 'dist-packages', version + 'site-packages')]
 print(next((folder for folder in folders if folder in known), folders[2]), end='')" ${CMAKE_INSTALL_PREFIX}
         OUTPUT_VARIABLE folder RESULT_VARIABLE code)
     if(code EQUAL 0)
