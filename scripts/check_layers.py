@@ -50,7 +50,7 @@ STANDARD = set("""
     sys/prctl.h sys/resource.h sys/stat.h sys/statvfs.h sys/time.h sys/types.h sys/utsname.h sys/vfs.h
     sys/wait.h linux/magic.h fmt/core.h fmt/format.h fmt/ranges.h fmt/std.h fmt/chrono.h""".split())
 GENERATED = {"git_id.hpp"}  # by the build
-KEYWORDS = ("UNITED", "ALONE", "FAST", "KERNELS", "PUBLIC", "PRIVATE")
+KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
 
 
 class Component:
@@ -65,9 +65,6 @@ class Component:
             elif mode:
                 self.lists[mode] += engines.get(word, [word])
         self.found = call is not None
-
-    def sources(self):
-        return [name for keyword in KEYWORDS[:4] for name in self.lists[keyword]]
 
     def may_use(self, dependency, suffix):
         return dependency in self.lists["PUBLIC"] or (
@@ -137,9 +134,9 @@ class Tree:
                         yield lists, 1, f"{dependency} is neither a component nor a known library"
                     elif keyword not in used.get(dependency, ()):
                         yield lists, 1, f"{dependency} is listed as {keyword}, but is not used in that way"
-            here = {path.stem for path in (self.source / folder).glob("*.cpp")} - {"main"}
-            for name in sorted(here.symmetric_difference(component.sources())):
-                yield lists, 1, f"{name}.cpp is {'not listed' if name in here else 'listed, but does not exist'}"
+            for name in component.lists["KERNELS"]:
+                if not (self.source / folder / f"{name}.cpp").exists():
+                    yield lists, 1, f"{name}.cpp is listed, but does not exist"
 
     def used_by(self, folder):
         """How each dependency is used: PUBLIC if a header uses it, PRIVATE if only .cpp files do."""

@@ -85,3 +85,14 @@ build() {
     echo "the build failed; log: $PWD/$folder/build.log" >&2
     return 1
 }
+
+# run_tests FOLDER [ARGUMENTS OF CTEST ...]: runs tests of a build folder; the last line is `N passed, N failed`.
+run_tests() {
+    folder=$1
+    shift
+    rm -rf "$folder/test-results"
+    mkdir "$folder/test-results"
+    # Groups wait for files, time limits and browsers: with as many groups as cores a fifth of the cores rests.
+    ctest --test-dir "$folder" --parallel $(($(nproc) + 2)) --output-junit test-results/ctest.xml "$@"
+    "$python" scripts/count_tests.py "$folder"
+}

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Runs clang-tidy on sources of the program with the compile commands of a clang build. Files that this build
-# compiles in groups (SHEARWAKE_UNITY) are checked in the same groups.
+# compiles in groups are checked in the same groups.
 # Usage: scripts/tidy.sh BUILD [COMMIT]
 #   BUILD:  build folder of the preset clang
 #   COMMIT: check only files that differ from this commit; the complete tree takes tens of minutes

@@ -5,14 +5,27 @@
 #include "simd/instruction_set.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <iostream>
 #include <mpi.h>
 #include <string>
 
-#include "progress_listener.hpp"
-
 namespace {
 
-CATCH_REGISTER_LISTENER(ProgressListener)
+/// Prints the name of each test that begins, so that the output of a hanging group ends with it.
+class NameListener : public Catch::TestEventListenerBase {
+public:
+    using TestEventListenerBase::TestEventListenerBase;
+
+    void testCaseStarting(const Catch::TestCaseInfo& info) override {
+        TestEventListenerBase::testCaseStarting(info);
+        int rank = 0;
+        MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+        if (std::getenv("SHEARWAKE_NAME_TESTS") != nullptr)
+            std::cerr << "rank " + std::to_string(rank) + ": " + info.name + "\n";
+    }
+};
+CATCH_REGISTER_LISTENER(NameListener)
 
 /// Rank 0 reports where it is asked to; the others print nothing, or write `<file>.<rank>` next to
 /// it.

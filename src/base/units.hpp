@@ -14,6 +14,11 @@ struct Unit {
     std::string_view quantity; // the suggestion for a wrong unit lists units of the same quantity
 };
 
+/// In thousandths: from m to mm, from s to ms.
+constexpr double milli(double value) {
+    return 1e3 * value;
+}
+
 /// The unit suffix at the end of `key`, if any; the longest one that matches. Ratios, such as
 /// "c_p_over_c_s", have none.
 std::optional<Unit> unit_of(std::string_view key);

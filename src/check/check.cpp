@@ -2,6 +2,7 @@
 #include "check/check.hpp"
 
 #include "base/constants.hpp"
+#include "base/units.hpp"
 #include "check/check_variation.hpp"
 #include "case/edge_absorption.hpp"
 #include "engines/engine.hpp"
@@ -44,10 +45,6 @@ struct Notes {
         remarks.push_back({severity, key, fmt::format(format, std::forward<Args>(args)...)});
     }
 };
-
-double milli(double value) {
-    return 1e3 * value;
-}
 
 /// The duration for which the load acts within the run.
 double loaded_s(const Case& c) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/check_variation.hpp"
+#include "base/units.hpp"
 
 #include "medium/bulk_modulus.hpp"
 
@@ -10,10 +11,6 @@
 
 namespace shearwake {
 namespace {
-
-double milli(double value) {
-    return 1e3 * value;
-}
 
 /// "medium.body[2].key"
 std::string body_key(std::size_t i, std::string_view key) {

@@ -9,7 +9,7 @@
 namespace shearwake {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unlimited = std::numeric_limits<double>::infinity();
 
 struct Interval {
     double low, high;
@@ -44,7 +44,7 @@ DepthRange depths(const Medium& medium, std::size_t layer) {
     for (std::size_t i = 0; i < layer; ++i)
         top_m += medium.layers[i].thickness_m;
     const bool endless = medium.base == Base::half_space && layer + 1 == medium.layers.size();
-    return {top_m, endless ? infinity : top_m + medium.layers[layer].thickness_m};
+    return {top_m, endless ? unlimited : top_m + medium.layers[layer].thickness_m};
 }
 
 Speeds softest_against_pressure(const Medium& medium, std::size_t layer, const Body* body) {
@@ -58,7 +58,7 @@ Speeds softest_against_pressure(const Medium& medium, std::size_t layer, const B
 
     const Bounds box =
         body ? bounds(*body)
-             : Bounds{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+             : Bounds{{-unlimited, -unlimited, -unlimited}, {unlimited, unlimited, unlimited}};
     const DepthRange depth = depths(medium, layer);
     const Interval z{std::max(box.low_m.z, depth.top_m), std::min(box.high_m.z, depth.bottom_m)};
     const std::array<Points, 3> in{
@@ -66,7 +66,7 @@ Speeds softest_against_pressure(const Medium& medium, std::size_t layer, const B
         points_in({box.low_m.y, box.high_m.y}, map.origin_m.y, map.spacing_m.y, map.counts[1]),
         points_in(z, map.origin_m.z, map.spacing_m.z, map.counts[2])};
     const bool covered = in[0].cover && in[1].cover && in[2].cover;
-    Speeds softest = covered ? Speeds{infinity, 1.0} : own;
+    Speeds softest = covered ? Speeds{unlimited, 1.0} : own;
     for (std::ptrdiff_t i = in[0].first; i < in[0].end; ++i)
         for (std::ptrdiff_t j = in[1].first; j < in[1].end; ++j)
             for (std::ptrdiff_t k = in[2].first; k < in[2].end; ++k) {

@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point began) {
+double elapsed_s(Clock::time_point began) {
     return std::chrono::duration<double>(Clock::now() - began).count();
 }
 
@@ -119,14 +119,14 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
     keep_receptors(c, recorder);
-    const double before_solve_s = seconds_since(began);
+    const double before_solve_s = elapsed_s(began);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
-    const double solve_s = seconds_since(began) - before_solve_s;
+    const double solve_s = elapsed_s(began) - before_solve_s;
 
     const CaseResults results = case_results(planned, recorder, team);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
-    facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
+    facts.wall_s = checkpoints.earlier_seconds() + elapsed_s(began);
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
     if (team.is_root())

@@ -24,8 +24,8 @@ from ranks import environment, launch  # noqa: E402
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
 
 # Time limit of a single command. It distinguishes a hang from a slow or busy machine and does not express an
-# expectation of speed. It is shorter than the limit of scripts/test_runner/supervise.py, so that the
-# test reports the condition for which it has waited.
+# expectation of speed. It is shorter than the limit of a group in cmake/test_groups.cmake, so that the test reports the
+# condition for which it has waited.
 PATIENCE_s = 480.0
 
 # A 3 mm focus at 7 m/s for 4 ms: three frequencies and the reference, a fraction of a second each.
@@ -119,14 +119,6 @@ def processor_s():
     return used.ru_utime + used.ru_stime
 
 
-def report_life():
-    """Reports progress within a test to scripts/test_runner/progress.py."""
-    path = os.environ.get("SHEARWAKE_TEST_PROGRESS")
-    if path:
-        with open(path, "a", encoding="utf-8") as file:
-            file.write("alive\n")
-
-
 class ProgramTest(unittest.TestCase):
     """Runs each test in a separate temporary folder."""
 
@@ -148,7 +140,6 @@ class ProgramTest(unittest.TestCase):
         done = subprocess.run([*prefix, *command(*arguments, ranks=ranks)], cwd=self.folder,
                               env=environment(), stdin=subprocess.DEVNULL, capture_output=True,
                               encoding="utf-8", errors="replace", timeout=timeout_s, check=False)
-        report_life()
         done.said = done.stdout + done.stderr
         if expect is not None:
             self.assertEqual(done.returncode, expect, f"shearwake {arguments}:\n{done.said}")
@@ -175,7 +166,6 @@ class ProgramTest(unittest.TestCase):
         while not condition():
             self.assertLess(time.monotonic(), end, f"waited in vain for {what}")
             time.sleep(0.005)
-        report_life()
 
     def says(self, text, *words):
         for word in words:

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Adaptive axes, as users run them: refined curves, extrema, crossings, interruptions, shards and errors."""
 import bisect
+import contextlib
 import csv
 import json
 import os
 import random
 import signal
 import unittest
+
+import pytest
 
 from program import ROOT, SWEEP, ProgramTest, case_files, changed, plan, plan_ids, table
 
@@ -85,7 +88,8 @@ class Adaptive(ProgramTest):
             process = self.start("run", "job.toml", "--quiet", ranks=2)
             wanted = len(case_files(self.out)) + chance.randint(1, 6)
             self.wait_for(lambda: len(case_files(self.out)) >= wanted or process.poll() is not None, "cases")
-            os.killpg(process.pid, signal.SIGKILL)
+            with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
+                os.killpg(process.pid, signal.SIGKILL)
             process.wait()
         self.wait_for(lambda: not json.loads(self.shearwake("status", self.out, "--json").stdout)["is_active"], "the end")
         self.shearwake("run", "job.toml", "--quiet", ranks=3)
@@ -137,6 +141,7 @@ class Adaptive(ProgramTest):
         self.assertEqual(set(codes[:-1]), {75})
         self.assertEqual(self.tables_of(out), expected)
 
+    @pytest.mark.long
     def test_extrema_are_searched_in_two_dimensions(self):
         search = ("{{ find = \"maximum\", in = [{}], column = \"eta_period_1\", tolerance = {}, initial = 5 }}")
         self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {search.format('3, 12', 0.6)}\n"
@@ -155,6 +160,7 @@ class Adaptive(ProgramTest):
             self.assertEqual(row["within_tolerance"], "yes")
         self.shearwake("report", self.out)
 
+    @pytest.mark.long
     def test_a_crossing_with_the_reference_is_found_for_each_curve(self):
         self.write_job(changed(*PLAIN, OVER_WAVES, (SWEEP, f"'{WAVES}' = {{ find = \"crossing\", in = [3, 12], column = \"eta_period_1\", "
                                                f"tolerance = 0.05 }}\n\"{FREQUENCY}\" = [500, 1000]")))

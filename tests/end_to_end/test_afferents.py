@@ -4,6 +4,7 @@ import unittest
 
 import h5py
 import numpy as np
+import pytest
 import xarray
 
 from program import SWEEP, ProgramTest, without_reference
@@ -26,6 +27,7 @@ class Afferents(ProgramTest):
     def cases(self, folder):
         return {p.stem: p for p in (self.folder / folder / "cases").glob("*.h5")}
 
+    @pytest.mark.long
     def test_spikes_with_noise_do_not_depend_on_the_number_of_ranks(self):
         self.write_job(with_afferents((SWEEP, '"load.modulation.am_frequency_Hz" = [400]')))
         trains = {}

@@ -7,6 +7,8 @@ import signal
 import unittest
 from unittest import mock
 
+import pytest
+
 from program import PATIENCE_s, SWEEP, ProgramTest, case_files, without_reference
 
 SMALL = ("bench", "spectral", "--grid", "32x24x9", "--steps", 2)
@@ -131,6 +133,7 @@ class Bench(ProgramTest):
                 for _ in range(plans):
                     self.assertIn("calibrating", self.shearwake("plan", "job.toml").said)
 
+    @pytest.mark.long
     def test_bench_machine_recalibrates(self):
         cache = self.folder / "cache"
         with mock.patch.dict(os.environ, {"SHEARWAKE_CACHE": str(cache)}):

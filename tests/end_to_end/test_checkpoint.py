@@ -8,6 +8,7 @@ import unittest
 
 import h5py
 import numpy
+import pytest
 
 import test_failures
 from program import (PATIENCE_s, SWEEP, ProgramTest, assert_same_table, case_files, exact_as, journal,
@@ -124,6 +125,7 @@ class Checkpoint(SavedCase):
         self.assert_resumed(120)
         self.assertLess(self.largest_difference(), 1e-12)  # required accuracy
 
+    @pytest.mark.long
     def test_a_case_killed_on_three_ranks_is_resumed_on_one(self):
         self.kill_in_the_middle(ranks=3)
         self.go_on(ranks=1)
@@ -254,6 +256,7 @@ class Checkpoint(SavedCase):
 class CheckpointWithABody(SavedCase):
     JOB = WITH_BODY
 
+    @pytest.mark.long
     def test_iterations_are_resumed_on_the_same_and_on_another_number_of_ranks(self):
         self.kill_in_the_middle(ranks=2, saves=2)
         killed = self.folder / "killed"

@@ -3,6 +3,8 @@
 import re
 import unittest
 
+import pytest
+
 from program import ROOT, ProgramTest, is_literal_ipr, is_number, table
 
 SWEEP = re.compile(r'"load.modulation.am_frequency_Hz" = \[100.*\]')
@@ -46,6 +48,7 @@ class EnginesAgree(ProgramTest):
     def test_the_am_sweep_of_the_quickstart_does_not_depend_on_the_engine(self):
         self.assert_agree(self.quickstart([800]), begins_gently=True)
 
+    @pytest.mark.long
     def test_the_sm_sweep_of_the_quickstart_does_not_depend_on_the_engine(self):
         self.assert_agree(self.quickstart(
             [200], ('reference = { kind = "STM" }', ""),

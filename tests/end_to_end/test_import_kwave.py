@@ -6,6 +6,7 @@ import unittest
 
 import h5py
 import numpy
+import pytest
 
 from kwave import FIELDS, POINTS, reference, save, structures_of
 from program import PATIENCE_s, ROOT, ProgramTest, case_files, environment
@@ -84,6 +85,7 @@ class Imported(ImportTest):
         self.shearwake("run", "study.toml")  # on another number of ranks
         self.assertLess(self.worst(of), 1e-12)
 
+    @pytest.mark.long
     def test_a_constant_medium_given_at_every_node_equals_a_uniform_medium(self):
         of = reference("a_additive_pml10")
         structures = structures_of("a_additive_pml10", of)

@@ -8,7 +8,7 @@ import sys
 import unittest
 
 from kwave import reference, save, structures_of
-from program import PATIENCE_s, PROGRAM, ProgramTest, case_files, environment, report_life
+from program import PATIENCE_s, PROGRAM, ProgramTest, case_files, environment
 
 
 class Installed(ProgramTest):
@@ -26,7 +26,6 @@ class Installed(ProgramTest):
         done = subprocess.run([str(word) for word in words], cwd=cwd or self.folder, env=found,
                               stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
                               errors="replace", timeout=PATIENCE_s, check=False)
-        report_life()
         self.assertEqual(done.returncode, 0, f"{words}:\n{done.stdout}{done.stderr}")
         return done.stdout
 

@@ -6,6 +6,8 @@ import subprocess
 import unittest
 from unittest import mock
 
+import pytest
+
 from program import PROGRAM, SWEEP, ProgramTest, journal, without_reference
 
 # A stiff body, which requires iterations; receptors; and the engine layered.
@@ -45,10 +47,12 @@ class InstructionSets(ProgramTest):
     def test_tables_without_iterations_do_not_depend_on_the_instruction_set(self):
         self.compare(without_reference(ENGINES, ("[record]", "[afferents]\n\n[record]")))
 
+    @pytest.mark.long
     def test_tables_with_iterations_do_not_depend_on_the_instruction_set(self):
         self.compare(without_reference(BODY, (SWEEP, '"load.modulation.am_frequency_Hz" = [400]'),
                                        ('engine = "layered"', 'engine = "spectral"')))
 
+    @pytest.mark.long
     def test_pstd_gives_one_table_with_every_set(self):
         self.compare(without_reference(
             (SWEEP, '"load.modulation.am_frequency_Hz" = [1250]'), ('engine = "layered"', 'engine = "pstd"'),

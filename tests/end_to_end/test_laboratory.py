@@ -8,6 +8,7 @@ import unittest
 
 import h5py
 import numpy as np
+import pytest
 
 from program import ROOT, ProgramTest
 
@@ -204,6 +205,7 @@ class Fit(LaboratoryTest):
         with h5py.File(out / "fit.h5", "r") as file:
             self.assertEqual(file["measured"].shape, file["predicted"].shape)
 
+    @pytest.mark.long
     def test_a_fractional_layer_and_its_thickness_are_found_and_no_simpler_law_suffices(self):
         truth = {"c_s_m_s": 2.2, "thickness_mm": 9.0, "loss.tau_us": 80.0, "loss.exponent": 0.5}
         job, case = self.scanned(LINE.replace(f"c_s_m_s = {C_S}", "c_s_m_s = 2.2").replace("thickness_mm = 12.0", "thickness_mm = 9.0")

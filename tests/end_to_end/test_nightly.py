@@ -9,6 +9,8 @@ import sys
 import unittest
 from xml.etree import ElementTree
 
+import pytest
+
 from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
                      without_reference)
 
@@ -208,6 +210,7 @@ class Nightly(ProgramTest):
         table.write_text(table.read_text(encoding="utf-8").replace("complete", "failed"), encoding="utf-8")
         self.says(self.script("update-baseline", "tiny.toml", "--yes", expect=4), "not complete")
 
+    @pytest.mark.long
     def test_speed_is_relative_to_a_lower_bound_of_the_same_night(self):
         self.first_baseline()
         self.script("nightly", "tiny.toml", "--ranks", "1")

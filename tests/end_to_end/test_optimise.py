@@ -12,6 +12,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pytest
 from program import PATIENCE_s, ROOT, ProgramTest, changed
 from test_resume import alive, descendants
 
@@ -232,6 +233,7 @@ class Optimise(ProgramTest):
     def test_two_foci_are_modulated_together(self):
         self.check_one(("draw_frequency_Hz = 140.0", "draw_frequency_Hz = 140.0\nfoci_mm = [[-4.0, 0.0], [4.0, 0.0]]"))
 
+    @pytest.mark.long
     def test_the_focus_of_an_array_is_modulated(self):
         self.check_one(('{ shape = "gaussian", fwhm_mm = 6.0 }', '{ shape = "array", preset = "array-16x16", distance_mm = '
                         '150.0, pressure_Pa_m = 3.4 }'), ("peak_Pa = 100.0\n", ""))
@@ -244,6 +246,7 @@ class Optimise(ProgramTest):
                               "depths_mm = [2.0]\n[record]\ntraces_mm = [[8.0, 0.0]]"), column="share_200_500_1")
         self.assertGreater(row["eta_optimum_1"], 1.2 * row["eta_unmodulated_1"])
 
+    @pytest.mark.long
     def test_speed_profile_speed_and_size_are_optimised_with_the_envelope(self):
         self.job(PLAIN, ONE)
         self.shearwake("optimise", "job.toml", "--quiet", ranks=2)
@@ -280,6 +283,7 @@ class Optimise(ProgramTest):
         [row] = [row for row in rows if row["difference"] == "c_s +20 %"]
         self.assertAlmostEqual(float(row["eta_found_1"]), float(stiffer["eta_period_1"]), delta=1e-9)
 
+    @pytest.mark.long
     def test_no_modulation_of_a_sweep_exceeds_the_bound_of_its_path_and_strength(self):
         self.write_job("schema = 1\n" + ROWS + '"load.modulation.kind" = ["SM-STM", "AM-STM"]\n'
                        'zip = [ { "load.modulation.am_frequency_Hz" = [100, 400], "load.modulation.sm_frequency_Hz" = [100, 400] } ]\n'

@@ -4,6 +4,7 @@ import unittest
 
 import h5py
 import numpy
+import pytest
 import xarray
 
 from program import SWEEP, ProgramTest, case_files, table, without_reference
@@ -79,6 +80,7 @@ class PstdGoesOn(SavedCase):
         self.assert_resumed(100)
         self.assertEqual(self.largest_difference(), 0.0)  # the same program on the same ranks
 
+    @pytest.mark.long
     def test_a_case_killed_on_two_ranks_is_resumed_on_three(self):
         self.kill_in_the_middle(ranks=2, saves=5)
         self.go_on(ranks=3)

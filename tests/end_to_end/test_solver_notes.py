@@ -2,6 +2,7 @@
 """The choices of an engine and their reasons, before and after the run."""
 import unittest
 
+import pytest
 import xarray
 
 from program import SWEEP, ProgramTest, case_files, changed, without_reference
@@ -26,6 +27,7 @@ class SolverNotes(ProgramTest):
         with xarray.open_dataset(path, decode_timedelta=False) as case:
             return dict(case.attrs)
 
+    @pytest.mark.long
     def test_notes_of_a_bone_state_its_capped_stiffness_and_iterations(self):
         self.write_job(without_reference(ELASTIC, BONE, *SHORT))
         said = self.shearwake("plan", "job.toml").said

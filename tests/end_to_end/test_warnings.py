@@ -6,6 +6,7 @@ import re
 import unittest
 
 import h5py
+import pytest
 
 from program import SWEEP, ProgramTest, case_files, without_reference
 from test_solver_notes import BONE, ELASTIC, SHORT
@@ -67,6 +68,7 @@ class Warnings(ProgramTest):
         self.shearwake("reduce", self.out)
         self.assertEqual(self.notes(), first)
 
+    @pytest.mark.long
     def test_a_capped_stiffness_is_stored_with_the_key_to_change(self):
         self.write_job(without_reference(ELASTIC, BONE, *SHORT))
         self.shearwake("run", "job.toml")

@@ -12,6 +12,7 @@ import unittest.mock
 
 import h5py
 import numpy
+import pytest
 
 from faults import FaultTest, both_engines, command, environment, journal, table_bytes
 from program import JOB, LONG, PATIENCE_s, SWEEP, case_files, changed, plan_ids, seal, started, table, \
@@ -108,6 +109,7 @@ class LargeCase(FaultTest):
         self.assertEqual(case_files(self.out), [], "it was too fast to be stopped")
         self.assert_nothing_left(self.out)
 
+    @pytest.mark.long
     def test_a_stop_request_ends_a_long_case_on_one_and_two_ranks(self):
         for ranks, after_s in ((2, 0.0), (1, 2.0)):
             with self.subTest(ranks=ranks, after_s=after_s):
@@ -195,6 +197,7 @@ class Failing(FaultTest):
         self.assertEqual(process.returncode, 75, said)
         self.says(said, "No space left", "1 failed", "stopped early", "next: shearwake run")
 
+    @pytest.mark.long
     def test_a_failure_of_one_rank_fails_one_case_and_the_run_continues(self):
         """Memory is refused to one of two ranks that compute a case together."""
         together = ("--ranks-per-case", 2)
@@ -219,6 +222,7 @@ class Failing(FaultTest):
             self.assert_goes_on(reference, *together, "--retry-failed", ranks=2)
         self.assertGreater(failures, 0, "no case has failed")
 
+    @pytest.mark.long
     def test_refused_memory_at_any_allocation_ends_one_case_without_deadlock(self):
         text = changed(("[record]", "[afferents]\n\n[record]"), ("frames = true\n", ""))
         met = 0

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A few kills during a small sweep of both engines; long_form.py has a hundred kills and forty cases."""
+"""Kills (of all processes, one rank, the launcher, or a rank during a write) during small sweeps of both engines."""
 import unittest
+
+import pytest
 
 from faults import FaultTest, both_engines
 
@@ -11,6 +13,17 @@ class Kills(FaultTest):
         reference = self.undisturbed(1)
         kills = self.survive(seed=2, ranks_per_case=1, kills=4, reference=reference, longest_s=0.8)
         self.assertTrue(kills, "it was too fast to be killed")
+
+    @pytest.mark.long
+    def test_a_hundred_kills_do_not_change_the_table_of_forty_cases(self):
+        self.write_job(both_engines(20))
+        references = {ranks: self.undisturbed(ranks) for ranks in (1, 2)}
+        kills, sweeps = 0, 0
+        while kills < 100:
+            ranks = 1 + sweeps % 2  # every second sweep computes each case on both ranks
+            kills += len(self.survive(seed=1 + sweeps, ranks_per_case=ranks, kills=min(30, 100 - kills),
+                                      reference=references[ranks], longest_s=2.0))
+            sweeps += 1
 
 
 if __name__ == "__main__":

@@ -11,7 +11,6 @@ import unittest
 import h5py
 import numpy
 
-from attacks import LEDGER
 from program import ProgramTest, changed, command, environment, without_reference
 
 # Limits of any `check` or `plan`: seconds of processor time, and memory.
@@ -61,7 +60,6 @@ class Sizes(ProgramTest):
                     self.assertNotIn("internal error", said)
                     self.assertLess(core_s, MOST_s)
                     self.assertLess(most_B, MOST_B)
-                    LEDGER.add(f"absurd quantities: `{verb}`", "refused with a reason (exit 3)")
 
     def test_cases_beyond_memory_or_disk_are_refused_unless_they_run_elsewhere(self):
         for name, changes, reason in (
@@ -78,13 +76,11 @@ class Sizes(ProgramTest):
                     self.assertRegex(said, reason)
                     self.assertLess(core_s, MOST_s)
                     self.assertLess(most_B, MOST_B)
-                    LEDGER.add(f"cases beyond the {name}: `{verb}`", "refused with the number (exit 3)")
                     said, code, _, _ = self.taken(verb, "--elsewhere")
                     self.assertEqual(code, 0, said)
             said, code, _, _ = self.taken("run")
             self.assertEqual(code, 6, said)
             self.assertRegex(said, reason)
-            LEDGER.add(f"cases beyond the {name}: `run`", "refused with the number (exit 6)")
             self.says(said, "add --force")
             self.assertFalse(self.out.exists())
 
@@ -95,7 +91,6 @@ class Sizes(ProgramTest):
             said, code, _, _ = self.taken(verb)
             self.assertEqual(code, 3, said)
             self.says(said, "traces")
-            LEDGER.add("300 000 traces", "refused with a reason (exit 3)")
 
 
 class Files(ProgramTest):
@@ -109,14 +104,12 @@ class Files(ProgramTest):
                                   capture_output=True, encoding="utf-8", check=False)
             self.assertIn(done.returncode, (3, 6), done.stdout + done.stderr)
             self.says(done.stdout + done.stderr, "not a regular file")
-            LEDGER.add("device or pipe as input", "refused at once")
         for words in (("check", "/dev/zero"), ("check", "pipe.csv"), ("respond", "/dev/zero"),
                       ("respond", "pipe.csv"), ("show", "/dev/zero"), ("show", "pipe.csv")):
             done = subprocess.run(command(*words), cwd=self.folder, env=environment(), timeout=60,
                                   capture_output=True, encoding="utf-8", check=False)
             self.assertIn(done.returncode, (2, 3, 6), done.stdout + done.stderr)
             self.assertNotIn("internal error", done.stderr)
-            LEDGER.add("device or pipe as input", "refused at once")
 
     def test_maps_that_point_to_other_files_are_refused(self):
         other = self.folder / "other.h5"
@@ -147,7 +140,6 @@ class Files(ProgramTest):
                 done = self.shearwake("check", "job.toml", expect=None)
                 self.assertIn(done.returncode, (2, 3, 6), done.said)
                 self.assertIn("map.h5", done.said)
-                LEDGER.add("map that points to another file", "refused")
 
     def test_motions_with_absurd_times_are_refused(self):
         for step_ms in (1e-12, 1e15):
@@ -156,7 +148,6 @@ class Files(ProgramTest):
             done = self.shearwake("respond", "m.csv", "-S", "afferents.where=\"finger\"", expect=None)
             self.assertIn(done.returncode, (2, 3), done.said)
             self.assertNotIn("MPI_ABORT", done.said)
-            LEDGER.add("`respond` with absurd sample times", "refused with a reason")
 
     def test_motions_with_too_many_points_are_refused_at_once(self):
         n = 100000
@@ -169,7 +160,6 @@ class Files(ProgramTest):
         self.assertIn(done.returncode, (2, 3), done.said)
         self.says(done.said, "100000 pins exceed the limit")
         self.assertLess(time.process_time() - began, 60.0)
-        LEDGER.add("`respond` with 100 000 points", "refused with a reason")
 
 
 class Texts(ProgramTest):
@@ -179,7 +169,6 @@ class Texts(ProgramTest):
             done = self.shearwake("check", "job.toml", expect=3)
             self.says(done.said, "control character")
             self.assertNotIn("\x1b", done.said)
-            LEDGER.add("control character in a title", "refused, and not printed")
         self.write_job(changed(('name = "small"', 'name = "-rf"')))
         self.shearwake("check", "job.toml", expect=3)
 
@@ -196,7 +185,6 @@ class Texts(ProgramTest):
         self.assertNotIn("<b>&amp; |", page)
         heading = (self.out / "tables" / "small.md").read_text(encoding="utf-8").splitlines()[0]
         self.says(heading, "&lt;b>", r"\|", r"\`x\`")
-        LEDGER.add("formula, HTML and Markdown in a title", "shown as text")
 
 
 if __name__ == "__main__":

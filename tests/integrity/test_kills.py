@@ -11,8 +11,9 @@ import unittest
 from pathlib import Path
 
 import h5py
+import pytest
 
-from attacks import LEDGER, times
+from attacks import times
 from faults import both_engines, failing_library, table_bytes
 from program import PATIENCE_s, ProgramTest, case_files, command, environment, journal
 
@@ -74,6 +75,7 @@ class EveryPhase(ProgramTest):
             os.kill(process.pid, signal.SIGKILL)
         return process.wait(PATIENCE_s) == -signal.SIGKILL
 
+    @pytest.mark.long
     def test_kills_in_every_phase_leave_every_number_as_it_is(self):
         self.write_job(both_engines(2))
         whole = self.folder / "whole"
@@ -102,7 +104,6 @@ class EveryPhase(ProgramTest):
                 changed = [name for name, values in now.items() if values != reference[name]]
                 self.assertEqual(changed, [], phase)
                 self.assertEqual(list(out.rglob("*.part")), [])
-                LEDGER.add(f"kill in the phase {phase}", "same bytes in every dataset")
 
 
 class PartialFiles(ProgramTest):
@@ -153,7 +154,6 @@ class PartialFiles(ProgramTest):
             said = self.shearwake("run", "job.toml").said
             self.says(said, ".part", "1 computed now")
             self.assertEqual(numbers(self.out), reference)
-            LEDGER.add("damaged or truncated `.h5.part`", "reported, the case is computed from scratch")
         # The sound one is resumed.
         part.write_bytes(sound)
         for path, content in saved.items():

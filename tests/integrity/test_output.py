@@ -8,8 +8,9 @@ import time
 import unittest
 
 import h5py
+import pytest
 
-from attacks import LEDGER, times
+from attacks import times
 from kwave import reference, save, structures_of
 from program import ROOT, UNRECORDED, ProgramTest, changed, command, environment, table
 
@@ -34,18 +35,15 @@ class Output(ProgramTest):
                 done = self.run_with(command(*words), stdout=full)
                 self.assertEqual(done.returncode, 6, done.stderr)
                 self.says(done.stderr, "output")
-                LEDGER.add("output to a full disk", "message, exit 6")
             with self.subTest(words=words, output="closed"):
                 done = self.run_with(["sh", "-c", '"$@" >&-', "sh", *command(*words)])
                 self.assertEqual(done.returncode, 6, done.stderr)
-                LEDGER.add("closed output", "message, exit 6")
 
     def test_nothing_to_reduce_is_an_error(self):
         self.write_job()
         self.shearwake("run", "job.toml")
         shutil.rmtree(self.out / "cases")
         self.says(self.shearwake("reduce", self.out, expect=4).said, "nothing to reduce")
-        LEDGER.add("`reduce` without any complete case", "message, exit 4")
 
 
 class Surroundings(ProgramTest):
@@ -60,7 +58,6 @@ class Surroundings(ProgramTest):
             self.shearwake("reduce", out)
             self.assertEqual(table(out), reference)
             self.shearwake("verify", out)
-            LEDGER.add("path with spaces, quotes or 100 characters", "same table")
     def with_decimal_commas(self):
         """The environment of a locale with decimal commas, which is generated if the machine can do so."""
         locales = self.folder / "locales"
@@ -86,7 +83,6 @@ class Surroundings(ProgramTest):
                       ("report", out), ("verify", out)):
             subprocess.run(command(*words), cwd=self.folder, env=env, check=True, capture_output=True)
         self.assertEqual(table(out), table(self.out))
-        LEDGER.add("locale with decimal commas", "same table")
 
     def test_a_path_of_200_characters_is_written(self):
         self.write_job()
@@ -94,7 +90,6 @@ class Surroundings(ProgramTest):
             out = self.folder / f"{ranks}-{'x' * 200}" / "small"
             self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", ranks, ranks=ranks)
             self.shearwake("verify", out)
-            LEDGER.add("folder with a name of 200 characters", "the run is complete")
 
     def test_a_home_and_a_cache_that_cannot_be_written_stop_nothing(self):
         self.write_job()
@@ -110,7 +105,6 @@ class Surroundings(ProgramTest):
             done = subprocess.run(command("run", "job.toml", "--out", out), cwd=self.folder, env=env,
                                   capture_output=True, encoding="utf-8", check=False)
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            LEDGER.add("home or cache that cannot be written", "the run is complete")
             if first is None:
                 first = out
             for path in wisdom.glob("*"):  # then every file of the cache is a folder
@@ -126,7 +120,6 @@ class Surroundings(ProgramTest):
                                      env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                     for m in range(2)]
             self.assertEqual([process.wait(400) for process in both], [0, 0])
-            LEDGER.add("two processes writing wisdom at once", "both complete")
 
     def test_case_files_that_vanish_while_they_are_read(self):
         self.write_job(UNRECORDED)
@@ -144,7 +137,6 @@ class Surroundings(ProgramTest):
             self.assertIn(process.returncode, (0, 4, 6), said)
             for word in NOISE:
                 self.assertNotIn(word, said)
-            LEDGER.add("`rm -rf cases` during reduce, status, verify and report", "clean end")
 
 
 class Kills(ProgramTest):
@@ -171,11 +163,11 @@ class Kills(ProgramTest):
         for n in range(number):
             kills += self.kill(words, whole_s * (n + 0.5) / number)
             self.assertTrue(is_complete())
-            LEDGER.add(attack, "files are complete")
         self.assertGreater(kills, 0, "it was too fast to be killed")
         subprocess.run(words, cwd=self.folder, env=environment(), check=True, capture_output=True)
         self.assertTrue(is_complete())
 
+    @pytest.mark.long
     def test_a_killed_report_leaves_a_complete_one(self):
         self.write_job(UNRECORDED)
         self.shearwake("run", "job.toml")
@@ -218,7 +210,6 @@ class Clocks(ProgramTest):
             self.says(self.shearwake("run", "job.toml", "--out", out).said, "0 computed now")
             self.shearwake("reduce", out)
             self.assertEqual(table(out), table(self.folder / "straight"))
-            LEDGER.add("clock that jumps by a day or 30 years", "same table, nothing computed again")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+namespace test_afferents {
+
 using namespace shearwake;
 
 namespace {
@@ -56,3 +58,5 @@ TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {
     options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // one metre outside of the hand
     CHECK_THROWS_AS(pipeline::felt(vibration(), options, world), CaseFailure);
 }
+
+} // namespace test_afferents

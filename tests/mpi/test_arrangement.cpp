@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_arrangement {
+
 using namespace shearwake;
 
 namespace {
@@ -78,3 +80,5 @@ TEST_CASE("all ranks arrange a sweep alike although they measured different time
     if (world.rank() > 0)
         CHECK_FALSE(schedule::bundles_of(all.cases, all.layout, costs) == all.bundles);
 }
+
+} // namespace test_arrangement

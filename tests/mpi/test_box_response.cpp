@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_box_response {
+
 using namespace shearwake;
 
 namespace {
@@ -64,3 +66,5 @@ TEST_CASE("iterations on a box yield the field of iterations on planes", "[mpi]"
     // The box is exact; the residual of the iterations remains.
     CHECK(world.max(difference) < 1e-9 * world.max(largest));
 }
+
+} // namespace test_box_response

@@ -8,6 +8,8 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 
+namespace test_case_file {
+
 using namespace shearwake;
 using test::SharedFolder;
 
@@ -85,3 +87,5 @@ TEST_CASE("reports a truncated file as damaged", "[mpi]") {
     });
     CHECK(world.max(fine) == 0);
 }
+
+} // namespace test_case_file

@@ -11,6 +11,8 @@
 #include <limits>
 #include <vector>
 
+namespace test_checkpoint_file {
+
 using namespace shearwake;
 using test::SharedFolder;
 
@@ -182,3 +184,5 @@ TEST_CASE("detects a single changed bit in a checkpoint", "[mpi]") {
     const std::string scalars = trouble(path, owner, world, facts);
     CHECK(scalars == "is damaged (its scalars do not match their checksum)");
 }
+
+} // namespace test_checkpoint_file

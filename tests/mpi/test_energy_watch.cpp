@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+namespace test_energy_watch {
+
 using namespace shearwake;
 
 namespace {
@@ -88,3 +90,5 @@ TEST_CASE("does not interrupt a stable run", "[mpi]") {
     const bool body = GENERATE(false, true);
     CHECK(failure(small_case(body), [](test::MemoryState&) {}) == "no failure");
 }
+
+} // namespace test_energy_watch

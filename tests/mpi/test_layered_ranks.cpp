@@ -8,6 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_layered_ranks {
+
 using namespace shearwake;
 
 namespace {
@@ -293,3 +295,5 @@ TEST_CASE("series and table are identical on any number of ranks", "[mpi]") {
     }
     CHECK(world.max(worst) < 1e-12); // required
 }
+
+} // namespace test_layered_ranks

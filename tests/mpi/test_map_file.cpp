@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <unistd.h>
 
+namespace test_map_file {
+
 using namespace shearwake;
 
 namespace {
@@ -79,3 +81,5 @@ TEST_CASE("reports a missing map on all ranks", "[mpi]") {
     CHECK(world.max(as_on_root ? 0 : 1) == 0);
     CHECK(said == "/nowhere/map.h5 does not exist");
 }
+
+} // namespace test_map_file

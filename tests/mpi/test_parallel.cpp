@@ -12,6 +12,8 @@
 #include <thread>
 #include <unistd.h>
 
+namespace test_parallel {
+
 using namespace shearwake;
 
 TEST_CASE("throws the error of the lowest failed rank on all ranks", "[mpi]") {
@@ -144,3 +146,5 @@ TEST_CASE("a spaced question is asked on the root and answered on all ranks in t
     CHECK(world.max(sum) == sum);
     CHECK(world.max(-sum) == -sum);
 }
+
+} // namespace test_parallel

@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_pstd_checkpoint {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -110,3 +112,5 @@ TEMPLATE_TEST_CASE(
     CHECK(on_one == 0.0);
     CHECK(ranks == 0.0);
 }
+
+} // namespace test_pstd_checkpoint

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_pstd_energy {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -184,3 +186,5 @@ TEST_CASE("engine pstd ends a study whose field grows after its source", "[mpi][
                       contains(grows, "a smaller kgrid.dt of the study may help");
     CHECK(static_cast<int>(Comm::world().sum(says ? 1.0 : 0.0)) == Comm::world().size());
 }
+
+} // namespace test_pstd_energy

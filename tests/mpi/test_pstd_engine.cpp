@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_pstd_engine {
+
 using namespace shearwake;
 
 namespace {
@@ -117,3 +119,5 @@ TEST_CASE("engine pstd resumes a stopped case with the same bits", "[mpi][pstd]"
     const double worst = apart(c, second, whole, 3, world);
     CHECK(worst == 0.0);
 }
+
+} // namespace test_pstd_engine

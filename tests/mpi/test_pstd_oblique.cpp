@@ -7,6 +7,8 @@
 #include <complex>
 #include <numbers>
 
+namespace test_pstd_oblique {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -148,3 +150,5 @@ TEST_CASE("oblique plane wave advances as the scheme's own mode on any number of
     CHECK(worst < 1e-11); // rounding errors of 200 steps
     CHECK(moves > 1e-2);  // a substantial motion remains
 }
+
+} // namespace test_pstd_oblique

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 
+namespace test_pstd_reference {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 using test::KwaveFile;
@@ -136,3 +138,5 @@ TEST_CASE("engine pstd reproduces every stored field of k-Wave", "[mpi][pstd]") 
     CHECK(in_double < 1e-6); // stored in single precision
     CHECK(in_single < 1e-4); // the same bound as for the traces
 }
+
+} // namespace test_pstd_reference

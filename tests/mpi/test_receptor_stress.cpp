@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_receptor_stress {
+
 using namespace shearwake;
 
 namespace {
@@ -85,3 +87,5 @@ TEST_CASE("receptor stress is unchanged when a run stops and resumes", "[mpi][ne
         same = same && through.stresses_Pa()[i].u_m == resumed.stresses_Pa()[i].u_m;
     CHECK(world.max(same ? 0 : 1) == 0);
 }
+
+} // namespace test_receptor_stress

@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_rigid_ranks {
+
 using namespace shearwake;
 
 namespace {
@@ -117,3 +119,5 @@ TEST_CASE("rigid bodies resume from a checkpoint on any number of ranks", "[mpi]
     CHECK(world.broadcast(least) > 0.0);
     CHECK(world.broadcast(worst) < 1e-12); // sums in a different order
 }
+
+} // namespace test_rigid_ranks

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_slab_transform {
+
 using namespace shearwake;
 
 namespace {
@@ -326,3 +328,5 @@ TEST_CASE("transforms have the same bits on a team and on one rank", "[mpi]") {
         }
     CHECK(world.max(worst) == 0.0); // every line uses the same plan on any rank
 }
+
+} // namespace test_slab_transform

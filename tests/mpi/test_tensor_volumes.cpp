@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_tensor_volumes {
+
 using namespace shearwake;
 
 namespace {
@@ -89,3 +91,5 @@ TEST_CASE("strain and stress volumes are identical on any number of ranks", "[mp
         CHECK(difference < 1e-9 * largest);
     }
 }
+
+} // namespace test_tensor_volumes

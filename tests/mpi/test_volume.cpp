@@ -8,6 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_volume {
+
 using namespace shearwake;
 
 namespace {
@@ -145,3 +147,5 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
     on_root(world, [&] { fine = holds_volumes(path, c); });
     CHECK(world.max(fine ? 0 : 1) == 0);
 }
+
+} // namespace test_volume

@@ -13,6 +13,8 @@
 #include <memory>
 #include <optional>
 
+namespace test_wisdom {
+
 using namespace shearwake;
 
 namespace {
@@ -221,3 +223,5 @@ TEST_CASE("replaces a damaged file", "[mpi]") {
     CHECK(world.sum(third.measured) == 0.0);
     CHECK(world.sum(second.estimated + third.estimated) == 0.0);
 }
+
+} // namespace test_wisdom

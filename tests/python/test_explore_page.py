@@ -9,6 +9,7 @@ from pathlib import Path
 
 import h5py
 import numpy
+import pytest
 
 from exploring import Page
 from study import InFolder, ROOT, program, shearwake
@@ -94,6 +95,7 @@ class ExplorePage(InFolder):
               f"{pictures:.0f} pictures per second", file=sys.stderr)
         self.assertEqual(page.errors(), [])
 
+    @pytest.mark.long
     def test_every_kind_of_setting_is_computed(self):
         page = self.open()
         for change in ("s.kind = 'STM'", "s.kind = 'SM-STM'", "s.kind = 'AM'", "s.kind = 'LM'", "s.kind = 'AM-STM'; s.path = 'circle'",
@@ -131,6 +133,7 @@ class ExplorePage(InFolder):
         self.assertEqual(again.run("explorer.settings.speed"), 9)
         self.assertEqual(again.run("document.querySelector('[data-setting=speed] output').value"), "9.0 m/s")
 
+    @pytest.mark.long
     def test_hostile_links_keep_the_defaults(self):
         for text in ("#s=%%%", "#s=" + "A" * 30000, "#s=bnVsbA", "#s=eyJwcmVzZXQiOiJfX3Byb3RvX18iLCJzcGVlZCI6IjxpbWc-In0"):
             with self.subTest(text=text[:30]):

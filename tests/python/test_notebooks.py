@@ -27,7 +27,6 @@ class Notebooks(InFolder):
              "--ExecutePreprocessor.timeout=-1", path.name], capture_output=True, text=True, check=False,
             timeout=program.PATIENCE_s, stdin=subprocess.DEVNULL, env={
                 **os.environ, "PYTHONPATH": str(program.ROOT / "analysis")})
-        program.report_life()
         self.assertEqual(done.returncode, 0, done.stderr)
         cells = json.loads(Path(f"done-{path.name}").read_text(encoding="utf-8"))["cells"]
         pictures = [out for cell in cells for out in cell.get("outputs", []) if "image/png" in out.get("data", {})]

@@ -15,7 +15,6 @@ class Package(InFolder):
     def command(self, *words, cwd=None):
         done = subprocess.run([str(word) for word in words], cwd=cwd, capture_output=True, text=True, check=False,
                               timeout=program.PATIENCE_s)
-        program.report_life()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 

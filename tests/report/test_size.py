@@ -10,6 +10,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
@@ -39,6 +40,7 @@ class Size(unittest.TestCase):
                 surface["u_z"] = 1e-6 * random.standard_normal((frames, 1, len(x), len(y))).astype("f4")
         self.assertLess(len(folder.report().encode()), LARGEST_B)
 
+    @pytest.mark.long
     def test_504_cases_fit_in_3_MB_and_all_are_in_the_table_and_the_maps(self):
         folder = Folder(self.root, x=AM, series=[FWHM, KIND], swept=(AM, FWHM, KIND))
         for n in range(14):

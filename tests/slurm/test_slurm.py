@@ -13,6 +13,8 @@ import time
 import unittest
 from pathlib import Path
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
 
 from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, journal,  # noqa: E402
@@ -119,6 +121,7 @@ class Slurm(unittest.TestCase):
                     found.append(int(entry.name))
         return found
 
+    @pytest.mark.long
     def test_array_time_limit_and_cancellation(self):
         """A single test, since waiting for the time limit takes half a minute, during which the other jobs run."""
         limited, array, cancelled = (self.folder / name for name in ("limited", "array", "cancelled"))

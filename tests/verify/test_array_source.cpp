@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_array_source {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -79,3 +81,5 @@ TEST_CASE("field of simultaneous foci equals the mean of the single foci", "[ver
     }
     CHECK(relative_l2(both, mean) < 1e-10); // the same sums in a different order
 }
+
+} // namespace test_array_source

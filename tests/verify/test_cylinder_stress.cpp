@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <functional>
 
+namespace test_cylinder_stress {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -192,3 +194,5 @@ TEST_CASE("stress around a rigid cylinder agrees with the closed forms", "[verif
               limits);
     }
 }
+
+} // namespace test_cylinder_stress

@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_cylinder_volumes {
+
 using namespace shearwake;
 using test::Along;
 
@@ -129,3 +131,5 @@ TEST_CASE("the stress around a cylinder is that of its markers in three dimensio
         }
     }
 }
+
+} // namespace test_cylinder_volumes

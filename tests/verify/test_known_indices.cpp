@@ -18,6 +18,8 @@
 #include <string>
 #include <string_view>
 
+namespace test_known_indices {
+
 using namespace shearwake;
 
 namespace {
@@ -117,7 +119,7 @@ void compute(const Plan& plan, const std::filesystem::path& folder) {
 } // namespace
 
 TEST_CASE("an engine with known Sobol indices shows them after plan, run and reduce",
-          "[sensitivity]") {
+          "[long][sensitivity]") {
     const test::TemporaryFolder folder;
     std::string job = job_text;
     job.replace(job.find("{samples}"), std::string_view("{samples}").size(),
@@ -156,3 +158,5 @@ TEST_CASE("an engine with known Sobol indices shows them after plan, run and red
     check_all("peak_um_z1mm", test::g_indices());
     CHECK(checked == 14);
 }
+
+} // namespace test_known_indices

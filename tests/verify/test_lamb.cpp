@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+namespace test_lamb {
+
 using namespace shearwake;
 
 namespace {
@@ -192,3 +194,5 @@ TEST_CASE("response to a steady load below the Rayleigh speed equals the closed 
         CHECK(std::abs(computed / exact(y) - 1.0) < 0.03); // required
     }
 }
+
+} // namespace test_lamb

@@ -20,6 +20,8 @@
 #include <map>
 #include <numbers>
 
+namespace test_load_jumps {
+
 using namespace shearwake;
 
 namespace {
@@ -293,3 +295,5 @@ TEST_CASE("the work of the load in the steady state is the integral of pressure 
     CHECK(work_J == Approx(frames.energy->work_J).epsilon(1e-4));
     CHECK(std::abs(frames.energy->imbalance()) < 1e-6);
 }
+
+} // namespace test_load_jumps

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_mach_cone {
+
 using namespace shearwake;
 
 TEST_CASE("wake of a fast focus has the Mach angle of the Rayleigh wave", "[verify]") {
@@ -23,3 +25,5 @@ TEST_CASE("wake of a fast focus has the Mach angle of the Rayleigh wave", "[veri
     CHECK(columns.at("mach_angle_theory_deg") == Approx(theory).epsilon(1e-12));
     CHECK(std::abs(columns.at("mach_angle_deg") - theory) < 1.0); // required
 }
+
+} // namespace test_mach_cone

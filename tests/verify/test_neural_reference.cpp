@@ -13,8 +13,11 @@
 #include <map>
 #include <optional>
 
+namespace test_neural_reference {
+
 using namespace shearwake;
 using namespace shearwake::neural;
+using shearwake::neural::Line;
 
 namespace {
 
@@ -235,3 +238,5 @@ TEST_CASE("985 Pacinian afferents of the palm fire at the same samples as in Tou
     };
     CHECK(fires_alike({.ways = along_the_hand}, "/hand") == afferents.size());
 }
+
+} // namespace test_neural_reference

@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+namespace test_neural_scan {
+
 using namespace shearwake;
 
 namespace {
@@ -63,3 +65,5 @@ TEST_CASE("first spikes along a scan are delayed by the travel time of the focus
             CHECK(first_s[i] - first_s[i - neurons] == Approx(expected_s).epsilon(0.10));
         }
 }
+
+} // namespace test_neural_scan

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_neural_stress {
+
 using namespace shearwake;
 
 TEST_CASE("stress below a resting focus equals that of a static load on a half-space", "[neural]") {
@@ -46,3 +48,5 @@ TEST_CASE("stress below a resting focus equals that of a static load on a half-s
     CHECK(stresses[3].u_m.back() < 0.8 * stresses[2].u_m.back());
     CHECK(stresses[4].u_m.back() == 0.0); // outside of the domain the stress is 0
 }
+
+} // namespace test_neural_stress

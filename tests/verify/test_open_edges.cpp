@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_open_edges {
+
 using namespace shearwake;
 
 namespace {
@@ -129,3 +131,5 @@ TEST_CASE("the images of a load lift a periodic domain", "[open_edges]") {
     // adds 3 (c_s t/r)^2 / 2 = 13 % to the uplift; the rectangle is treated as a disc.
     CHECK(lifted_m == Approx(image_uplift_m(open).back()).epsilon(0.2));
 }
+
+} // namespace test_open_edges

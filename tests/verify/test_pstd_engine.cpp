@@ -7,6 +7,8 @@
 #include <functional>
 #include <numbers>
 
+namespace test_pstd_engine {
+
 using namespace shearwake;
 
 namespace {
@@ -186,3 +188,5 @@ TEST_CASE("engine pstd with an internal fluid agrees with engine spectral with t
     // the sheet.
     CHECK(off < 0.03);
 }
+
+} // namespace test_pstd_engine

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_pstd_interfaces {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -175,3 +177,5 @@ TEST_CASE("mirror image of solids and fluids yields the mirror image of the fiel
     CHECK(of_u < 1e-11); // rounding errors of 900 steps
     CHECK(of_s < 1e-11);
 }
+
+} // namespace test_pstd_interfaces

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_pstd_sources {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -150,3 +152,5 @@ TEST_CASE("fields stored as sums equal fields stored as parts", "[pstd]") {
     CHECK(apart < 1e-12 * largest); // rounding errors of 200 steps
     CHECK(largest > 0.0);
 }
+
+} // namespace test_pstd_sources

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_pstd_stokes {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -87,3 +89,5 @@ TEST_CASE("field of a force in a full space equals the solution of Stokes", "[ps
         CHECK(apart[i] < 0.02 * largest[i]);
     }
 }
+
+} // namespace test_pstd_stokes

@@ -7,6 +7,8 @@
 #include <complex>
 #include <numbers>
 
+namespace test_pstd_waves {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -181,3 +183,5 @@ TEST_CASE("decay of a Kelvin-Voigt medium equals theory", "[pstd]") {
          << expected);
     CHECK(std::log(first / last) == Approx(expected).epsilon(5e-3));
 }
+
+} // namespace test_pstd_waves

@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_receptor_stress {
+
 using namespace shearwake;
 using test::relative_l2;
 using test::with_step;
@@ -170,3 +172,5 @@ TEST_CASE("static mean stress equals the mean load at any depth including around
               Approx(load_Pa).epsilon(depth == 0 ? 1e-6 : 0.01));
     }
 }
+
+} // namespace test_receptor_stress

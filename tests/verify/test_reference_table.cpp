@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_reference_table {
+
 using namespace shearwake;
 
 namespace {
@@ -66,3 +68,5 @@ TEST_CASE("reproduces an independent table of AM-STM and SM-STM values", "[verif
         check_entry(c, entry, rms_nm, *engine, alone);
     }
 }
+
+} // namespace test_reference_table

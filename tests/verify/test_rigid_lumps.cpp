@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_rigid_lumps {
+
 using namespace shearwake;
 using test::last_frame;
 using test::lump_case;
@@ -170,3 +172,5 @@ TEST_CASE("a restored run with a rigid lump continues with the same bits", "[ver
     stepper.save(restored);
     CHECK(restored == end);
 }
+
+} // namespace test_rigid_lumps

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_rigid_places {
+
 using namespace shearwake;
 using test::Along;
 using test::bone_case;
@@ -208,3 +210,5 @@ TEST_CASE("energy of a lossless medium with a rigid slab is conserved", "[verify
     CHECK(after > 0.0);
     CHECK(worst < 1e-8); // as without bodies
 }
+
+} // namespace test_rigid_places

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_rigid_references {
+
 using namespace shearwake;
 
 namespace {
@@ -105,7 +107,7 @@ TEST_CASE("a rigid cylinder scatters a shear wave as the closed form", "[verify]
     }
 }
 
-TEST_CASE("a rigid body is the limit of a stiff elastic one", "[verify]") {
+TEST_CASE("a rigid body is the limit of a stiff elastic one", "[long][verify]") {
     // A bar of 5.4 x 5.4 mm and a load on a line, as plane strain. The faces of the bar coincide
     // with those of grid cells at both spacings, 0.9 and 0.3 mm. Between the cells an elastic body
     // is stiff up to a part of a spacing beyond its face. This error is of first order, and three
@@ -155,3 +157,5 @@ TEST_CASE("a rigid body is the limit of a stiff elastic one", "[verify]") {
     CHECK(test::relative_l2(fine, of_rigid) < 0.03);         // required, without extrapolation
     CHECK(test::relative_l2(coarse, of_rigid) > difference); // the error of the elastic body
 }
+
+} // namespace test_rigid_references

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_rigid_scattering {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -83,3 +85,5 @@ TEST_CASE("displacement around a rigid sphere in a shear wave agrees with the se
         CHECK(error < 0.03); // required
     }
 }
+
+} // namespace test_rigid_scattering

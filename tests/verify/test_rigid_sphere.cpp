@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_rigid_sphere {
+
 using namespace shearwake;
 using test::RigidSphere;
 
@@ -125,3 +127,5 @@ TEST_CASE("force of a shear wave on a rigid sphere agrees with the closed form",
     CAPTURE(kappa, level, upright, upwards, mean, exact);
     CHECK(mean == Approx(exact).epsilon(0.03)); // required
 }
+
+} // namespace test_rigid_sphere

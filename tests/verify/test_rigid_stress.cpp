@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_rigid_stress {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -191,3 +193,5 @@ TEST_CASE("strain around a rigid sphere in volumes agrees with the closed form",
         CHECK(corrected < 0.06 * largest); // 0.040 and 0.053; without correction 0.076 and 0.074
     }
 }
+
+} // namespace test_rigid_stress

@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_sampling {
+
 using namespace shearwake;
 
 namespace {
@@ -82,3 +84,5 @@ TEST_CASE("quickstart job is converged in spacing and time", "[verify]") {
         CHECK(eta_b == Approx(eta_a).epsilon(0.005)); // required
     }
 }
+
+} // namespace test_sampling

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_spectral {
+
 using namespace shearwake;
 using test::with_step;
 
@@ -182,3 +184,5 @@ TEST_CASE("a volume snapshot is continuous with the surface and free of divergen
     // footprint, 0.86 / mm. A component of wrong sign or position would cause an error of about 1.
     CHECK(std::sqrt(divergence / vertical) < 0.1); // observed 0.05
 }
+
+} // namespace test_spectral

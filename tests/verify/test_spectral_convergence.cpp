@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_spectral_convergence {
+
 using namespace shearwake;
 
 namespace {
@@ -100,3 +102,5 @@ TEST_CASE("error decreases faster than any power of the grid spacing", "[verify]
     // A sharp face is averaged over cells, which limits the order.
     CHECK(power > 5.0);
 }
+
+} // namespace test_spectral_convergence

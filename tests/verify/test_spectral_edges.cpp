@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_spectral_edges {
+
 using namespace shearwake;
 
 namespace {
@@ -173,3 +175,5 @@ TEST_CASE("a run with a sponge resumes with the same bits", "[verify]") {
     });
     CHECK(again == whole);
 }
+
+} // namespace test_spectral_edges

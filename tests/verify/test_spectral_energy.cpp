@@ -8,6 +8,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_spectral_energy {
+
 using namespace shearwake;
 
 namespace {
@@ -50,7 +52,7 @@ void step_through(const Case& c, double step_s, const F& f) {
 
 } // namespace
 
-TEST_CASE("energy of a lossless medium is conserved after the load has ended", "[verify]") {
+TEST_CASE("energy of a lossless medium is conserved after the load has ended", "[long][verify]") {
     Case c = lossless_case();
     SpectralOptions options{.time_step_s = 50e-6};
     SECTION("layers") {}
@@ -209,3 +211,5 @@ TEST_CASE("energy of a compressible layer with a stiff viscous body never increa
     CHECK(last > 0.0);
     CHECK(most_gain < 1e-9); // up to the residual
 }
+
+} // namespace test_spectral_energy

@@ -8,6 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_spectral_half_space {
+
 using namespace shearwake;
 
 namespace {
@@ -170,3 +172,5 @@ TEST_CASE("the estimated error of an absorber is within a factor of two of its e
     CHECK(estimated < 2.0 * error);
     CHECK(estimated > 0.5 * error);
 }
+
+} // namespace test_spectral_half_space

@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_spectral_map {
+
 using namespace shearwake;
 
 namespace {
@@ -67,3 +69,5 @@ TEST_CASE("a map of a box is equivalent to a body", "[verify]") {
     // least two elements over its height, a box one, and the observed difference is 4e-4.
     CHECK(test::relative_l2(test::last_frame(c), test::last_frame(body)) < 1e-12);
 }
+
+} // namespace test_spectral_map

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_spectral_materials {
+
 using namespace shearwake;
 
 namespace {
@@ -121,7 +123,7 @@ TEST_CASE("field with extreme bodies is stable for 14 ms with half the step", "[
     check_stable(*kind, 25e-6);
 }
 
-TEST_CASE("field with rigid and with capped bone is stable for 14 ms", "[verify]") {
+TEST_CASE("field with rigid and with capped bone is stable for 14 ms", "[long][verify]") {
     check_stable(bone(), 50e-6, GENERATE(1000.0, 1e9));
 }
 
@@ -160,3 +162,5 @@ TEST_CASE("mean surface displacement reflects the compressibility of a body", "[
     // Inertia during the ramp; otherwise static.
     CHECK(mean_at(25e-6) == Approx(row).epsilon(0.005));
 }
+
+} // namespace test_spectral_materials

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_spectral_rigid {
+
 using namespace shearwake;
 using test::Along;
 using test::bone_case;
@@ -181,3 +183,5 @@ TEST_CASE("a rigid body converges as the grid is refined", "[verify]") {
     CHECK(at_2 < 0.01);
     CHECK(at_3 < 0.005);
 }
+
+} // namespace test_spectral_rigid

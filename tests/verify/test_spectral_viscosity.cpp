@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_spectral_viscosity {
+
 using namespace shearwake;
 
 namespace {
@@ -84,3 +86,5 @@ TEST_CASE("a map of a lower viscosity is equivalent to a layer", "[verify]") {
     CHECK(difference < 1e-3); // error of the time step
     CHECK(effect > 10.0 * difference);
 }
+
+} // namespace test_spectral_viscosity

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <string_view>
 
+namespace test_steady_state {
+
 using namespace shearwake;
 
 namespace {
@@ -101,7 +103,7 @@ private:
 
 } // namespace
 
-TEST_CASE("the steady state is the last of many repetitions", "[steady_state]") {
+TEST_CASE("the steady state is the last of many repetitions", "[long][steady_state]") {
     constexpr std::ptrdiff_t repetitions = 12;
     const Comm alone = Comm::world().split(Comm::world().rank());
     for (const NamedMedium& medium : media()) {
@@ -252,3 +254,5 @@ TEST_CASE("a circle that is drawn for ever has its closed form", "[steady_state]
         CHECK(worst < 1e-6 * largest);
     }
 }
+
+} // namespace test_steady_state

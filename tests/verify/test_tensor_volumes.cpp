@@ -7,6 +7,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_tensor_volumes {
+
 using namespace shearwake;
 
 namespace {
@@ -152,3 +154,5 @@ TEST_CASE("strain equals the gradient of the displacement", "[verify]") {
         CHECK(std::sqrt(error[component] / size[component]) < tolerance);
     }
 }
+
+} // namespace test_tensor_volumes

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_time_step {
+
 using namespace shearwake;
 
 namespace {
@@ -99,3 +101,5 @@ TEST_CASE("chosen step reaches the requested accuracy with a stiff body", "[veri
     CHECK(error < 1e-2);
     CHECK(error > 1e-2 / 16.0); // observed 0.38 and 0.14 of the accuracy
 }
+
+} // namespace test_time_step

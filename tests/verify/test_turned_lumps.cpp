@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_turned_lumps {
+
 using namespace shearwake;
 using test::last_frame;
 using test::lump_case;
@@ -125,3 +127,5 @@ TEST_CASE("mirror image of turned rigid lumps yields the mirror image of the fie
     const auto mirrored = last_frame(c);
     CHECK(test::asymmetry(c.domain, frame, mirrored) < 1e-10 * test::largest(frame)); // rounding
 }
+
+} // namespace test_turned_lumps

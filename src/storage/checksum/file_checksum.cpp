@@ -86,12 +86,12 @@ private:
     std::uintmax_t size_ = 0;
 };
 
-std::string hex(XXH128_hash_t hash) {
+std::string hex_128(XXH128_hash_t hash) {
     return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
 std::string line_of(XXH128_hash_t hash, std::uintmax_t bytes) {
-    return fmt::format("{}{}{}{:020}{}", line_begin, hex(hash), line_middle, bytes, line_end);
+    return fmt::format("{}{}{}{:020}{}", line_begin, hex_128(hash), line_middle, bytes, line_end);
 }
 
 XXH128_hash_t hash_of(const Input& file, std::uintmax_t bytes) {
@@ -166,7 +166,7 @@ IntegrityCheck check_integrity(const fs::path& path) {
         return {Integrity::damaged,
                 fmt::format("it has {} bytes, but its checksum covers {}", before, line.bytes),
                 file.size()};
-    if (hex(hash_of(file, line.bytes)) != line.hash)
+    if (hex_128(hash_of(file, line.bytes)) != line.hash)
         return {Integrity::damaged, "its bytes do not match its checksum", file.size()};
     check.state = Integrity::intact;
     return check;

@@ -16,7 +16,7 @@
 namespace shearwake::storage {
 namespace {
 
-constexpr std::uint64_t piece_B = std::uint64_t{1} << 18;
+constexpr std::uint64_t buffer_B = std::uint64_t{1} << 18;
 
 /// An incremental hash.
 class Growing {
@@ -28,11 +28,11 @@ public:
     /// Bytes [from, to) of the file.
     void add(std::ifstream& file, const std::filesystem::path& path, std::uint64_t from,
              std::uint64_t to) {
-        std::vector<char> piece(std::min(piece_B, to - from));
+        std::vector<char> piece(std::min(buffer_B, to - from));
         file.clear();
         file.seekg(static_cast<std::streamoff>(from));
         for (std::uint64_t at = from; at < to;) {
-            const std::uint64_t wanted = std::min(piece_B, to - at);
+            const std::uint64_t wanted = std::min(buffer_B, to - at);
             file.read(piece.data(), static_cast<std::streamsize>(wanted));
             if (static_cast<std::uint64_t>(file.gcount()) != wanted)
                 throw UsageError(

@@ -16,7 +16,7 @@ namespace shearwake::storage {
 namespace {
 
 constexpr const char* schema = "shearwake grid study 1";
-constexpr double most_points = 2147483648.0;
+constexpr double most_nodes = 2147483648.0;
 constexpr double most_of_a_list = 1e9;
 
 /// A group of the file, with the names of its datasets and attributes in messages.
@@ -112,9 +112,9 @@ void read_grid(hid_t file, StudyData& study) {
     const double points = static_cast<double>(study.points[0]) *
                           static_cast<double>(study.points[1]) *
                           static_cast<double>(study.points[2]);
-    if (points > most_points)
+    if (points > most_nodes)
         grid.fail("points", fmt::format("result in {:.3g} nodes; at most {:.3g} are supported",
-                                        points, most_points));
+                                        points, most_nodes));
     study.spacing_m = grid.triple<double>("spacing_m", 1e-9, 1e3);
     study.time_step_s = grid.number("time_step_s", 1e-15, 1e3);
     study.steps = grid.whole("steps", 1, 1e9);
@@ -132,12 +132,12 @@ void read_grid(hid_t file, StudyData& study) {
 }
 
 /// A property of the medium: its dataset, its field in k-Wave and its range.
-struct Property {
+struct Dataset {
     const char *name, *kwave_field;
     double least;
 };
 
-std::vector<double> read_property(const Section& medium, const Property& property,
+std::vector<double> read_property(const Section& medium, const Dataset& property,
                                   std::size_t nodes) {
     auto values = medium.numbers(property.name);
     if (values.size() != 1 && values.size() != nodes)
@@ -180,7 +180,7 @@ void check_medium(const Section& medium, const StudyData& study) {
 
 void read_medium(hid_t file, StudyData& study) {
     const Section medium(file, "medium");
-    const auto read = [&](const Property& property) {
+    const auto read = [&](const Dataset& property) {
         return read_property(medium, property, study.size());
     };
     study.density_kg_m3 = read({"density_kg_m3", "density", 1e-9});
@@ -240,7 +240,7 @@ void read_sensor(hid_t file, StudyData& study) {
                                          values, most_of_a_list));
 }
 
-StudyData read_from(hid_t file) {
+StudyData read_study(hid_t file) {
     if (!h5::has_attribute(file, "schema") || h5::text_attribute(file, "schema") != schema)
         throw UsageError(
             fmt::format("it is not a \"{}\"; create one with scripts/import-kwave", schema));
@@ -259,7 +259,7 @@ StudyData read_from(hid_t file) {
 } // namespace
 
 StudyData read_study_file(const std::filesystem::path& path) {
-    StudyData study = read_user_file(path, read_from);
+    StudyData study = read_user_file(path, read_study);
     study.file = path.string();
     study.content_hash = hash_of(study);
     return study;

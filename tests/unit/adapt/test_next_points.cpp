@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+namespace test_next_points {
+
 using namespace shearwake;
 using Goal = AdaptiveAxis::Goal;
 using Function = std::function<double(double)>;
@@ -167,3 +169,5 @@ TEST_CASE("the estimated error bounds that of a parabola and ignores missing poi
     curve[4] = std::nan("");
     CHECK(std::isnan(adapt::interpolation_errors(x, curve)[0]));
 }
+
+} // namespace test_next_points

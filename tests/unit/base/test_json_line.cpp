@@ -5,6 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+namespace test_json_line {
+
 using namespace shearwake;
 
 TEST_CASE("a line of JSON is read as it was composed") {
@@ -41,3 +43,5 @@ TEST_CASE("JSON has no infinity, and text that is not UTF-8 is replaced") {
     CHECK(json_string("a\xff") == "\"a\xef\xbf\xbd\"");
     CHECK(json_array({}) == "[]");
 }
+
+} // namespace test_json_line

@@ -8,6 +8,8 @@
 #include <new>
 #include <sstream>
 
+namespace test_text {
+
 using namespace shearwake;
 
 TEST_CASE("edit distance counts insertions, deletions, replacements and transpositions", "[text]") {
@@ -94,3 +96,5 @@ TEST_CASE("memory refused while a line is read is not taken for the end of the s
     CHECK(next_line(in, line));
     CHECK_THROWS_AS(next_line(in, line), std::bad_alloc);
 }
+
+} // namespace test_text

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_units {
+
 using namespace shearwake;
 
 TEST_CASE("finds the longest unit at the end of a key", "[units]") {
@@ -28,3 +30,5 @@ TEST_CASE("removes the unit from the end of a key", "[units]") {
     CHECK(without_unit("thickness_mm") == "thickness");
     CHECK(without_unit("c_s_m_s") == "c_s");
 }
+
+} // namespace test_units

@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <vector>
 
+namespace test_view {
+
 using namespace shearwake;
 
 TEST_CASE("rows of a view are one stride apart", "[view]") {
@@ -26,3 +28,5 @@ TEST_CASE("a view of values converts to a view of constants but not vice versa",
     CHECK(view(0, 1) == 2.0);
     CHECK_FALSE(std::is_convertible_v<View2<const double>, View2<double>>);
 }
+
+} // namespace test_view

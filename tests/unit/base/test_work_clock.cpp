@@ -5,6 +5,8 @@
 #include <chrono>
 #include <thread>
 
+namespace test_work_clock {
+
 using namespace shearwake;
 
 namespace {
@@ -44,3 +46,5 @@ TEST_CASE("stages are ignored without a clock and a new clock starts at zero", "
     WorkClock clock;
     CHECK(clock.seconds("stage") == 0.0);
 }
+
+} // namespace test_work_clock

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_case {
+
 using namespace shearwake;
 
 namespace {
@@ -130,3 +132,5 @@ TEST_CASE("a name with quotes and control characters is written as one TOML stri
     c.scene().medium.layers[0].name = "a\"b\\c\n";
     CHECK(canonical_text(c).find(R"(name = "a\"b\\c\u000a")") != std::string::npos);
 }
+
+} // namespace test_case

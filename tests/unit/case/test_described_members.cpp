@@ -9,6 +9,8 @@
 #include <tuple>
 #include <typeinfo>
 
+namespace test_described_members {
+
 using namespace shearwake;
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("every member of an option struct is described", "[fields][case]") {
     check_members<1, AfferentList>();
     check_members<6, CarrierInput>();
 }
+
+} // namespace test_described_members

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_edge_absorption {
+
 using namespace shearwake;
 
 TEST_CASE("the drag of a sponge is 0 outside the sponge", "[edge_absorption]") {
@@ -57,3 +59,5 @@ TEST_CASE("the longest wave is that of the footprint or of the modulation", "[ed
     load.modulation.envelope = {{SineGain{2000.0}}};
     CHECK(longest_wave_m(load, 5.0) == Approx(20.4e-3).epsilon(1e-3));
 }
+
+} // namespace test_edge_absorption

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <set>
 
+namespace test_fields {
+
 using namespace shearwake;
 
 namespace {
@@ -288,3 +290,5 @@ TEST_CASE("a grid study and its scene are different cases", "[fields][case]") {
     CHECK_THAT(text, Catch::Contains("engine = \"pstd\"\n" + line));
     CHECK(text.replace(text.find(line), line.size(), "") == canonical_text(scene));
 }
+
+} // namespace test_fields

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_check {
+
 using namespace shearwake;
 
 namespace {
@@ -243,3 +245,5 @@ TEST_CASE("pins that the focus never approaches give a warning", "[check]") {
     c.afferents->input = StressInput{}; // has no pins
     CHECK(check(c).empty());
 }
+
+} // namespace test_check

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_check_variation {
+
 using namespace shearwake;
 
 namespace {
@@ -177,3 +179,5 @@ TEST_CASE("a map that does not cover the domain is reported", "[check_variation]
     CHECK(only_remark(c).severity == Severity::error);
     CHECK(has(only_remark(c).message, "no part of the domain"));
 }
+
+} // namespace test_check_variation

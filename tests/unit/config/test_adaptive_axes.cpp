@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_adaptive_axes {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -72,3 +74,5 @@ TEST_CASE("mistakes in adaptive axes are reported", "[config][adapt]") {
     CHECK(any_contains(of_axis("refine = [100, 800], smallest_step = 0" + rest), "smallest_step"));
     CHECK(any_contains(of_axis("refine = [-100, 800]" + rest), "am_frequency_Hz"));
 }
+
+} // namespace test_adaptive_axes

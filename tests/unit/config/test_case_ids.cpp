@@ -10,6 +10,8 @@
 #include <map>
 #include <sstream>
 
+namespace test_case_ids {
+
 using namespace shearwake;
 using namespace shearwake::config;
 
@@ -54,3 +56,5 @@ TEST_CASE("the ids of existing jobs do not change", "[fields][case]") {
                      file) == ids);
     }
 }
+
+} // namespace test_case_ids

@@ -3,6 +3,8 @@
 
 #include <random>
 
+namespace test_job {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -306,3 +308,5 @@ TEST_CASE("a long number, sentence or list is not treated as a long dotted key",
     text += "]\n";
     CHECK(diagnostics_of(text).empty());
 }
+
+} // namespace test_job

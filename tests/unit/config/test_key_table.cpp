@@ -5,6 +5,8 @@
 #include <fstream>
 #include <sstream>
 
+namespace test_key_table {
+
 using namespace shearwake;
 using namespace shearwake::config;
 
@@ -26,3 +28,5 @@ TEST_CASE("the reference has ranges and defaults in the units of the keys", "[fi
           "with `load = \"displacement\"`: displacement of the skin"})
         CHECK_THAT(text, Catch::Contains(row));
 }
+
+} // namespace test_key_table

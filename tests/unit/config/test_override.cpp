@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_override {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -107,3 +109,5 @@ TEST_CASE("an error in an override quotes the override", "[config][override]") {
     }));
     CHECK(diagnostics_of(plain_job, {{key, value}}) == Texts{"-S " + key + ": error: " + message});
 }
+
+} // namespace test_override

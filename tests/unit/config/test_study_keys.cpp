@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_study_keys {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -93,3 +95,5 @@ TEST_CASE("the time step of a study is checked before the run", "[config][study]
                        "error: solver.pstd.study: has a time step of 15 us (kgrid.dt in "
                        "k-Wave), which is unstable in this medium: steps up to 13.7832 us"));
 }
+
+} // namespace test_study_keys

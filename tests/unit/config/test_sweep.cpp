@@ -3,6 +3,8 @@
 
 #include <set>
 
+namespace test_sweep {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -265,3 +267,5 @@ TEST_CASE("a sweep with too many keys is rejected without expansion", "[config][
     CHECK(diagnostics_of(plain_and(more)) ==
           Texts{"job.toml:27:1: error: sweep has 20000 keys; at most 50 are supported"});
 }
+
+} // namespace test_sweep

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_table {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -116,3 +118,5 @@ TEST_CASE("a key that the reference replaces is not swept in it", "[config][tabl
     CHECK(plan.cases[0].reference_id == plan.cases[2].id);
     CHECK(plan.cases[1].reference_id == plan.cases[2].id);
 }
+
+} // namespace test_table

@@ -3,6 +3,8 @@
 
 #include <set>
 
+namespace test_uncertain {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -156,3 +158,5 @@ TEST_CASE("correlations are checked", "[config][uncertain]") {
     CHECK(any_contains(with(R"({ keys = ["load.peak_Pa", "a"], rank = 0.5 })"),
                        "must name two different uncertain keys"));
 }
+
+} // namespace test_uncertain

@@ -8,6 +8,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+namespace test_refinement {
+
 using namespace shearwake;
 using namespace shearwake::test;
 using converge::Refinement;
@@ -144,3 +146,5 @@ TEST_CASE("columns that count samples are omitted and missing values stay unknow
     values.erase(studied.refined_ids[2]);
     CHECK_FALSE(converge::changes_of(refined, values)[0].is_complete);
 }
+
+} // namespace test_refinement

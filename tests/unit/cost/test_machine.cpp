@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+namespace test_machine {
+
 using namespace shearwake;
 
 namespace {
@@ -104,3 +106,5 @@ TEST_CASE("whoever reads while others write finds a complete calibration", "[mac
         ++files;
     CHECK(files == 1);
 }
+
+} // namespace test_machine

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_march {
+
 using namespace shearwake;
 
 namespace {
@@ -47,3 +49,5 @@ TEST_CASE("the share of complete steps is reported after each step") {
     CHECK(engines::march(resumed, 4, observer, &rest) == engines::MarchEnd::complete);
     CHECK(rest.all == std::vector<double>{0.75, 1.0});
 }
+
+} // namespace test_march

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+namespace test_work {
+
 using namespace shearwake;
 
 namespace {
@@ -80,3 +82,5 @@ TEST_CASE("the share limited by memory grows from 0 to 1", "[work]") {
     CHECK(engines::share_from_memory(1e7) > 0.2);
     CHECK(engines::share_from_memory(1e7) < engines::share_from_memory(2e7));
 }
+
+} // namespace test_work

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_least_squares {
+
 using namespace shearwake;
 using laboratory::FitResult;
 using laboratory::Parameter;
@@ -178,3 +180,5 @@ TEST_CASE("half widths are quantiles of Student's t distribution", "[laboratory]
     CHECK(laboratory::half_width_95(1.0) == Approx(12.7062047).epsilon(1e-8)); // tables
     CHECK(laboratory::half_width_95(1e6) == Approx(1.9599664).epsilon(1e-5));
 }
+
+} // namespace test_least_squares

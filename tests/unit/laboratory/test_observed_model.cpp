@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_observed_model {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -81,3 +83,5 @@ TEST_CASE("a scan outside of the domain is rejected", "[laboratory]") {
     CHECK_THROWS_WITH(laboratory::observed_case(coarse_case(), data),
                       Catch::Contains("a point at [0, 200] mm outside of the domain"));
 }
+
+} // namespace test_observed_model

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_array_field {
+
 using namespace shearwake;
 
 namespace {
@@ -261,3 +263,5 @@ TEST_CASE("an array sets its focus at its update rate", "[array]") {
     CHECK(pattern.held_s(1e-3 + 1e-6) == Approx(1e-3).epsilon(1e-12));
     CHECK(pattern.held_s(0.5) == Approx(0.002).epsilon(1e-12)); // nobody looks later
 }
+
+} // namespace test_array_field

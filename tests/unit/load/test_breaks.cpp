@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_breaks {
+
 using namespace shearwake;
 
 namespace {
@@ -95,3 +97,5 @@ TEST_CASE("the points of a sampled curve are not breaks", "[load][breaks]") {
     const Travel travel{Polyline(points, Ends::closed), ConstantSpeed{7.0}, AtEnd::repeat};
     CHECK(times_s(moving(travel), 9e-3).size() == 1);
 }
+
+} // namespace test_breaks

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_drawn_shape {
+
 using namespace shearwake;
 
 namespace {
@@ -53,3 +55,5 @@ TEST_CASE("static foci draw themselves, a swing its line", "[drawn_shape]") {
     CHECK(line.front() == Vec2{-2e-3, 0.0});
     CHECK(line.back() == Vec2{2e-3, 0.0});
 }
+
+} // namespace test_drawn_shape

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_envelope {
+
 using namespace shearwake;
 
 TEST_CASE("a square gain is 1 for its fraction of each period", "[envelope]") {
@@ -101,3 +103,5 @@ TEST_CASE("a sine gain is its closed form at any time, depth and phase", "[envel
     CHECK(gain({{on_force}}, t) == Approx(drive).epsilon(0).margin(1e-12));
     CHECK(gain({{on_pressure}}, t) == Approx(drive * drive).epsilon(0).margin(1e-12));
 }
+
+} // namespace test_envelope

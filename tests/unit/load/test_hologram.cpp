@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_hologram {
+
 using namespace shearwake;
 
 namespace {
@@ -104,3 +106,5 @@ TEST_CASE("one focus does not depend on the kind of hologram", "[hologram][array
         worst = std::max(worst, std::abs(one.values[n] - other.values[n]));
     CHECK(worst < 1e-12); // rounding of the sums
 }
+
+} // namespace test_hologram

@@ -12,6 +12,8 @@
 #include <map>
 #include <numbers>
 
+namespace test_lens {
+
 using namespace shearwake;
 
 namespace {
@@ -355,3 +357,5 @@ TEST_CASE("the surface of a lens is closed and encloses its volume", "[lens]") {
     std::memcpy(&count, stl.data() + 80, 4);
     CHECK(count == triangles.size());
 }
+
+} // namespace test_lens

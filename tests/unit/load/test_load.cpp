@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_load {
+
 using namespace shearwake;
 
 namespace {
@@ -83,3 +85,5 @@ TEST_CASE("the averaged carrier leaves the envelope alone", "[load]") {
     const double t = GENERATE(0.0, 0.0013, 0.009);
     CHECK(amplitude(load, t) == gain(load.modulation.envelope, t));
 }
+
+} // namespace test_load

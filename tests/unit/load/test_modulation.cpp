@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_modulation {
+
 using namespace shearwake;
 
 namespace {
@@ -170,3 +172,5 @@ TEST_CASE("a gain on the pressure doubles the frequency on the force", "[modulat
     CHECK(greatest_envelope_frequency_Hz({{SquareGain{200.0, 0.5, 0.0, 0.0, 1e-3}}}) == 0.0);
     CHECK(greatest_envelope_frequency_Hz({{SineGain{200.0, 1.0, 0.0, GainOn::pressure}}}) == 400.0);
 }
+
+} // namespace test_modulation

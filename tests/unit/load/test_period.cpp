@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_period {
+
 using namespace shearwake;
 using Catch::Contains;
 
@@ -65,3 +67,5 @@ TEST_CASE("a load without a period states the reason", "[period]") {
     CHECK_THAT(trouble(load_of({circle(50.0)}, {RampGain{.duration_s = 1e-2}})),
                Contains("rises or falls once"));
 }
+
+} // namespace test_period

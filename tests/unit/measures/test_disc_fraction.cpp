@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_disc_fraction {
+
 using namespace shearwake;
 
 namespace {
@@ -76,3 +78,5 @@ TEST_CASE("disc fractions do not depend on the unit of length", "[disc_fraction]
     CHECK(measures::disc_fraction(0.75e-3, 1.5e-3, 0.75e-3, {0.1e-3, 0.2e-3}, 1.6e-3) ==
           Approx(measures::disc_fraction(0.75, 1.5, 0.75, {0.1, 0.2}, 1.6)).epsilon(1e-13));
 }
+
+} // namespace test_disc_fraction

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_intensity {
+
 using namespace shearwake;
 
 namespace {
@@ -105,3 +107,5 @@ TEST_CASE("a resolved carrier delivers the impulse of its average", "[intensity]
     CHECK(measures::impulse_N_s(load, 14e-3) ==
           Approx(measures::impulse_N_s(steady_load(), 14e-3)).epsilon(1e-9));
 }
+
+} // namespace test_intensity

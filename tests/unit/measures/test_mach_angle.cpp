@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_mach_angle {
+
 using namespace shearwake;
 
 namespace {
@@ -121,3 +123,5 @@ TEST_CASE("a bent front gives no angle", "[mach_angle]") {
     CHECK_FALSE(bent.fit().valid());
     CHECK(std::isnan(bent.fit().angle_deg));
 }
+
+} // namespace test_mach_angle

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+namespace test_measure_table {
+
 using namespace shearwake;
 using namespace shearwake::measures;
 
@@ -47,3 +49,5 @@ TEST_CASE("parts of sums add, and the larger peaks are kept", "[measures]") {
     const SurfaceSums a{1, 2, 3, 4, 5, 6, 7, 8}, b{10, 20, 30, 40, 50, 60, 6, 9};
     CHECK(combine(a, b) == SurfaceSums{11, 22, 33, 44, 55, 66, 7, 9});
 }
+
+} // namespace test_measure_table

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+namespace test_participation {
+
 using namespace shearwake;
 
 namespace {
@@ -62,3 +64,5 @@ TEST_CASE("the period reading sums before it divides", "[participation]") {
     CHECK(sums.focal_u2 == Approx((2 + 0.5 * 18) * 1e-12));
     CHECK(sums.focal_weight == Approx(4 + 0.5 * 4));
 }
+
+} // namespace test_participation

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_sharpness {
+
 using namespace shearwake;
 
 namespace {
@@ -84,3 +86,5 @@ TEST_CASE("a surface at rest has no sharpness", "[sharpness]") {
     CHECK(std::isnan(
         sharpness_of(surface([](double, double) { return 0.0; }), {{{0.0, 0.0}}}, 1e-3)));
 }
+
+} // namespace test_sharpness

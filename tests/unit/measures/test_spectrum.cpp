@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+namespace test_spectrum {
+
 using namespace shearwake;
 
 namespace {
@@ -149,3 +151,5 @@ TEST_CASE("a long tone lies in its band and in no other", "[spectrum]") {
     CHECK(measures::band_rms(u, dt, 40.0, 400.0) == Approx(1.0).epsilon(4e-3));
     CHECK(measures::band_rms(u, dt, 500.0, 800.0) < 0.04);
 }
+
+} // namespace test_spectrum

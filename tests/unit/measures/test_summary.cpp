@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_summary {
+
 using namespace shearwake;
 
 namespace {
@@ -332,3 +334,5 @@ TEST_CASE("the columns of a stated region are the edges of what is measured", "[
     CHECK(value("region_to_y_mm") == Approx(39.5).epsilon(1e-14)); // half a cell inside the domain
     CHECK(value("region_mm2") == Approx(72.0 * 59.7).epsilon(1e-12));
 }
+
+} // namespace test_summary

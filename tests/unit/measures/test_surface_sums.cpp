@@ -10,6 +10,8 @@
 #include <random>
 #include <vector>
 
+namespace test_surface_sums {
+
 using namespace shearwake;
 
 namespace {
@@ -289,3 +291,5 @@ TEST_CASE("several foci have one focal disc each", "[surface_sums]") {
     CHECK(same.focal_weight >= first.focal_weight);
     CHECK(same.focal_weight < 1.3 * first.focal_weight);
 }
+
+} // namespace test_surface_sums

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+namespace test_window {
+
 using namespace shearwake;
 
 namespace {
@@ -153,3 +155,5 @@ TEST_CASE("there is no period window after the focus has been switched off", "[w
     CHECK(out.reason == "the path ends at 7 ms: there is no load at the instant, 14 ms");
     CHECK_FALSE(measures::period_window(measure, time, {}, 7e-3).fits());
 }
+
+} // namespace test_window

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+namespace test_body {
+
 using namespace shearwake;
 
 namespace {
@@ -161,3 +163,5 @@ TEST_CASE("an edge is smooth and 1/2 at the face", "[body]") {
     CHECK(share(6e-3 - 1e-4) < 1e-4);
     CHECK(share(6e-3 - 2e-5) < 1e-40);
 }
+
+} // namespace test_body

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_body_orientation {
+
 using namespace shearwake;
 
 namespace {
@@ -189,3 +191,5 @@ TEST_CASE("the lateral thickness of a turned body is that of its horizontal sect
     CHECK(width_m(Ellipsoid{{a, 4e-3, c}, {.azimuth_deg = 77.0, .inclination_deg = 30.0}}) ==
           Approx(2.0 / std::hypot(std::cos(tilt) / a, std::sin(tilt) / c)));
 }
+
+} // namespace test_body_orientation

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_bulk_modulus {
+
 using namespace shearwake;
 
 namespace {
@@ -76,3 +78,5 @@ TEST_CASE("only the map's points at the body count for the body", "[bulk_modulus
         CHECK(softest_against_pressure(medium, 1, &away) == Speeds{30.0, 2.0});
     }
 }
+
+} // namespace test_bulk_modulus

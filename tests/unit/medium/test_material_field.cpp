@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_material_field {
+
 using namespace shearwake;
 
 namespace {
@@ -194,3 +196,5 @@ TEST_CASE("maps with equal content are equal", "[material_field]") {
     CHECK_FALSE(a == b);
     CHECK(case_id(a) != case_id(b));
 }
+
+} // namespace test_material_field

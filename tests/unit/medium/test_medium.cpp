@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_medium {
+
 using namespace shearwake;
 
 TEST_CASE("the Rayleigh speed has the textbook ratios", "[medium]") {
@@ -23,3 +25,5 @@ TEST_CASE("a film much thinner than the footprint does not carry the surface wav
     CHECK(surface_wave_layer(medium, 0.3e-3).name == "film");
     CHECK(surface_wave_layer(medium, 30e-3).name == "fat");
 }
+
+} // namespace test_medium

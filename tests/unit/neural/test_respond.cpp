@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_respond {
+
 using namespace shearwake;
 using namespace shearwake::neural;
 
@@ -109,3 +111,5 @@ TEST_CASE("wave is delayed by its path along the skin but static stress is immed
     CHECK(first(never.static_MPa) == 10);
     CHECK(first(never.dynamic_N_s_mm3) == 200);
 }
+
+} // namespace test_respond

@@ -13,6 +13,8 @@
 #include <limits>
 #include <random>
 
+namespace test_response {
+
 using namespace shearwake;
 using namespace shearwake::neural;
 
@@ -299,3 +301,5 @@ TEST_CASE("reports invalid stresses at receptors with their position", "[neural]
                Catch::Contains("error: trace: 1 values") &&
                    Catch::Contains("receptor 1, sample 7"));
 }
+
+} // namespace test_response

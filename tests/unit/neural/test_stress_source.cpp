@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_stress_source {
+
 using namespace shearwake;
 using namespace shearwake::neural;
 
@@ -45,3 +47,5 @@ TEST_CASE("receptor below a pin responds equally to the pin and to its stress", 
         count += train.size();
     CHECK(count > 50);
 }
+
+} // namespace test_stress_source

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <random>
 
+namespace test_optimum {
+
 using namespace shearwake;
 using namespace shearwake::optimise;
 using Eigen::Index;
@@ -186,3 +188,5 @@ TEST_CASE("a waveform is rounded in the sound pressure and covers the period", "
     CHECK(csv_text(waveform).starts_with("t_us,level,pressure_1,force_1\n0,0,0,0\n500,11,"));
     CHECK_THROWS_AS(waveform_of(knots, force, 1e6, 4), UsageError); // 4000 updates
 }
+
+} // namespace test_optimum

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <set>
 
+namespace test_variation {
+
 using namespace shearwake;
 using namespace shearwake::optimise;
 using namespace shearwake::test;
@@ -107,3 +109,5 @@ TEST_CASE("quotients are found by the names of their columns", "[optimise]") {
     CHECK_FALSE(find_quotient(c, "share_40_500_1"));
     CHECK_FALSE(find_quotient(c, "peak_um"));
 }
+
+} // namespace test_variation

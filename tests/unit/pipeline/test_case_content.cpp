@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_case_content {
+
 using namespace shearwake;
 
 namespace {
@@ -41,3 +43,5 @@ TEST_CASE("a mean map comes with the shape that was drawn, a line for each focus
     for (const char* name : {"drawn_line", "drawn_x", "drawn_y"})
         CHECK(find(mean, name).dimensions == std::vector<std::string>{"point"});
 }
+
+} // namespace test_case_content

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_case_warnings {
+
 using namespace shearwake;
 
 namespace {
@@ -110,3 +112,5 @@ TEST_CASE("warnings of the solver and of the receptors are kept with their keys"
     CHECK(storage::warnings_in(storage::warnings_text(warnings)) == warnings);
     CHECK(storage::warnings_in("not JSON").empty());
 }
+
+} // namespace test_case_warnings

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_endless_loop {
+
 using namespace shearwake;
 using namespace shearwake::pipeline;
 
@@ -131,3 +133,5 @@ TEST_CASE("a run-in lasts eight time constants of the slowest membrane", "[neura
     CHECK(neural::repetitions_of(slow, 2.0, 3).total() == 5);
     CHECK(neural::repetitions_of(fast, 1e-3, 10).run_out == 10);
 }
+
+} // namespace test_endless_loop

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <vector>
 
+namespace test_scan_series {
+
 using namespace shearwake;
 
 namespace {
@@ -100,3 +102,5 @@ TEST_CASE("the spot averages the motion over a disc", "[vibrometer]") {
     // The rule of degree 5 neglects (k r)^6 / 2304 and more.
     CHECK(error_of(c, 2.0 * std::cyl_bessel_j(1.0, kr) / kr) < of_interpolation);
 }
+
+} // namespace test_scan_series

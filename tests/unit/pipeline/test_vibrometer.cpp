@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_vibrometer {
+
 using namespace shearwake;
 
 namespace {
@@ -152,3 +154,5 @@ TEST_CASE("filters of the vibrometer pass their band", "[vibrometer]") {
         full_circle_rad * frequency_Hz * std::sqrt(0.5 * high / (1.0 + high) / (1.0 + low));
     CHECK(std::sqrt(sum) == Approx(expected).epsilon(0.02));
 }
+
+} // namespace test_vibrometer

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+namespace test_adaptive_tables {
+
 using namespace shearwake;
 using Goal = AdaptiveAxis::Goal;
 
@@ -154,3 +156,5 @@ TEST_CASE("readings that are not valid are no extrema", "[reduce][adapt]") {
     const reduce::AdaptiveStates states = grid.states();
     CHECK(number(states.table, 0, "location") == 3.0);
 }
+
+} // namespace test_adaptive_tables

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_diff {
+
 using namespace shearwake;
 
 namespace {
@@ -161,3 +163,5 @@ TEST_CASE("the JSON contains every changed cell", "[diff]") {
                          Catch::Contains("\"0.26\"") &&
                          Catch::Contains("\"over_tolerance\": null"));
 }
+
+} // namespace test_diff

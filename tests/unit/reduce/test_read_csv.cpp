@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+namespace test_read_csv {
+
 using namespace shearwake;
 
 TEST_CASE("a written table is read back cell by cell", "[csv]") {
@@ -47,3 +49,5 @@ TEST_CASE("an invalid table is rejected with the line and the reason", "[csv]") 
         CHECK_THAT(error.what(), Catch::Contains(line) && Catch::Contains(reason));
     }
 }
+
+} // namespace test_read_csv

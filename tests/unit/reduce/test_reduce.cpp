@@ -11,6 +11,8 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+namespace test_reduce {
+
 using namespace shearwake;
 
 TEST_CASE("special characters in cells are quoted in CSV and Markdown", "[reduce]") {
@@ -85,3 +87,5 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     CHECK(written.whole == 2);
     CHECK(storage::read_file(written.csv) == reduce::csv(table));
 }
+
+} // namespace test_reduce

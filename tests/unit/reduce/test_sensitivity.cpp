@@ -10,6 +10,8 @@
 #include <functional>
 #include <numbers>
 
+namespace test_sensitivity {
+
 using namespace shearwake;
 
 namespace {
@@ -203,3 +205,5 @@ TEST_CASE("a threshold of an unknown column is rejected with a suggestion",
     CHECK_THROWS_WITH(reduce::uncertain_tables(run.plan, run.table, {}),
                       Catch::Contains("did you mean \"eta\"?"));
 }
+
+} // namespace test_sensitivity

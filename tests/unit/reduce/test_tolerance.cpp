@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_tolerance {
+
 using namespace shearwake;
 
 TEST_CASE("only the literal ipr has a tolerance above the rounding of a table", "[tolerance]") {
@@ -66,3 +68,5 @@ TEST_CASE("all errors in a file of tolerances are reported with their locations"
     CHECK_THROWS_WITH(reduce::read_tolerances("[tolerance\n", "t.toml"),
                       Catch::Contains("not valid TOML"));
 }
+
+} // namespace test_tolerance

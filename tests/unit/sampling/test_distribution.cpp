@@ -8,6 +8,8 @@
 #include <functional>
 #include <string>
 
+namespace test_distribution {
+
 using namespace shearwake;
 using sampling::Distribution;
 using sampling::Sampling;
@@ -100,3 +102,5 @@ TEST_CASE("unusable distributions are rejected with the reason", "[sampling]") {
     const Distribution moduli{.shape = sampling::Normal{5.0, 3.0}, .root_of = 1.0};
     CHECK(problem(moduli).find("negative moduli") != std::string::npos);
 }
+
+} // namespace test_distribution

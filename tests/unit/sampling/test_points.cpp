@@ -9,6 +9,8 @@
 #include <numeric>
 #include <set>
 
+namespace test_points {
+
 using namespace shearwake;
 using sampling::Points;
 using sampling::Sampling;
@@ -153,3 +155,5 @@ TEST_CASE("designs of indices change one key per row", "[sampling]") {
             fewer, Points(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(5 * step))));
     }
 }
+
+} // namespace test_points

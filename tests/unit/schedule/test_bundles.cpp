@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
+namespace test_bundles {
+
 using namespace shearwake;
 using schedule::Bundle;
 
@@ -67,3 +69,5 @@ TEST_CASE("a medium with most of the cases is not left to one team", "[teams]") 
 TEST_CASE("a single team takes the cases one by one", "[teams]") {
     CHECK(bundles(cases_of(2, 2), 1) == std::vector<Bundle>{{0, 1}, {1, 1}, {2, 1}, {3, 1}});
 }
+
+} // namespace test_bundles

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <set>
 
+namespace test_deadline {
+
 using namespace shearwake;
 
 TEST_CASE("a walltime is given in seconds or as Slurm writes it", "[deadline]") {
@@ -115,3 +117,5 @@ TEST_CASE("twelve cases of a sweep are measured, the others use the step of the 
     CHECK(*of_others.begin() > 0.8 * *of_probed.begin());
     CHECK(*of_others.rbegin() < 1.25 * *of_probed.rbegin());
 }
+
+} // namespace test_deadline

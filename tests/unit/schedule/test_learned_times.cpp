@@ -7,6 +7,8 @@
 #include <functional>
 #include <thread>
 
+namespace test_learned_times {
+
 using namespace shearwake;
 
 namespace {
@@ -166,3 +168,5 @@ TEST_CASE("a postponed or claimed case is not counted as remaining", "[learned]"
         times.end(index);
     CHECK(times.left_s() == 0.0);
 }
+
+} // namespace test_learned_times

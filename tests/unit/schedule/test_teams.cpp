@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <set>
 
+namespace test_teams {
+
 using namespace shearwake;
 
 namespace {
@@ -131,3 +133,5 @@ TEST_CASE("too large teams and idle ranks are named", "[teams]") {
     // Excess ranks join the last team.
     CHECK(schedule::idle_ranks_text({.ranks_per_case = 2, .teams = 3}, 7, 3).empty());
 }
+
+} // namespace test_teams

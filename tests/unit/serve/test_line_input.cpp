@@ -6,6 +6,8 @@
 #include <string_view>
 #include <unistd.h>
 
+namespace test_line_input {
+
 using namespace shearwake;
 
 namespace {
@@ -75,3 +77,5 @@ TEST_CASE("a line longer than the limit has no text, and the next one is read", 
     pipe.write("\nafter\n");
     CHECK(texts(input.read(0)) == Texts{"<too long>", "after"});
 }
+
+} // namespace test_line_input

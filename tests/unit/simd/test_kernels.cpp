@@ -14,6 +14,8 @@
 #include <random>
 #include <vector>
 
+namespace test_kernels {
+
 // Compares every kernel that this CPU supports with a plain loop and thereby with each other.
 
 using namespace shearwake;
@@ -228,3 +230,5 @@ TEST_CASE("products with symmetric matrices equal those of a plain loop", "[simd
         }
     }
 }
+
+} // namespace test_kernels

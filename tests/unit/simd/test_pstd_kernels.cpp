@@ -12,6 +12,8 @@
 #include <random>
 #include <vector>
 
+namespace test_pstd_kernels {
+
 // The kernels of engine pstd, every one that this processor can run, against plain loops.
 
 using namespace shearwake;
@@ -233,3 +235,5 @@ TEMPLATE_TEST_CASE("rows of a block are copied whole and nothing beside them", "
         }
     }
 }
+
+} // namespace test_pstd_kernels

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_files {
+
 using namespace shearwake;
 
 TEST_CASE("a file is written completely and read back byte for byte", "[files]") {
@@ -45,3 +47,5 @@ TEST_CASE("lines are appended", "[files]") {
     storage::append_line(folder / "x", "two");
     CHECK(storage::read_file(folder / "x") == "one\ntwo\n");
 }
+
+} // namespace test_files

@@ -11,6 +11,8 @@
 #include <random>
 #include <string>
 
+namespace test_mutations {
+
 using namespace shearwake;
 
 namespace {
@@ -86,3 +88,5 @@ TEST_CASE("a thousand mutated case files are accepted or rejected without a cras
     CHECK(bad > 100);
     CHECK(bad < 1000);
 }
+
+} // namespace test_mutations

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_tree {
+
 using namespace shearwake;
 
 namespace {
@@ -101,3 +103,5 @@ TEST_CASE("non-ASCII characters are allowed only in strings and comments", "[tre
                                "a = 'b''\xc2\xba'\n", "a.'#'\xc2\xba = 1\n", "a = 'b\n\xc2\xba'\n"})
         CHECK(mistakes(hidden) == 1);
 }
+
+} // namespace test_tree

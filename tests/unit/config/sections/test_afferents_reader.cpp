@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+namespace test_afferents_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -167,3 +169,5 @@ TEST_CASE("errors in [afferents] name the key", "[config][afferents]") {
     CHECK_THAT(refusal("where = \"plam\""), Catch::Contains("did you mean \"palm\"?"));
     CHECK_THAT(refusal("nois = true"), Catch::Contains("did you mean noise?"));
 }
+
+} // namespace test_afferents_reader

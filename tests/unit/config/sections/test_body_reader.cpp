@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_body_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -276,3 +278,5 @@ TEST_CASE("an error in a map is reported together with other errors", "[config][
           "job.toml:7:7: error: medium.map gives c_p = 1500 and c_s = 1400 m/s somewhere in layer "
           "\"tissue\": c_p must be above 1616.58, 1.1547 times c_s, for a positive bulk modulus");
 }
+
+} // namespace test_body_reader

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_case_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -283,3 +285,5 @@ TEST_CASE("the options of engine pstd are read, and unsupported cases are reject
         "footprint = { shape = \"array\", preset = \"array-16x16\", distance_mm = 200.0 }"));
     CHECK(any_contains(array, "the engine \"pstd\" supports only Gaussian foci"));
 }
+
+} // namespace test_case_reader

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+namespace test_footprint_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -169,3 +171,5 @@ TEST_CASE("the pressure of the array of 249 elements is the sum over its element
     // halves differ by 8e-4 along y, 3e-4 along x.
     CHECK(fwhm_m(load.footprint) == Approx(std::sqrt(width_x_m * width_y_m)).epsilon(6e-4));
 }
+
+} // namespace test_footprint_reader

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace test_lens_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -104,3 +106,5 @@ TEST_CASE("the pattern of a lens does not move", "[config][lens]") {
     CHECK(any_contains(diagnostics_of(job), "load.modulation.kind moves the focus, but the pattern "
                                             "of a lens is static"));
 }
+
+} // namespace test_lens_reader

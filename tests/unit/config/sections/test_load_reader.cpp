@@ -3,6 +3,8 @@
 
 #include <numbers>
 
+namespace test_load_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -178,3 +180,5 @@ TEST_CASE("an abbreviated key is suggested in full and not reported as missing",
     CHECK(any_contains(diagnostics_of(plain_with("am_frequency_Hz = 500.0", "am_freq_Hz = 500.0")),
                        "did you mean am_frequency_Hz?"));
 }
+
+} // namespace test_load_reader

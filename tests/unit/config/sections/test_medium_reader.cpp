@@ -2,6 +2,8 @@
 #include "config/document/presets.hpp"
 #include "unit/config/jobs.hpp"
 
+namespace test_medium_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -175,3 +177,5 @@ TEST_CASE("a medium without layers is rejected", "[config][medium]") {
     CHECK(diagnostics_of(with_medium("[medium]\nbase = \"rigid\"\nlayer = []\n")) ==
           Texts{"job.toml:6:9: error: medium.layer must contain at least one layer"});
 }
+
+} // namespace test_medium_reader

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_path_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -273,3 +275,5 @@ TEST_CASE("an error in a custom modulation is reported with its location", "[con
     REQUIRE(found.size() == 1);
     CHECK(found[0].ends_with(said));
 }
+
+} // namespace test_path_reader

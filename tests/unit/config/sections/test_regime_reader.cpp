@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+namespace test_regime_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -106,3 +108,5 @@ TEST_CASE("the measured region is a rectangle, the path or the palm", "[config][
     CHECK(any_contains(diagnostics_of(plain_and("[measure]\nregion_center_mm = [1, 2]\n")),
                        "applies only with a rectangle"));
 }
+
+} // namespace test_regime_reader

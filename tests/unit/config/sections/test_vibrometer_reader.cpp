@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "unit/config/jobs.hpp"
 
+namespace test_vibrometer_reader {
+
 using namespace shearwake;
 using namespace shearwake::test;
 
@@ -56,3 +58,5 @@ TEST_CASE("an error in a vibrometer is reported", "[config][vibrometer]") {
     CHECK(
         any_contains(diagnostics_of(plain_and("[vibrometer]\n" + keys + "\n")), "error: " + said));
 }
+
+} // namespace test_vibrometer_reader

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_bessel_blocks {
+
 using namespace shearwake;
 using layered::BesselBlocks;
 
@@ -44,3 +46,5 @@ TEST_CASE("Bessel functions that need too much memory are not kept", "[point_res
     CHECK(BesselBlocks<double>::kept_B(most / 1000, 1000) == 8.0 * static_cast<double>(most));
     CHECK(BesselBlocks<double>::kept_B(most / 1000 + 1, 1000) == 0.0);
 }
+
+} // namespace test_bessel_blocks

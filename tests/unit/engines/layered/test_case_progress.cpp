@@ -6,6 +6,8 @@
 #include <functional>
 #include <vector>
 
+namespace test_case_progress {
+
 using namespace shearwake;
 using Stage = layered::CaseProgress::Stage;
 
@@ -90,3 +92,5 @@ TEST_CASE("without checkpoints, progress is not measured", "[layered]") {
     progress.did(Stage::frames);
     CHECK(looks == before);
 }
+
+} // namespace test_case_progress

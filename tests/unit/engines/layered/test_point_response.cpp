@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_point_response {
+
 using namespace shearwake;
 using Complex = std::complex<double>;
 
@@ -46,3 +48,5 @@ TEST_CASE("the response to a static point load is that of Boussinesq", "[point_r
         CHECK(std::abs(table[at] - exact) < 1e-6 * exact);
     }
 }
+
+} // namespace test_point_response

@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+namespace test_stack_response {
+
 using namespace shearwake;
 using Complex = std::complex<double>;
 
@@ -312,3 +314,5 @@ TEST_CASE("the loss over depth equals the power of the load", "[layered]") {
             }
         }
 }
+
+} // namespace test_stack_response

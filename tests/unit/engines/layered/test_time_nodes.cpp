@@ -10,6 +10,8 @@
 #include <complex>
 #include <numbers>
 
+namespace test_time_nodes {
+
 using namespace shearwake;
 using Complex = std::complex<double>;
 
@@ -152,3 +154,5 @@ TEST_CASE("powers of 1/frequency are fitted exactly", "[layered][jump_tail]") {
         CHECK(found(a) ==
               Approx(truth[a]).epsilon(1e-8)); // rounding times the condition number, 1e6
 }
+
+} // namespace test_time_nodes

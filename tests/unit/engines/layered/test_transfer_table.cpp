@@ -11,6 +11,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+namespace test_transfer_table {
+
 using namespace shearwake;
 using Complex = std::complex<double>;
 
@@ -109,3 +111,5 @@ TEST_CASE("rejects a function with a pole on the axis", "[layered]") {
     const auto f = [](double k, std::span<Complex> out) { out[0] = std::sqrt(std::abs(k - 1.0)); };
     CHECK_THROWS_AS(layered::RadialInterpolant::fit(f, 1, 3.0, 1e-12), CaseFailure);
 }
+
+} // namespace test_transfer_table

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_grid_forces {
+
 using namespace shearwake;
 using spectral::ForceStress;
 
@@ -114,3 +116,5 @@ TEST_CASE("patches of markers carry the forces of their markers", "[grid_forces]
     for (const double sum : weight)
         CHECK(sum == Approx(1.0)); // rounding
 }
+
+} // namespace test_grid_forces

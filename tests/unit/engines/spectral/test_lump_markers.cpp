@@ -9,6 +9,8 @@
 #include <numbers>
 #include <set>
 
+namespace test_lump_markers {
+
 using namespace shearwake;
 
 namespace {
@@ -186,3 +188,5 @@ TEST_CASE("a turned body does not cross the domain", "[lump_markers]") {
     std::get<Box>(body.shape).orientation.azimuth_deg = 45.0;
     CHECK(spectral::endless_along(body, small_domain) == spectral::Endless::no);
 }
+
+} // namespace test_lump_markers

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_rigid_choice {
+
 using namespace shearwake;
 
 namespace {
@@ -254,3 +256,5 @@ TEST_CASE("receptors of stress that may lie inside a rigid body are reported", "
         CHECK(spectral::receptors_near_bodies(c).empty());
     }
 }
+
+} // namespace test_rigid_choice

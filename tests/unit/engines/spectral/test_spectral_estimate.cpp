@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+namespace test_spectral_estimate {
+
 using namespace shearwake;
 
 namespace {
@@ -191,3 +193,5 @@ TEST_CASE("counts cells only where the map extends", "[spectral]") {
     CHECK(v.cells == Approx(v.points * 17 * 17));
     CHECK(seconds(c) > seconds(body_case(1.0)));
 }
+
+} // namespace test_spectral_estimate

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_course {
+
 using namespace shearwake;
 
 namespace {
@@ -153,3 +155,5 @@ TEST_CASE("a drawn pattern on a moving centre is a modulation, a drawn path is n
           Approx(200.0).epsilon(1e-13));
     CHECK(modulation_frequency_Hz({"LM", {{Hold{}, Swing{{0.001, 0.0}, 90.0}}}, {}}) == 90.0);
 }
+
+} // namespace test_course

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_path {
+
 using namespace shearwake;
 
 namespace {
@@ -113,3 +115,5 @@ TEST_CASE("a Lissajous figure has the arc length that summing finds", "[path]") 
         CHECK(are_near(slope, figure.tangent(s), 1e-8));
     }
 }
+
+} // namespace test_path

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_neuron {
+
 using namespace shearwake;
 using namespace shearwake::neural;
+using shearwake::neural::Line;
 
 namespace {
 
@@ -147,3 +150,5 @@ TEST_CASE("noise is normal and independent for each sample and afferent", "[neur
     CHECK(two_normals(42, 3, 9) == two_normals(42, 3, 9));
     CHECK(two_normals(43, 3, 9) != two_normals(42, 3, 9));
 }
+
+} // namespace test_neuron

@@ -8,8 +8,11 @@
 #include <map>
 #include <set>
 
+namespace test_hand {
+
 using namespace shearwake;
 using namespace shearwake::neural;
+using shearwake::neural::Box;
 
 namespace {
 
@@ -138,3 +141,5 @@ TEST_CASE("grid of fibres is regular and symmetric about its centre", "[hand]") 
     CHECK(grid.front().kind == AfferentClass::RA);
     CHECK(grid.back().kind == AfferentClass::PC);
 }
+
+} // namespace test_hand

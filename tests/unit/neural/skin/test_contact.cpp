@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_contact {
+
 using namespace shearwake;
 using namespace shearwake::neural;
 
@@ -71,3 +73,5 @@ TEST_CASE("limits the pin radius to half of the smallest distance", "[neural]") 
     CHECK(fitting_radius_mm(at_mm, 0.5) == 0.5);
     CHECK(fitting_radius_mm({{}}, 9.0) == 9.0);
 }
+
+} // namespace test_contact

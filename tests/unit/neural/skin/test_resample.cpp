@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+namespace test_resample {
+
 using namespace shearwake::neural;
 
 namespace {
@@ -72,3 +74,5 @@ TEST_CASE("length of a resampled line is rounded to the nearest with ties to eve
     CHECK(is_neuron_rate(5000.0 * (1.0 + 1e-10)));
     CHECK_FALSE(is_neuron_rate(5000.1));
 }
+
+} // namespace test_resample

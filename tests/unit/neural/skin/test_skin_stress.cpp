@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+namespace test_skin_stress {
+
 using namespace shearwake::neural;
 using std::numbers::pi;
 
@@ -56,3 +58,5 @@ TEST_CASE("wave gain follows the surface indentation and the inverse square of t
     CHECK(wave_gain(2.0, 2.0, 1.0) == Approx(std::asin(0.5) / pi / 4.0).epsilon(1e-14));
     CHECK(wave_gain(std::numeric_limits<double>::infinity(), 2.0, 1.0) == 0.0);
 }
+
+} // namespace test_skin_stress

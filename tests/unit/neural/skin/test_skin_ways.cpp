@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace test_skin_ways {
+
 using namespace shearwake;
 using namespace shearwake::neural;
 
@@ -60,3 +62,5 @@ TEST_CASE("there is no path from or to points outside of the skin", "[hand]") {
     CHECK(std::isinf(way_mm(horseshoe, {5, 50}, {15, 30})));
     CHECK(std::isinf(way_mm(horseshoe, {-1, 5}, {5, 5})));
 }
+
+} // namespace test_skin_ways

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_case_index {
+
 using namespace shearwake;
 
 namespace {
@@ -77,3 +79,5 @@ TEST_CASE("journals of shards and hosts are combined, and the latest entry count
     CHECK(all.cases.at("y").blame == storage::Blame::files);
     CHECK(storage::read_journals(folder / "none").cases.empty());
 }
+
+} // namespace test_case_index

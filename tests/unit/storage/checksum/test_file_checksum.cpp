@@ -12,7 +12,10 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <cstdlib>
 #include <random>
+
+namespace test_file_checksum {
 
 using namespace shearwake;
 using namespace shearwake::storage;
@@ -48,7 +51,7 @@ bool is_accepted(const std::filesystem::path& path) {
 
 } // namespace
 
-TEST_CASE("every flipped bit of a case file is detected", "[checksum]") {
+TEST_CASE("flipped bits of a case file are detected", "[checksum]") {
     const test::TemporaryFolder folder;
     const auto whole = folder / "00ff.h5", damaged = folder / "damaged.h5";
     write_case(whole);
@@ -57,7 +60,8 @@ TEST_CASE("every flipped bit of a case file is detected", "[checksum]") {
     CHECK(read_case_summary(whole).has_checksum);
     std::mt19937 chance(16);
     std::size_t accepted = 0;
-    for (std::size_t at = 0; at < bytes.size(); ++at) {
+    const std::size_t stride = std::getenv("SHEARWAKE_LONG") ? 1 : 10;
+    for (std::size_t at = 0; at < bytes.size(); at += stride) {
         std::string changed = bytes;
         changed[at] = static_cast<char>(changed[at] ^ (1 << (chance() % 8)));
         put_bytes(damaged, changed);
@@ -169,3 +173,5 @@ TEST_CASE("a sealed text detects every change", "[checksum]") {
             CHECK(unseal(changed).seal != Seal::sound);
         }
 }
+
+} // namespace test_file_checksum

@@ -7,6 +7,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+namespace test_part_checksum {
+
 using namespace shearwake;
 using namespace shearwake::storage;
 
@@ -58,3 +60,5 @@ TEST_CASE("an incremental checksum equals that of the whole file", "[checksum]")
         CHECK(growing.record(path, fields) == PartChecksum().record(path, fields));
     }
 }
+
+} // namespace test_part_checksum

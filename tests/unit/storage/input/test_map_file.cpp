@@ -12,6 +12,8 @@
 #include <limits>
 #include <map>
 
+namespace test_map_file {
+
 using namespace shearwake;
 
 namespace {
@@ -250,3 +252,5 @@ TEST_CASE("a malicious file is rejected without a crash", "[map_file]") {
         CHECK_FALSE(complaint(path).empty());
     }
 }
+
+} // namespace test_map_file

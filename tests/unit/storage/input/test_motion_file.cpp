@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace test_motion_file {
+
 using namespace shearwake;
 
 namespace {
@@ -117,3 +119,5 @@ TEST_CASE("a motion is read from traces in millimetres with their rate and radiu
     CHECK_THROWS_WITH(storage::read_motion(folder / "none.h5", ""),
                       Catch::Contains("none.h5 does not exist"));
 }
+
+} // namespace test_motion_file

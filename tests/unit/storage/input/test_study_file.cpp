@@ -10,6 +10,8 @@
 #include <functional>
 #include <map>
 
+namespace test_study_file {
+
 using namespace shearwake;
 
 namespace {
@@ -142,3 +144,5 @@ TEST_CASE("errors in a grid study are reported", "[study]") {
     INFO(said);
     CHECK(said.find(spoilt.words) != std::string::npos);
 }
+
+} // namespace test_study_file

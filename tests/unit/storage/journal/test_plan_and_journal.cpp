@@ -8,6 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_plan_and_journal {
+
 using namespace shearwake;
 
 namespace {
@@ -127,3 +129,5 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     CHECK(contents.last_run_times.idle_share == 0.25);
     CHECK(contents.last_run_times.beside_solve_s == 0.01);
 }
+
+} // namespace test_plan_and_journal

@@ -13,6 +13,8 @@
 #include <optional>
 #include <thread>
 
+namespace test_run_lock {
+
 using namespace shearwake;
 using Sharing = storage::RunLock::Sharing;
 
@@ -116,3 +118,5 @@ TEST_CASE("a case is claimed once", "[lock]") {
     ended.reset(); // as at the end of a process
     CHECK(mine.claim(9));
 }
+
+} // namespace test_run_lock

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+namespace test_pstd_case {
+
 using namespace shearwake;
 using namespace shearwake::pstd;
 
@@ -256,3 +258,5 @@ TEST_CASE("the step that is planned is the one that is used, with bodies", "[pst
     CHECK(planned.estimate(planned.with_step(c, step_s), 1).work[0].amount ==
           planned.estimate(c, 1).work[0].amount);
 }
+
+} // namespace test_pstd_case

@@ -3,6 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_pstd_material {
+
+using namespace shearwake;
 using namespace shearwake::pstd;
 
 namespace {
@@ -65,3 +68,5 @@ TEST_CASE("k-Wave's absorption coefficients yield the specified attenuation in d
     CHECK(dB_cm(m.chi_Pa_s + 2.0 * m.eta_Pa_s, 1500.0) == Approx(0.5).epsilon(1e-12));
     CHECK(dB_cm(m.eta_Pa_s, 80.0) == Approx(7.0).epsilon(1e-12));
 }
+
+} // namespace test_pstd_material

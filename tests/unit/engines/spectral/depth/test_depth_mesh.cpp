@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_depth_mesh {
+
 using namespace shearwake;
 
 TEST_CASE("Gauss-Lobatto rule integrates and differentiates polynomials exactly", "[spectral]") {
@@ -70,3 +72,5 @@ TEST_CASE("a half-space ends in an absorber below all measured depths", "[spectr
     const spectral::DepthMesh rigid = spectral::choose_mesh(c, SpectralOptions{});
     CHECK(rigid.clear_levels() == rigid.levels());
 }
+
+} // namespace test_depth_mesh

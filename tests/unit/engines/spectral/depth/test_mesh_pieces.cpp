@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_mesh_pieces {
+
 using namespace shearwake;
 
 namespace {
@@ -109,3 +111,5 @@ TEST_CASE("a box is divided as a curved body if its faces are inclined", "[spect
     CHECK(pieces({.roll_deg = 90.0}).longest_m == plain_m);
     CHECK(pieces({.inclination_deg = 30.0}).longest_m < plain_m);
 }
+
+} // namespace test_mesh_pieces

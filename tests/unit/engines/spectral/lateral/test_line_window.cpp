@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+namespace test_line_window {
+
 using namespace shearwake;
 
 namespace {
@@ -120,3 +122,5 @@ TEST_CASE("transforms of a window equal the Fourier sum without the Nyquist mode
             CHECK(std::abs(found - sum) < tolerance);
         });
 }
+
+} // namespace test_line_window

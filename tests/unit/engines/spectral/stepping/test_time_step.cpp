@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace test_time_step {
+
 using namespace shearwake;
 
 namespace {
@@ -132,3 +134,5 @@ TEST_CASE("reports the reason for the chosen time step", "[spectral]") {
                                 .c_s_m_s = 50.0}};
     CHECK_THAT(why(c), Catch::Contains("limited by the stiffest inclusion"));
 }
+
+} // namespace test_time_step

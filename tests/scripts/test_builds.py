@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Builds of the whole program that take long: with link-time optimisation, and on each supported Debian release."""
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+@pytest.mark.long
+class Builds(unittest.TestCase):
+    def succeeds(self, *command):
+        done = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, encoding="utf-8", errors="replace", check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-8000:])
+        return done.stdout
+
+    def test_link_time_optimisation_finds_no_type_that_differs_between_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.succeeds("cmake", "--preset", "lto", "-B", folder, "-DSHEARWAKE_WERROR=ON")
+            self.succeeds("cmake", "--build", folder, "--target", "shearwake")
+
+    def on_release(self, release):
+        if os.geteuid() != 0 or not shutil.which("debootstrap"):
+            self.skipTest("scripts/try-release needs root and debootstrap")
+        self.succeeds("scripts/try-release", release, "scripts/quickstart")
+        said = self.succeeds("scripts/try-release", release, "scripts/test")
+        self.assertRegex(said, r"\d+ passed, 0 failed\n\Z")
+
+    def test_debian_12_builds_it_and_passes_all_tests(self):
+        self.on_release("bookworm")
+
+    def test_debian_13_builds_it_and_passes_all_tests(self):
+        self.on_release("trixie")
+
+
+if __name__ == "__main__":
+    unittest.main()
