@@ -17,7 +17,7 @@ from .plan import Column
 from .sweep import Sweep, open_case
 from .sweep import open_sweep as open  # noqa: A001  (as in `shearwake.open`)
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = ["AxesDiffer", "Case", "CasesFailed", "Column", "Damaged", "Diagnostic", "EnvironmentFailed", "Job", "JobError",
            "NotAnOutputFolder", "NotRecorded", "Plan", "ProgramError", "ProgramNotFound", "Progress", "ShearwakeError",
            "Stopped", "Sweep", "UsageError", "open", "open_case"]

@@ -28,6 +28,14 @@ class Requirements(unittest.TestCase):
             self.assertEqual("Ceres" in done.stderr, has_ceres)
             self.assertNotIn("Catch2", done.stderr)
 
+    def test_program_package_citation_and_changelog_have_one_version(self):
+        program = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
+        said = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout
+        version = said.split()[1]
+        for file, line in (("analysis/shearwake/__init__.py", f'__version__ = "{version}"'),
+                           ("CITATION.cff", f"version: {version}"), ("CHANGELOG.md", f"## {version}")):
+            self.assertIn(line, (ROOT / file).read_text(encoding="utf-8"), file)
+
     def configure(self, *disabled):
         return subprocess.run(
             ["cmake", "-S", ROOT, "-B", self.folder / "build", "-G", "Ninja",
