@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Configuration of the documentation site; scripts/docs builds it."""
+import json
 import os
 import re
 import subprocess
@@ -31,14 +32,35 @@ def _printed(*arguments):
                           capture_output=True, encoding="utf-8").stdout
 
 
-def _add_printed(_app, page, source):
-    """Adds to a page what the program prints: the keys of a job, and the help of each command below its heading."""
+def _members(properties, prefix=""):
+    """The rows of the table of a JSON document. Members of lists that have descriptions have rows of their own."""
+    for name, value in properties.items():
+        items = value.get("items", {}).get("properties", {})
+        described = any("description" in item for item in items.values())
+        names = "" if described or not items else " (" + ", ".join(f"`{item}`" for item in items) + ")"
+        if "description" in value:
+            yield f"| `{prefix}{name}` | {value['description']}{names} |\n"
+        if described:
+            yield from _members(items, f"{name}[].")
+
+
+def _documents():
+    schema = json.loads((_ROOT / "docs" / "reference" / "json-output.schema.json").read_text(encoding="utf-8"))
+    for name, document in schema["$defs"].items():
+        if "command" in document.get("properties", {}):
+            yield f"\n## `{name}`\n\n| member | meaning |\n|---|---|\n" + "".join(_members(document["properties"]))
+
+
+def _add_generated(_app, page, source):
+    """Adds the keys of a job, the help of each command below its heading, and the members of the JSON documents."""
     if page == "reference/keys":
         source[0] = _printed("keys")
     elif page == "reference/commands":
         source[0] = re.sub(r"^## `(\w+)`\n", lambda heading: f"{heading[0]}\n```text\n{_printed('help', heading[1])}```\n",
                            source[0], flags=re.MULTILINE)
+    elif page == "reference/json-output":
+        source[0] += "".join(_documents())
 
 
 def setup(app):
-    app.connect("source-read", _add_printed)
+    app.connect("source-read", _add_generated)
