@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Common parts of the attacks: their number in the short and in the long form, and a ledger of the outcomes, from
-which long_form.py writes docs/explanation/attacks.md."""
+"""Common parts of the attacks: their number in the short and in the long form, and a ledger of the outcomes, which
+long_form.py prints."""
 import collections
 import os
 import sys

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs all attacks in full numbers and writes the outcomes to docs/explanation/attacks.md.
+"""Runs all attacks in full numbers and prints a table of the outcomes.
 
 Usage: long_form.py [--at-once N] [WORD ...]
     SHEARWAKE names the program (build/shearwake).
     --at-once N: run N of the test files at the same time (default 1)
-    WORD: only the test files whose name contains one of these words; then no page is written
+    WORD: only the test files whose name contains one of these words
 
-Takes one to two hours. Exit code 1 when an attack has succeeded; then no page is written.
+Takes one to two hours. Exit code 1 when an attack has succeeded.
 """
 import argparse
 import json
@@ -26,16 +26,6 @@ sys.path.insert(0, str(HERE))
 from attacks import LEDGER  # noqa: E402
 
 sys.path.insert(0, str(HERE))  # in front of tests/faults, which has files with equal names
-
-PAGE = HERE.parent.parent / "docs" / "explanation" / "attacks.md"
-ABOUT = """\
-# Attacks
-
-`tests/integrity/long_form.py` damages files, kills runs, refuses memory and passes absurd input to the program. It
-writes this page. `scripts/test` runs a short form of the same tests. [Security and integrity](security.md) describes
-the protections.
-
-"""
 
 
 def attack(name):
@@ -69,8 +59,6 @@ def main():
     with ThreadPoolExecutor(chosen.at_once) as pool:
         succeeded = all(list(pool.map(attack_in_process, names)))
     print(LEDGER.markdown())
-    if succeeded and not chosen.words:
-        PAGE.write_text(ABOUT + LEDGER.markdown(), encoding="utf-8")
     return 0 if succeeded else 1
 
 
