@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Configuration of the documentation site; scripts/docs builds it."""
+import json
+import os
 import re
+import subprocess
+import textwrap
 from pathlib import Path
 
-_cmake = (Path(__file__).resolve().parent.parent / "CMakeLists.txt").read_text(encoding="utf-8")
+_ROOT = Path(__file__).resolve().parent.parent
+_PROGRAM = os.path.abspath(os.environ.get("SHEARWAKE", _ROOT / "build" / "shearwake"))
+_DOCUMENTS = _ROOT / "docs" / "reference" / "json-output.schema.json"
+_cmake = (_ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
 
 project = "shearwake"
 author = "the shearwake authors"
@@ -20,3 +27,52 @@ html_theme = "furo"
 html_title = f"shearwake {release}"
 html_copy_source = False
 html_show_sphinx = False
+
+
+def _printed(*arguments):
+    return subprocess.run(["shearwake", *arguments], executable=_PROGRAM, stdin=subprocess.DEVNULL, check=True,
+                          capture_output=True, encoding="utf-8").stdout
+
+
+def _help(command):
+    """The usage and the options of a command in lines that fit on a page, as a block."""
+    lines = [line for line in _printed("help", command).splitlines()[1:]
+             if "-h,--help" not in line and not line.startswith("shearwake --help")]
+    text = "\n".join(textwrap.fill(line, 84, subsequent_indent=30 * " ") for line in lines)
+    return f"\n```text\n{text.strip().removesuffix('Options:').strip()}\n```\n"
+
+
+def _members(properties, prefix=""):
+    """The rows of the table of a JSON document. Members of lists that have descriptions have rows of their own."""
+    for name, value in properties.items():
+        items = value.get("items", {}).get("properties", {})
+        described = any("description" in item for item in items.values())
+        names = "" if described or not items else " (" + ", ".join(f"`{item}`" for item in items) + ")"
+        if "description" in value:
+            yield f"| `{prefix}{name}` | {value['description']}{names} |\n"
+        if described:
+            yield from _members(items, f"{name}[].")
+
+
+def _documents():
+    schema = json.loads(_DOCUMENTS.read_text(encoding="utf-8"))
+    for name, document in schema["$defs"].items():
+        if "command" in document.get("properties", {}):
+            yield f"\n## `{name}`\n\n| member | meaning |\n|---|---|\n" + "".join(_members(document["properties"]))
+
+
+def _add_generated(app, page, source):
+    """Adds the keys of a job, the help of each command below its heading, and the members of the JSON documents."""
+    if page in ("reference/keys", "reference/commands", "reference/json-output"):
+        app.env.note_dependency(str(_DOCUMENTS if page == "reference/json-output" else _PROGRAM))
+    if page == "reference/keys":
+        source[0] = _printed("keys")
+    elif page == "reference/commands":
+        source[0] = re.sub(r"^## `(\w+)`\n", lambda heading: heading[0] + _help(heading[1]), source[0],
+                           flags=re.MULTILINE)
+    elif page == "reference/json-output":
+        source[0] += "".join(_documents())
+
+
+def setup(app):
+    app.connect("source-read", _add_generated)

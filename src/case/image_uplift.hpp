@@ -15,7 +15,7 @@ namespace shearwake {
 /// happens mostly outside of the domain; a periodic domain keeps its volume, so that all of it
 /// rises within. Returns the mean of the excess for each frame [m], upwards (against the direction
 /// of u_z), for a load in the centre, on a layer of finite thickness as a sum over mirror images,
-/// and from the moment at which P waves have crossed the domain. See docs/developer/physics.md.
+/// and from the moment at which P waves have crossed the domain. See docs/explanation/physics.md.
 std::vector<double> image_uplift_m(const Case& c);
 
 } // namespace shearwake

@@ -6,8 +6,7 @@
 namespace shearwake::config {
 
 /// The Markdown reference of all keys of a case, with one table per table of the job. It is
-/// generated from the descriptions next to the structs (base/field.hpp) and stored in
-/// docs/reference/keys.md.
+/// generated from the descriptions next to the structs (base/field.hpp). The site shows it.
 std::string key_reference();
 
 } // namespace shearwake::config

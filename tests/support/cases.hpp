@@ -15,7 +15,7 @@
 
 namespace shearwake::test {
 
-/// The reference layer of docs/developer/physics.md, section 6: 1000 kg/m^3, c_s = 5 m/s, 1 Pa s.
+/// The reference layer of tests/verify/test_reference_table.cpp: 1000 kg/m^3, c_s = 5 m/s, 1 Pa s.
 inline Layer tissue(double c_p_m_s = 50.0, double viscosity_Pa_s = 1.0) {
     Layer layer{.name = "tissue",
                 .thickness_m = 0.0,

@@ -149,8 +149,8 @@ TEST_CASE("static displacement at depth equals Boussinesq's solution", "[verify]
 }
 
 TEST_CASE("response to a steady load below the Rayleigh speed equals the closed form", "[verify]") {
-    // Lateral profile of a 3 mm focus at 3 m/s: the point solution of docs/developer/physics.md,
-    // section 7, convolved with the Gaussian. nu = 0.25: the P waves of the images (8.7 m/s, 121
+    // Lateral profile of a 3 mm focus at 3 m/s: the point solution of docs/explanation/
+    // physics.md, convolved with the Gaussian. nu = 0.25: the P waves of the images (8.7 m/s, 121
     // mm) have not arrived by 14 ms.
     const double v = 3.0;
     Case c = test::moving_focus(test::half_space(poisson_solid()), ConstantSpeed{v});

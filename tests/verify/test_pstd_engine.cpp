@@ -62,8 +62,8 @@ Complex full_space(const Layer& layer, double k, Complex omega) {
     return (k * k / beta - alpha) / (2.0 * rho * omega * omega);
 }
 
-/// The half-space of docs/developer/physics.md with a fluid above that moves along with it; the
-/// pressure of the fluid is rho omega^2 W / alpha with the fluid's alpha.
+/// The half-space of docs/explanation/engine-layered.md with a fluid above that moves along with
+/// it; the pressure of the fluid is rho omega^2 W / alpha with the fluid's alpha.
 Complex below_fluid(const Layer& layer, const NodeFluid& fluid, double k, Complex omega) {
     const double rho = layer.density_kg_m3;
     const Complex mu = shear_modulus(layer, omega), ks2 = rho * omega * omega / mu;

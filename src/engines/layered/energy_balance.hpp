@@ -13,7 +13,7 @@
 namespace shearwake::layered {
 
 /// Sums, over the wave vectors and frequencies of a periodic load, of the work of the load and of
-/// the energy that the medium absorbs, see section 3 of docs/developer/physics.md.
+/// the energy that the medium absorbs, see docs/explanation/engine-layered.md.
 class EnergySums {
 public:
     /// `roll_off` per frequency of the transform.

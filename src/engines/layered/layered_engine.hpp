@@ -20,9 +20,9 @@ struct TimeLines {
 TimeLines time_lines(const Case& c, const fft::SlabShare& share);
 
 /// Exact solution for stratified media by Fourier transforms in x, y and t: one small linear system
-/// per (k, omega), see docs/developer/physics.md. Passes the frames depth by depth and in order of
-/// time for each depth. Between cases it keeps the transfer table of the last medium and grid, the
-/// transforms of the grid, and the Bessel functions of a grid with open edges.
+/// per (k, omega), see docs/explanation/engine-layered.md. Passes the frames depth by depth and in
+/// order of time for each depth. Between cases it keeps the transfer table of the last medium and
+/// grid, the transforms of the grid, and the Bessel functions of a grid with open edges.
 class LayeredEngine : public engines::Engine {
 public:
     engines::Estimate estimate(const Case& c, int ranks) const override;

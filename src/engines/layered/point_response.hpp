@@ -10,8 +10,8 @@
 
 namespace shearwake::layered {
 
-// The response of an infinite plane to a point load at one frequency, see section 3 of
-// docs/developer/physics.md ("Open edges"):
+// The response of an infinite plane to a point load at one frequency, see
+// docs/explanation/engine-layered.md ("Open edges"):
 //
 //     g(r) = 1/(2 pi) integral_0^inf H(k) low_pass(k) J0(k r) k dk.
 //

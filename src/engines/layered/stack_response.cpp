@@ -30,7 +30,7 @@ Complex exp_minus_one(Complex z) {
 }
 
 /// The two solutions of one layer that decay (or radiate) with the distance zeta from a point. The
-/// first one is the compressional wave with coefficient A of docs/developer/physics.md, section 3.
+/// first one is the compressional wave with coefficient A of docs/explanation/engine-layered.md.
 /// The second one combines shear (C) and compressional waves, k [ (alpha/k) C - A ] / (alpha -
 /// beta), which stays finite and independent of the first one as alpha -> beta.
 template <class Wavenumber>

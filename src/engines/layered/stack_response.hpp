@@ -14,8 +14,8 @@ namespace shearwake::layered {
 enum class StackQuantity { displacement, compression, tangential, loss };
 
 /// Exact response of a stack of layers to a normal surface load at one complex frequency, H(k,
-/// omega; z) = W(z) / p, see docs/developer/physics.md: u_r = i U(z), u_z = W(z), with the traction
-/// p e^{i(omega t - k.x)} pushing into the tissue. Every exponential is scaled to 1 at an
+/// omega; z) = W(z) / p, see docs/explanation/engine-layered.md: u_r = i U(z), u_z = W(z), with the
+/// traction p e^{i(omega t - k.x)} pushing into the tissue. Every exponential is scaled to 1 at an
 /// interface, so that nothing overflows at large k h. The two downgoing solutions are combined so
 /// that they stay independent and free of cancellation as alpha -> beta (k >> omega / c_s). Not
 /// collective.

@@ -2,21 +2,11 @@
 #include "config/key_table.hpp"
 
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <sstream>
 
 namespace test_key_table {
 
 using namespace shearwake;
 using namespace shearwake::config;
-
-TEST_CASE("docs/reference/keys.md is the reference that the descriptions give", "[fields]") {
-    std::ifstream file(std::string(JOBS_DIRECTORY) + "/../docs/reference/keys.md");
-    std::stringstream text;
-    text << file.rdbuf();
-    INFO("shearwake keys > docs/reference/keys.md");
-    CHECK((text.str() == key_reference())); // no diff of 300 lines
-}
 
 TEST_CASE("the reference has ranges and defaults in the units of the keys", "[fields]") {
     const std::string text = key_reference();

@@ -83,8 +83,8 @@ constexpr double stable_share = 0.98;
 /// least implicit lambda, of which the implicit operator takes 0.01 more than stability requires.
 /// `vertical` is the greatest eigenvalue of the slopes. For all motion K_1 <= 2 (k^2 + vertical)
 /// M_1. Motion that preserves volume (W' = k U) has at most `shear`; the estimate for all other
-/// motion splits off W' - k U, for which K_lambda pays. docs/developer/physics.md, section 4,
-/// derives it. S decreases with k.
+/// motion splits off W' - k U, for which K_lambda pays. docs/explanation/engine-spectral.md
+/// derives it ("Stability"). S decreases with k.
 [[gnu::always_inline]] inline double held_modulus_Pa(double k2, double vertical, double inertia,
                                                      double lambda_Pa) {
     const double both = k2 + vertical, paid_Pa = (stabilising_lambda - 0.25) * lambda_Pa;

@@ -32,9 +32,9 @@ std::vector<double> wavenumbers() {
     return k;
 }
 
-/// Direct reference solution: all four exponentials of every layer (docs/developer/physics.md,
-/// section 3) in one dense system. Accurate for moderate k h if k is not much larger than omega /
-/// c_s.
+/// Direct reference solution: all four exponentials of every layer (docs/explanation/
+/// engine-layered.md) in one dense system. Accurate for moderate k h if k is not much larger than
+/// omega / c_s.
 Complex dense_response(const Medium& medium, Complex omega_rad_s, double k_rad_m, double depth_m) {
     // C and A become parallel for k >> omega / c_s, which needs additional digits.
     using Real = long double;

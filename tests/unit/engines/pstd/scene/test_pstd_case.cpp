@@ -43,7 +43,7 @@ bool any_has(const std::vector<std::string>& texts, const std::string& part) {
 TEST_CASE("largest step satisfies the stability bound with equality", "[pstd]") {
     const double d_m = 1e-3, k2 = 3.0 * std::pow(std::numbers::pi / d_m, 2);
     const pstd::NodeMaterial lossless{1000.0, 50.0, 5.0};
-    // docs/developer/pstd-scheme.md, section 11: 2/(pi sqrt 3) d/c_p.
+    // docs/explanation/engine-pstd.md, "Stability": 2/(pi sqrt 3) d/c_p.
     CHECK(pstd::largest_step_s(lossless, d_m) ==
           Approx(2.0 / (std::numbers::pi * std::sqrt(3.0)) * d_m / 50.0).epsilon(1e-13));
     const double eta = GENERATE(0.1, 1.0, 30.0);
