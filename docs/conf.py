@@ -10,12 +10,12 @@ from pathlib import Path
 _ROOT = Path(__file__).resolve().parent.parent
 _PROGRAM = os.path.abspath(os.environ.get("SHEARWAKE", _ROOT / "build" / "shearwake"))
 _DOCUMENTS = _ROOT / "docs" / "reference" / "json-output.schema.json"
-_cmake = (_ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+_package = (_ROOT / "analysis" / "shearwake" / "__init__.py").read_text(encoding="utf-8")
 
 project = "shearwake"
 author = "the shearwake authors"
 copyright = author  # the name is fixed by Sphinx
-release = re.search(r"project\(shearwake VERSION ([\d.]+)", _cmake)[1]
+release = re.search(r'^__version__ = "(.*)"', _package, flags=re.MULTILINE)[1]
 version = release
 
 extensions = ["myst_parser"]
