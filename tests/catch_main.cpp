@@ -15,10 +15,11 @@ namespace {
 /// Prints the name of each test that begins, so that the output of a hanging group ends with it.
 class NameListener : public Catch::TestEventListenerBase {
 public:
-    using TestEventListenerBase::TestEventListenerBase;
+    using Base = Catch::TestEventListenerBase;
+    using Base::Base;
 
     void testCaseStarting(const Catch::TestCaseInfo& info) override {
-        TestEventListenerBase::testCaseStarting(info);
+        Base::testCaseStarting(info);
         int rank = 0;
         MPI_Comm_rank(MPI_COMM_WORLD, &rank);
         if (std::getenv("SHEARWAKE_NAME_TESTS") != nullptr)
