@@ -18,12 +18,6 @@ CREATE TABLE IF NOT EXISTS reading (night INTEGER NOT NULL REFERENCES night, job
 CREATE TABLE IF NOT EXISTS speed (night INTEGER NOT NULL REFERENCES night, name TEXT NOT NULL,
   ratio REAL NOT NULL, PRIMARY KEY (night, name));
 """
-# Parts of the names of speeds that earlier versions wrote, and the names since.
-RENAMED_SPEEDS = {"layered: its time over that of its bare FFTs": "layered: time relative to all FFTs",
-                  "spectral: its time over that of bare FFTs": "spectral: time relative to FFTs of planes",
-                  "spectral: its time over that of their rows": "spectral: time relative to FFTs of rows",
-                  "spectral: its time over that of memory": "spectral: time relative to memory traffic",
-                  ": its median case over the floor of layered": ": median case relative to FFTs of layered"}
 UNFINISHED = "unfinished"
 
 
@@ -32,8 +26,6 @@ class History:
         self._file = sqlite3.connect(path, timeout=60, isolation_level=None)
         self._file.execute("PRAGMA synchronous = FULL")
         self._file.executescript(TABLES)
-        self._file.executemany("UPDATE speed SET name = replace(name, ?1, ?2) WHERE instr(name, ?1)",
-                               RENAMED_SPEEDS.items())
 
     def close(self):
         self._file.close()

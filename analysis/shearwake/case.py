@@ -150,9 +150,9 @@ class Case:
             node = node[key]
         return node
 
-    def verify(self) -> bool:
-        """Reads the entire file. Returns whether it has a checksum. Raises Damaged if the checksum does not match."""
-        return checksum.verify_case(self._file())
+    def verify(self) -> None:
+        """Reads the entire file. Raises Damaged if it does not match its checksum."""
+        checksum.verify_case(self._file())
 
     @functools.cached_property
     def groups(self) -> list[str]:

@@ -2,14 +2,14 @@
 """Verifies the checksums of case files and of JSON texts, see src/storage/checksum.
 
 A case file ends in a line with the hash of all bytes before it. The last member of a JSON object is a hash of
-its text. Files of earlier versions have neither and are accepted.
+its text.
 """
 from __future__ import annotations
 
 import json
 import os
 import re
-from typing import Any, Callable
+from typing import Any
 
 import h5py
 import xxhash
@@ -24,15 +24,14 @@ class Damaged(ValueError):
     """The content of the file does not match its checksum."""
 
 
-def verify(path: str | os.PathLike[str]) -> bool:
-    """Returns whether the file has a checksum. Raises Damaged if the checksum does not match, and OSError if
-    the file cannot be read."""
+def verify_case(path: str | os.PathLike[str]) -> None:
+    """Reads a case file. Raises Damaged if it does not match its checksum, and OSError."""
     with open(path, "rb") as file:
         size = file.seek(0, 2)
         file.seek(max(0, size - LINE_LENGTH))
         found = LINE.fullmatch(file.read())
         if found is None:
-            return False
+            raise Damaged("the checksum at its end is missing")
         covered, before = int(found[2]), size - LINE_LENGTH
         file.seek(min(covered, before))
         if covered > before or file.read(before - covered) not in (b"", b"\n"):
@@ -44,17 +43,6 @@ def verify(path: str | os.PathLike[str]) -> bool:
             left -= len(piece)
     if hash_now.hexdigest().encode() != found[1]:
         raise Damaged("its bytes do not match its checksum")
-    return True
-
-
-def verify_case(path: str | os.PathLike[str]) -> bool:
-    """Returns whether a case file has a checksum, which matches. Raises Damaged and OSError."""
-    if verify(path):
-        return True
-    with h5py.File(path, "r") as file:
-        if "checksum" in file.attrs:
-            raise Damaged("it is damaged: the checksum at its end is missing")
-    return False
 
 
 def open_case(path: str | os.PathLike[str]) -> h5py.File:
@@ -63,22 +51,13 @@ def open_case(path: str | os.PathLike[str]) -> h5py.File:
     return h5py.File(path, "r")
 
 
-def unsealed(text: str) -> tuple[Any, bool]:
-    """The object of a JSON text without its checksum, and whether it had one. Raises Damaged if the checksum
-    does not match, and ValueError if the text is not valid JSON."""
+def read_json(text: str) -> Any:
+    """The object of a JSON text without its checksum. Raises Damaged if the checksum is missing or does not match, and
+    ValueError if the text is not valid JSON."""
     found = MEMBER.search(text)
     if found is None:
-        return json.loads(text), False
+        raise Damaged("its checksum is missing")
     plain = text[:found.start()] + "}" + found[2]
     if xxhash.xxh3_64(plain.encode("utf-8", "surrogateescape")).hexdigest() != found[1]:
         raise Damaged("it does not match its checksum")
-    return json.loads(plain), True
-
-
-def read_json(text: str, is_old: Callable[[Any], bool]) -> Any:
-    """The object of a JSON text. A text without checksum is only accepted if `is_old(object)`, that is, if an
-    earlier version wrote it."""
-    value, sealed = unsealed(text)
-    if not sealed and not is_old(value):
-        raise Damaged("its checksum is missing")
-    return value
+    return json.loads(plain)

@@ -40,7 +40,7 @@ def plan_object(folder: Path) -> dict[str, Any]:
     the case files."""
     path, reduced = folder / "plan.json", folder / "tables" / "plan.json"
     if path.exists():
-        return read_json(path.read_text(encoding="utf-8"), lambda old: old["schema"] == 1)
+        return read_json(path.read_text(encoding="utf-8"))
     if reduced.exists():
         return json.loads(reduced.read_text(encoding="utf-8"))
     return plan_of_cases(folder)

@@ -62,7 +62,6 @@ void print_json(const reduce::ReducedTables& written, const std::filesystem::pat
                                               {"complete", written.whole},
                                               {"not_valid", written.not_valid},
                                               {"damaged", written.damaged},
-                                              {"without_checksum", written.without_checksum},
                                               {"programs", written.programs},
                                               {"csv", path(written.csv)},
                                               {"markdown", path(written.markdown)},
@@ -83,10 +82,6 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
         damaged = static_cast<long>(written.damaged.size());
         if (!arguments.json) print_counts(written, path);
         print_damaged(written);
-        if (written.without_checksum > 0 && !arguments.json)
-            fmt::print("note: {} case files were written by an earlier version without checksum: "
-                       "damage to them cannot be detected\n",
-                       written.without_checksum);
         if (written.whole == 0)
             throw UsageError(fmt::format("no case of {} is complete, so there is nothing to "
                                          "reduce; shearwake status {} lists the reasons",

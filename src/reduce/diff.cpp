@@ -127,10 +127,7 @@ Differences compare(const TextTable& now, const TextTable& reference,
     }
     for (const std::string& name : now.columns) {
         if (reference.find(name)) continue;
-        // Tables of earlier versions do not state which readings are valid.
-        const bool is_new = name == "valid";
-        (is_new || tolerances.ignores(name) ? found.not_compared : found.extra_columns)
-            .push_back(name);
+        (tolerances.ignores(name) ? found.not_compared : found.extra_columns).push_back(name);
     }
     std::stable_sort(found.moved.begin(), found.moved.end(), [](const auto& a, const auto& b) {
         return is_worse(a.cells.front(), b.cells.front());

@@ -281,7 +281,6 @@ ReducedTables reduce(const ReduceInput& input) {
         if (digest && !digest->whole()) written.damaged.push_back(c.id);
         if (!digest || !digest->whole()) continue;
         if (!digest->is_valid()) ++written.not_valid;
-        if (!digest->has_checksum) ++written.without_checksum;
         if (std::ranges::find(written.programs, digest->git_id) == written.programs.end())
             written.programs.push_back(digest->git_id);
     }

@@ -32,10 +32,8 @@ struct ReducedTables {
     std::filesystem::path adaptive;                // of adaptive axes; empty: not written
     std::size_t rows = 0;
     std::size_t whole = 0;
-    std::size_t not_valid = 0;        // complete cases whose readings are not valid
-    std::vector<std::string> damaged; // ids
-    std::size_t without_checksum =
-        0; // number of complete files of earlier versions, which cannot be verified
+    std::size_t not_valid = 0;         // complete cases whose readings are not valid
+    std::vector<std::string> damaged;  // ids
     std::vector<std::string> programs; // git ids of the programs that computed the complete cases
 };
 

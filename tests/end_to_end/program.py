@@ -180,6 +180,12 @@ def seal(path):
     Path(path).write_bytes(content + line.encode())
 
 
+def sealed_text(value):
+    """The JSON text of an object with its checksum, as the program writes it."""
+    text = json.dumps(value) + "\n"
+    return f'{text[:-2]},"checksum":"{xxhash.xxh3_64(text.encode()).hexdigest()}"}}\n'
+
+
 def case_files(out):
     return sorted((out / "cases").glob("*.h5"))
 

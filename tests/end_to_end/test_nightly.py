@@ -222,19 +222,6 @@ class Nightly(ProgramTest):
             self.assertIn(name, self.page())
         self.assertIn("tiny: median case relative to FFTs of layered", speeds)
 
-    def test_speeds_of_earlier_versions_continue_under_their_new_names(self):
-        self.nights.mkdir()
-        path = self.nights / "history.sqlite"
-        history = History(path)
-        history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [], [],
-                       [("spectral: its time over that of bare FFTs", 1.5),
-                        ("tiny: its median case over the floor of layered", 2.5)])
-        history.close()
-        History(path).close()
-        self.assertEqual(sorted(self.query("SELECT name, ratio FROM speed")),
-                         [("spectral: time relative to FFTs of planes", 1.5),
-                          ("tiny: median case relative to FFTs of layered", 2.5)])
-
     def test_slower_requires_two_consecutive_slow_nights(self):
         self.nights.mkdir()
         history = History(self.nights / "history.sqlite")

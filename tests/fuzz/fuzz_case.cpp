@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // For arbitrary bytes, the reader of case files must return a summary or throw Error. HDF5 itself
-// crashes on some inputs: as in the program, a forked child reads them first, and this process
-// reads only inputs on which the child does not crash, with the sanitizers.
+// crashes on some inputs: a forked child reads them first, and this process reads only inputs on
+// which the child does not crash, with the sanitizers.
 #include "base/error.hpp"
 #include "fuzz/processor_time.hpp"
 #include "storage/case_file/case_file_reader.hpp"
@@ -14,10 +14,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static const bool quiet = (shearwake::h5::never_tidy_up(), true);
     (void)quiet;
     const shearwake::fuzz::ScratchFile file(data, size, ".h5");
-    const auto read = [&] {
-        (void)shearwake::storage::read_summary_unguarded(
-            file.path(), shearwake::storage::Integrity::unprotected);
-    };
+    const auto read = [&] { (void)shearwake::storage::read_unverified_summary(file.path()); };
     try {
         shearwake::storage::must_survive(file.path(), read);
         read();

@@ -3,7 +3,6 @@
 repairs the damage."""
 import json
 import random
-import shutil
 import unittest
 
 import h5py
@@ -76,18 +75,6 @@ class CaseFiles(ProgramTest):
         self.shearwake("verify", self.out)
         self.shearwake("reduce", self.out)
         self.assertEqual(table(self.out), self.before)
-
-    def test_a_file_without_checksum_is_read_with_a_note(self):
-        shutil.copy(self.victim, self.folder / "old.h5")
-        with h5py.File(self.folder / "old.h5", "r+") as file:  # drops the line after HDF5's end
-            del file.attrs["checksum"]
-        shutil.copy(self.folder / "old.h5", self.victim)
-        self.says(self.shearwake("show", self.victim).said, "written by an earlier version without checksum")
-        unprotected = "1 case files were written by an earlier version without checksum"
-        self.says(self.shearwake("verify", self.out).said, unprotected, "0 damaged")
-        self.says(self.shearwake("reduce", self.out).said, unprotected)
-        self.assertEqual(table(self.out), self.before)
-        self.assertEqual(load.load(self.out).by_id(self.victim.stem).status, "complete")
 
     def test_verify_prints_json(self):
         found = json.loads(self.shearwake("verify", self.out, "--json").stdout)

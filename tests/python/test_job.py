@@ -82,7 +82,7 @@ class Jobs(InFolder):
         with self.assertRaises((OSError, shearwake.Damaged)):
             sweep.case({AM: 500.0}).verify()
         made.run()  # computes the damaged case again
-        self.assertTrue(shearwake.open("out/failing").case(am_frequency_Hz=500.0).verify())
+        shearwake.open("out/failing").case(am_frequency_Hz=500.0).verify()
 
     def test_reading_does_not_need_the_program(self):
         job(("name = \"small\"", "name = \"reading\"")).run()

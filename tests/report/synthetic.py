@@ -14,9 +14,11 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
 sys.path.insert(0, str(ROOT / "analysis" / "report"))
+sys.path.append(str(ROOT / "tests" / "end_to_end"))
 
 import report  # noqa: E402
 import style  # noqa: E402
+from program import seal, sealed_text  # noqa: E402
 
 style.DPI, style.PDF = 30, False  # draws faster
 with_pdf = mock.patch.object(style, "PDF", True)
@@ -116,7 +118,7 @@ class Folder:
     def __init__(self, root, title="a sweep", x=AM, series=(), swept=(AM,),
                  job="schema = 1 # <& job>\n"):
         self.path, self.cases, self.job = Path(root), [], job
-        self.plan = {"schema": 1, "name": "s", "title": title, "swept_keys": list(swept),
+        self.plan = {"schema": 2, "name": "s", "title": title, "swept_keys": list(swept),
                      "table": {"x": x, "series": list(series)}, "cases": self.cases}
         (self.path / "cases").mkdir()
         (self.path / "job.toml").write_text(job)
@@ -138,12 +140,14 @@ class Folder:
 
     def fail(self, identity, reason):
         with open(self.path / "journal.jsonl", "a") as journal:
-            journal.write(json.dumps({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
-                                      "reason": reason}) + "\n")
+            journal.write(sealed_text({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
+                                       "blame": "case", "reason": reason}))
             journal.write('{"event":"fini')
 
     def save(self):
-        (self.path / "plan.json").write_text(json.dumps(self.plan))
+        (self.path / "plan.json").write_text(sealed_text(self.plan))
+        for file in (self.path / "cases").glob("*.h5"):
+            seal(file)
         reduce(self.path)
         return self.path
 

@@ -2,7 +2,7 @@
 #include "storage/case_file/case_file_reader.hpp"
 
 #include "base/error.hpp"
-#include "storage/hdf5/guard.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <hdf5.h>
@@ -33,20 +33,15 @@ void read_attributes(hid_t file, CaseSummary& summary) {
 
 CaseSummary read_case_summary(const std::filesystem::path& path) {
     const IntegrityCheck check = check_integrity(path);
-    if (check.state == Integrity::damaged) throw Error("it is damaged: " + check.reason);
+    if (!check.damage.empty()) throw Error("it is damaged: " + check.damage);
     // A file that matches its checksum contains nothing that HDF5 does not expect.
-    if (check.state == Integrity::unprotected)
-        must_survive(path, [&] { read_summary_unguarded(path, check.state); });
-    return read_summary_unguarded(path, check.state);
+    return read_unverified_summary(path);
 }
 
-CaseSummary read_summary_unguarded(const std::filesystem::path& path, Integrity found) {
+CaseSummary read_unverified_summary(const std::filesystem::path& path) {
     const h5::Id file = h5::open_file(path, h5::Access::read);
     CaseSummary summary;
     read_attributes(file.raw(), summary);
-    summary.has_checksum = found == Integrity::intact;
-    if (!summary.has_checksum && summary.texts.contains(checksum_attribute))
-        throw Error("it is damaged: the checksum at its end is missing");
     for (const char* needed : {"status", "case_id", "title"})
         if (!summary.texts.contains(needed))
             throw Error(path.string() + " is not a shearwake case file (attribute " + needed +
@@ -75,16 +70,11 @@ CaseSummary read_summary_unguarded(const std::filesystem::path& path, Integrity 
 
 bool is_whole(const std::filesystem::path& path, const std::string& id) {
     if (!std::filesystem::exists(path)) return false;
-    const auto look = [&] {
+    try {
+        if (!check_integrity(path).damage.empty()) return false;
         const h5::Id file = h5::open_file(path, h5::Access::read);
         return h5::text_attribute(file.raw(), "status") == "complete" &&
                h5::text_attribute(file.raw(), "case_id") == id;
-    };
-    try {
-        const Integrity found = check_integrity(path).state;
-        if (found == Integrity::damaged) return false;
-        if (found == Integrity::unprotected) must_survive(path, look);
-        return look();
     } catch (const Error&) {
         return false; // truncated or damaged: the case is recomputed
     }

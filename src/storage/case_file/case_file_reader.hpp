@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "storage/checksum/file_checksum.hpp"
 #include "case/record.hpp"
 
 #include <filesystem>
@@ -17,16 +16,14 @@ struct CaseSummary {
     std::map<std::string, double> numbers;    // root attributes that are numbers
     std::vector<Variable> scalars;            // in the order of the file
     std::vector<Variable> shapes; // the other variables of the root group, without their values
-    bool has_checksum = false;    // and it matches
 };
 
 /// Throws Error with the reason if the file is truncated, damaged or not a case file; its checksum
 /// is verified first. Not collective.
 CaseSummary read_case_summary(const std::filesystem::path& path);
-/// Reads the file without verifying the checksum and without a forked child: HDF5 may crash on it,
-/// and with it this process. A file whose attribute announces a checksum, but that has none, is
-/// damaged.
-CaseSummary read_summary_unguarded(const std::filesystem::path& path, Integrity found);
+/// Reads the file without verifying the checksum: HDF5 may crash on a damaged file, and with it
+/// this process.
+CaseSummary read_unverified_summary(const std::filesystem::path& path);
 
 /// Whether the file exists, can be opened, is complete and belongs to the case with that id.
 bool is_whole(const std::filesystem::path& path, const std::string& id);

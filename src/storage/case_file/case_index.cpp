@@ -8,7 +8,6 @@
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/warnings_text.hpp"
 #include "storage/files.hpp"
-#include "storage/hdf5/guard.hpp"
 #include "storage/checksum/sealed_text.hpp"
 
 #include <algorithm>
@@ -52,11 +51,10 @@ bool is_of_the_system(const FileFailure& error) {
            });
 }
 
-CaseDigest read_digest(const fs::path& path, const std::string& id, Integrity found) {
+CaseDigest read_digest(const fs::path& path, const std::string& id) {
     CaseDigest digest{.id = id, .wall_s = not_a_number};
     try {
-        const CaseSummary summary = read_summary_unguarded(path, found);
-        digest.has_checksum = summary.has_checksum;
+        const CaseSummary summary = read_unverified_summary(path);
         if (summary.texts.at("case_id") != id) throw Error("it contains another case");
         if (summary.texts.at("status") != "complete") throw Error("it is not complete");
         digest.status = summary.texts.at("status");
@@ -82,8 +80,9 @@ std::string line_of(const Stamp& stamp, const CaseDigest& digest) {
     JsonLine line;
     line.add("id", digest.id).add("size", stamp.size).add("changed_ns", stamp.changed_ns);
     if (digest.is_lost) return seal(line.add("damage", digest.damage).text());
-    line.add("has_checksum", digest.has_checksum).add("git_id", digest.git_id);
-    line.add("wall_s", digest.wall_s).add("warnings", warnings_text(digest.warnings));
+    line.add("git_id", digest.git_id)
+        .add("wall_s", digest.wall_s)
+        .add("warnings", warnings_text(digest.warnings));
     std::vector<std::string> scalars;
     for (const IndexedScalar& s : digest.scalars) {
         std::vector<std::string> entry{json_string(s.name), json_number(s.value)};
@@ -98,7 +97,6 @@ std::pair<Stamp, CaseDigest> entry_of(const Json& line) {
     const Stamp stamp{line.at("size"), line.at("changed_ns")};
     if (line.contains("damage")) return {stamp, lost(line.at("id"), line.at("damage"))};
     CaseDigest digest{.id = line.at("id"), .status = "complete"};
-    digest.has_checksum = line.at("has_checksum");
     digest.git_id = line.at("git_id");
     digest.wall_s = number_in(line.at("wall_s"));
     digest.warnings = warnings_in(line.at("warnings"));
@@ -126,13 +124,13 @@ CaseIndex::CaseIndex(fs::path folder, Trust trust,
         if (!name.starts_with("index") || !name.ends_with(".jsonl")) continue;
         std::istringstream lines(read_file(file.path()));
         for (std::string text; next_line(lines, text);) {
-            const Unsealed line = unseal(text);
-            if (line.seal != Seal::sound) {
+            const std::optional<std::string> line = unseal(text);
+            if (!line) {
                 ++lines_passed_over_;
                 continue;
             }
             try {
-                auto [stamp, digest] = entry_of(Json::parse(line.text));
+                auto [stamp, digest] = entry_of(Json::parse(*line));
                 const std::string id = digest.id;
                 known_[id] = {stamp, std::move(digest)};
             } catch (const nlohmann::json::exception&) {
@@ -175,11 +173,9 @@ void CaseIndex::put(const std::string& id, const CaseStamp& stamp, CaseDigest di
     if (can_be_kept(kept)) news_ += line_of(stamp, kept) + "\n";
 }
 
-/// Reads all files that are not checked yet. Files that match their checksum are read directly.
-/// Files without a checksum are first read together in a forked child, and one by one if that
-/// fails.
+/// Reads all files that are not checked yet and match their checksum.
 void CaseIndex::read_missing() {
-    std::vector<std::pair<std::string, Stamp>> missing, unprotected;
+    std::vector<std::pair<std::string, Stamp>> missing;
     std::error_code gone;
     for (const auto& entry : fs::directory_iterator(folder_ / "cases", gone)) {
         if (entry.path().extension() != ".h5") continue;
@@ -201,32 +197,13 @@ void CaseIndex::read_missing() {
         const bool in_index = known != known_.end() && known->second.stamp == stamp;
         if (!unreadable.empty()) {
             if (fs::exists(files[i], gone)) put(id, stamp, damaged(id, unreadable));
-        } else if (check.state == Integrity::unprotected) {
-            unprotected.emplace_back(id, stamp);
-        } else if (check.state == Integrity::damaged) {
-            put(id, stamp, lost(id, check.reason));
-        } else if (in_index && known->second.digest.has_checksum) {
+        } else if (!check.damage.empty()) {
+            put(id, stamp, lost(id, check.damage));
+        } else if (in_index && known->second.digest.whole()) {
             take_known(id, stamp);
         } else {
-            put(id, stamp, read_digest(files[i], id, check.state));
+            put(id, stamp, read_digest(files[i], id));
         }
-    }
-    if (unprotected.empty()) return;
-    const double seconds = 30.0 + 0.1 * static_cast<double>(unprotected.size());
-    const auto try_out = [&](const std::string& id) {
-        read_digest(case_file(id), id, Integrity::unprotected);
-    };
-    const bool all = survives(
-        [&] {
-            for (const auto& [id, stamp] : unprotected)
-                try_out(id);
-        },
-        seconds);
-    for (const auto& [id, stamp] : unprotected) {
-        const bool fine = all || survives([&, &name = id] { try_out(name); });
-        put(id, stamp,
-            fine ? read_digest(case_file(id), id, Integrity::unprotected)
-                 : lost(id, "the HDF5 library crashes on it"));
     }
 }
 
@@ -244,7 +221,7 @@ void add_to_index(const fs::path& index, const fs::path& case_file) {
     const auto stamp = stamp_of(case_file);
     if (!stamp) return;
     // The file has just been written: its bytes are verified only when they may have changed.
-    const CaseDigest digest = read_digest(case_file, case_file.stem().string(), Integrity::intact);
+    const CaseDigest digest = read_digest(case_file, case_file.stem().string());
     if (!digest.whole() || !can_be_kept(digest)) return;
     try {
         append_line(index, line_of(*stamp, digest), Flush::later);

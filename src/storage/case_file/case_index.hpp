@@ -27,8 +27,7 @@ struct CaseDigest {
     std::string damage; // why it is damaged
     bool is_lost =
         false; // the bytes have changed, in contrast to a file that currently cannot be read
-    bool has_checksum = false; // false for files of earlier versions
-    std::string git_id;        // git id of the program that computed it
+    std::string git_id; // git id of the program that computed it
     double wall_s = 0.0;
     std::vector<Remark> warnings;       // severity error: the readings are not valid
     std::vector<IndexedScalar> scalars; // in the order of the file
@@ -69,7 +68,7 @@ public:
     const CaseDigest* find(const std::string& id);
     /// The entries of all case files in the folder, in the order of their names.
     const std::map<std::string, CaseDigest>& all();
-    /// Number of lines of the index that were ignored: damaged, truncated or of an earlier version.
+    /// Number of lines of the index that were ignored: damaged or truncated.
     long lines_passed_over() const { return lines_passed_over_; }
     /// Number of bytes that were read to verify checksums.
     double verified_B() const { return verified_B_; }

@@ -154,21 +154,22 @@ void append_checksum(const fs::path& path) {
 
 IntegrityCheck check_integrity(const fs::path& path) {
     const Input file(path);
-    IntegrityCheck check{.bytes = file.size()};
-    if (file.size() < line_length) return check;
+    IntegrityCheck check{.damage = "", .bytes = file.size()};
     ChecksumLine line;
-    if (!parse(file.text(file.size() - line_length, line_length), line)) return check;
+    if (file.size() < line_length ||
+        !parse(file.text(file.size() - line_length, line_length), line)) {
+        check.damage = "the checksum at its end is missing";
+        return check;
+    }
     // append_line() first ends an incomplete last line.
     const std::uintmax_t before = file.size() - line_length;
     const bool fits =
         line.bytes == before || (line.bytes + 1 == before && file.text(line.bytes, 1) == "\n");
     if (!fits)
-        return {Integrity::damaged,
-                fmt::format("it has {} bytes, but its checksum covers {}", before, line.bytes),
-                file.size()};
-    if (hex_128(hash_of(file, line.bytes)) != line.hash)
-        return {Integrity::damaged, "its bytes do not match its checksum", file.size()};
-    check.state = Integrity::intact;
+        check.damage =
+            fmt::format("it has {} bytes, but its checksum covers {}", before, line.bytes);
+    else if (hex_128(hash_of(file, line.bytes)) != line.hash)
+        check.damage = "its bytes do not match its checksum";
     return check;
 }
 

@@ -15,19 +15,12 @@ namespace shearwake::storage {
 /// independently of how many ranks wrote them, and is checked without the HDF5 library, which
 /// crashes on some damaged files.
 
-enum class Integrity {
-    intact,
-    unprotected, // no checksum: written by another program, or the line itself was lost
-    damaged,
-};
-
 struct IntegrityCheck {
-    Integrity state = Integrity::unprotected;
-    std::string reason;       // of damage
+    std::string damage;       // empty: the file matches its checksum
     std::uintmax_t bytes = 0; // of the file
 };
 
-/// The root attribute of a case file that announces the line, so that a missing line is detected.
+/// The root attribute of a case file that describes the line to other readers.
 inline constexpr const char* checksum_attribute = "checksum";
 inline constexpr const char* checksum_promise =
     "XXH3-128 of all bytes before the last line of this file, in that line";

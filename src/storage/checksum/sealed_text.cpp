@@ -29,18 +29,13 @@ std::string seal(std::string_view text) {
     return sealed += text.substr(end);
 }
 
-Unsealed unseal(std::string_view text) {
+std::optional<std::string> unseal(std::string_view text) {
     const std::size_t end = end_of_object(text);
     const std::size_t length = member.size() + digits + 1;
-    if (end == std::string_view::npos || end < length) return {Seal::none, std::string(text)};
-    const std::size_t at = end - length;
-    if (text.substr(at, member.size()) != member || text[end - 1] != '"')
-        return {Seal::none, std::string(text)};
-    Unsealed unsealed{Seal::sound, std::string(text.substr(0, at)) + std::string(text.substr(end))};
-    if (hex(XXH3_64bits(unsealed.text.data(), unsealed.text.size())) !=
-        text.substr(at + member.size(), digits))
-        unsealed.seal = Seal::broken;
-    return unsealed;
+    if (end == std::string_view::npos || end < length) return std::nullopt;
+    std::string plain(text.substr(0, end - length));
+    plain += text.substr(end);
+    return seal(plain) == text ? std::optional(plain) : std::nullopt;
 }
 
 } // namespace shearwake::storage

@@ -14,14 +14,7 @@ namespace shearwake::storage {
 /// `text` must end in a JSON object with members, and white space.
 std::string seal(std::string_view text);
 
-enum class Seal { sound, none, broken };
-
-struct Unsealed {
-    Seal seal = Seal::none;
-    std::string text; // without the checksum
-};
-
-/// `none`: the text has no such member at the end.
-Unsealed unseal(std::string_view text);
+/// The text without its checksum; none if the checksum is missing or does not match.
+std::optional<std::string> unseal(std::string_view text);
 
 } // namespace shearwake::storage

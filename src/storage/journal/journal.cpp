@@ -11,6 +11,7 @@
 #include <ctime>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <unistd.h>
 
@@ -24,12 +25,9 @@ double unix_time_s() {
         .count();
 }
 
-/// Lines of earlier versions have no checksum and do not have this member.
-constexpr const char* version_member = "v";
-
 JsonLine event(std::string_view name) {
     JsonLine line;
-    line.add(version_member, 2).add("event", name).add("time", timestamp());
+    line.add("v", 2).add("event", name).add("time", timestamp());
     line.add("unix_s", unix_time_s()).add("host", host_name());
     return line;
 }
@@ -42,8 +40,7 @@ void take(const Json& line, JournalContents& contents) {
         contents.preparing = name == "run_prepares";
         if (name == "run_ended") {
             contents.last_run_ended = line.at("how");
-            contents.last_run_times = {line.value("idle_share", 0.0),
-                                       line.value("beside_solve_s", 0.0)};
+            contents.last_run_times = {line.at("idle_share"), line.at("beside_solve_s")};
         }
         if (name != "run_ended") {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
@@ -60,13 +57,11 @@ void take(const Json& line, JournalContents& contents) {
         history.state = CaseHistory::State::started;
     } else if (name == "finished") {
         history.state = CaseHistory::State::finished;
-        history.times = {line.at("seconds"), line.value("estimated_seconds", 0.0),
-                         line.value("engine", std::string())};
+        history.times = {line.at("seconds"), line.at("estimated_seconds"), line.at("engine")};
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
         history.reason = line.at("reason");
-        history.blame =
-            line.value("blame", std::string()) == "files" ? Blame::files : Blame::case_itself;
+        history.blame = line.at("blame") == "files" ? Blame::files : Blame::case_itself;
     }
 }
 
@@ -155,12 +150,10 @@ JournalContents read_journal(const std::filesystem::path& path) {
     std::istringstream lines(read_file(path));
     for (std::string text; next_line(lines, text);) {
         if (text.empty()) continue;
-        const Unsealed line = unseal(text);
+        const std::optional<std::string> line = unseal(text);
         try {
-            const Json event = Json::parse(line.text);
-            const bool is_old = line.seal == Seal::none && !event.contains(version_member);
-            if (line.seal == Seal::sound || is_old)
-                take(event, contents);
+            if (line)
+                take(Json::parse(*line), contents);
             else
                 ++contents.unreadable_lines;
         } catch (const nlohmann::json::exception&) {

@@ -27,16 +27,7 @@ std::vector<Setting> settings_of(const Json& object) {
     return settings;
 }
 
-constexpr int schema = 2, schema_without_checksum = 1;
-
-/// Whether a text is a JSON object that matches its checksum or was written by an earlier version.
-bool is_sound(const std::string& text) {
-    const Unsealed unsealed = unseal(text);
-    const Json root = Json::parse(unsealed.text, nullptr, false);
-    if (root.is_discarded() || !root.is_object()) return false;
-    if (unsealed.seal != Seal::none) return unsealed.seal == Seal::sound;
-    return root.contains("schema") && root.at("schema") == schema_without_checksum;
-}
+constexpr int schema = 2;
 
 /// Names are used as file names. Since they are untrusted input, they must not lead outside their
 /// folder.
@@ -121,7 +112,7 @@ bool is_extension(Json before, Json now) {
     for (const Json& entry : before.at("cases"))
         if (!ids.contains(entry.at("id").get<std::string>())) return false;
     for (Json* root : {&before, &now}) {
-        for (const char* key : {"schema", "cases", "title", "table"})
+        for (const char* key : {"cases", "title", "table"})
             root->erase(key);
         if (root->contains("uncertain"))
             for (const char* key : {"samples", "exceedance"})
@@ -176,18 +167,11 @@ std::string plan_text(const Plan& plan) {
 }
 
 PlanMatch compare_plan(const std::string& text, const Plan& plan) {
-    const Unsealed there = unseal(text), wanted = unseal(plan_text(plan));
-    if (there.text == wanted.text && there.seal == Seal::sound) return PlanMatch::same;
-    if (!is_sound(text)) return PlanMatch::damaged;
-    // Plans of earlier versions have another schema and no checksum.
-    const auto rest = [](const std::string& json) {
-        Json root = Json::parse(json);
-        root.erase("schema");
-        return root;
-    };
-    if (rest(there.text) == rest(wanted.text)) return PlanMatch::same;
-    return is_extension(rest(there.text), rest(wanted.text)) ? PlanMatch::extended
-                                                             : PlanMatch::another;
+    const std::string wanted = plan_text(plan);
+    if (text == wanted) return PlanMatch::same;
+    const Json there = Json::parse(unseal(text).value_or(""), nullptr, false);
+    if (!there.is_object()) return PlanMatch::damaged;
+    return is_extension(there, Json::parse(wanted)) ? PlanMatch::extended : PlanMatch::another;
 }
 
 PlanIndex read_plan(const std::filesystem::path& path) {
@@ -200,14 +184,14 @@ PlanIndex read_plan(const std::filesystem::path& path) {
         throw UsageError(fmt::format("{}{}; run the job first", folder.string(), reason),
                          ExitCode::environment);
     }
-    const std::string text = read_file(path);
-    if (!is_sound(text))
+    const std::optional<std::string> text = unseal(read_file(path));
+    if (!text)
         throw UsageError(fmt::format("{} is not a plan, or is damaged: it is truncated or does not "
                                      "match its checksum; rerun its job to restore it",
                                      path.string()),
                          ExitCode::environment);
     try {
-        const Json root = Json::parse(unseal(text).text);
+        const Json root = Json::parse(*text);
         PlanIndex index;
         index.name = file_name(root.at("name"), path);
         index.title = root.at("title").get<std::string>();

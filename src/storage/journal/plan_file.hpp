@@ -35,7 +35,7 @@ struct PlanIndex {
 /// Equal plans give equal text.
 std::string plan_text(const Plan& plan);
 
-/// How the text of a plan.json relates to a plan. Earlier versions wrote no checksum.
+/// How the text of a plan.json relates to a plan.
 /// `extended`: the plan contains the same sample of [uncertain] with more points, or the same
 /// adaptive axes with more points, and so all cases of the text.
 enum class PlanMatch { same, extended, another, damaged };
