@@ -37,8 +37,8 @@ COMPONENTS = {
         "simd": "base", "parallel": "simd", "fft": "parallel", "medium": "base", "load": "base", "case": "medium load",
         "engines": "case fft", "measures": "case simd", "neural": "case fft", "storage": "case parallel",
         "check": "engines", "config": "check", "pipeline": "engines measures neural storage", "cost": "pipeline",
-        "schedule": "cost config", "reduce": "storage config", "converge": "engines measures", "bench": "schedule",
-        "app": "bench reduce converge",
+        "schedule": "cost config", "reduce": "storage config", "converge": "engines measures", "bench": "cost",
+        "app": "bench reduce converge schedule",
     }.items() for b in others.split()],
     "spacing": (2.3, 0.86), "box": (1.25, 0.46),
 }

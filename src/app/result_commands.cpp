@@ -121,11 +121,10 @@ void add_bench(CLI::App& app, Action& action) {
         ->add_option(
             "NAME", arguments->engine,
             "layered (default), spectral, pstd or neural: the speed of an engine or of the "
-            "receptors; sweep: overhead per case; files: writing and verifying 1 GB of frames; "
+            "receptors; files: writing and verifying 1 GB of frames; "
             "machine: recalibrate the cost model of plan and run; estimates: compare estimates "
             "with measurements")
-        ->check(one_of(
-            {"layered", "spectral", "pstd", "neural", "sweep", "files", "machine", "estimates"}));
+        ->check(one_of({"layered", "spectral", "pstd", "neural", "files", "machine", "estimates"}));
     command
         ->add_option(
             "--grid", arguments->grid,
@@ -153,9 +152,6 @@ void add_bench(CLI::App& app, Action& action) {
         ->type_name("MM")
         ->check(CLI::Range(0.0, 60.0));
     add_json(command, arguments->json);
-    command->add_option("--cases", arguments->cases, "sweep: number of small cases (default 2000)")
-        ->type_name("N")
-        ->check(CLI::Range(4, 100000));
     command->callback([=, &action] {
         action = [=](const Comm& world) { return bench::bench_command(*arguments, world); };
     });

@@ -158,7 +158,6 @@ ExitCode bench_engine(const BenchArguments& arguments, const Comm& world, Output
 
 ExitCode run_bench(const BenchArguments& arguments, const Comm& world, Output& out) {
     if (arguments.engine == "neural") return bench_neural(world, out);
-    if (arguments.engine == "sweep") return bench_sweep(arguments.cases, world, out);
     if (arguments.engine == "files") return bench_files(world, out);
     if (arguments.engine == "machine") return bench_machine(world, out);
     if (arguments.engine == "estimates") return bench_estimates(world, out);

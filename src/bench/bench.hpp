@@ -19,9 +19,7 @@ struct BenchArguments {
     // `spectral`:
     double contrast = 4.0;  // shear stiffness of the body relative to the layer; 1: no body
     double sponge_mm = 0.0; // on each side
-    // `sweep`:
-    int cases = 2000;
-    bool json = false; // print a document instead of text
+    bool json = false;      // print a document instead of text
     // `spectral`:
     bool rigid = false; // a rigid cylinder instead of the body
     bool lump = false;  // a rigid ellipsoid instead of the body
@@ -62,9 +60,6 @@ Case steady_bench_case();
 ExitCode bench_machine(const Comm& world, Output& out);
 /// Compares estimated with measured time, memory and disk of a dozen cases of all engines.
 ExitCode bench_estimates(const Comm& world, Output& out);
-/// Measures the overhead per case and the idle time of teams with two sweeps in the working
-/// directory: one of small cases, one of cases with different costs and both engines.
-ExitCode bench_sweep(int tiny_cases, const Comm& world, Output& out);
 
 /// Measures the time of a step and its phases for a layer with or without a body, and compares it
 /// with lower bounds set by FFTs and memory bandwidth.

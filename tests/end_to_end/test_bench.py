@@ -57,14 +57,6 @@ class Bench(ProgramTest):
         self.assertEqual(self.row(said, "FFTs")[2], 0.0)
         self.assertIn("none", said)
 
-    def test_sweep_prints_overhead_and_idle_time(self):
-        for ranks in (1, 2):
-            said = self.shearwake("bench", "sweep", "--cases", 6, ranks=ranks).said
-            self.assertRegex(said, r" 6 small cases +[0-9.]+ s +[0-9.]+ ms overhead per case and team")
-            idle = re.search(r"32 mixed cases +[0-9.]+ s +teams are idle ([0-9.]+) % of the time", said)
-            self.assertTrue(0.0 <= float(idle.group(1)) < 100.0, said)
-        self.assertEqual(list(self.folder.iterdir()), [], "bench sweep left files behind")
-
     def test_the_first_plan_calibrates_and_saves_the_rates(self):
         self.write_job()
         cache = self.folder / "cache"

@@ -40,9 +40,7 @@ void take(const Json& line, JournalContents& contents) {
         contents.preparing = name == "run_prepares";
         if (name == "run_ended") {
             contents.last_run_ended = line.at("how");
-            contents.last_run_times = {line.at("idle_share"), line.at("beside_solve_s")};
-        }
-        if (name != "run_ended") {
+        } else {
             contents.overrides = line.value("overrides", std::vector<std::string>{});
             contents.resumed_by = line.value("resumed_by", std::string());
             contents.unix_time_s = line.at("unix_s");
@@ -203,7 +201,6 @@ JournalContents read_journals(const std::filesystem::path& folder) {
             all.overrides = std::move(one.overrides);
             all.resumed_by = std::move(one.resumed_by);
             all.last_run_ended = std::move(one.last_run_ended);
-            all.last_run_times = one.last_run_times;
             all.unix_time_s = one.unix_time_s;
             all.teams = one.teams;
             all.part = part_of(path.filename().string());

@@ -73,15 +73,14 @@ struct CaseHistory {
 
 struct JournalContents {
     std::map<std::string, CaseHistory> cases;
-    bool running = false;       // a run has started, and no end of a run was recorded since
-    bool preparing = false;     // the last run has not started its cases yet
-    std::string last_run_ended; // how the last run ended
-    RunTimes last_run_times;
-    std::vector<std::string> overrides;        // overrides of the last run, key=value
-    std::string resumed_by;                    // RunStart::resumed_by of the last run
-    double unix_time_s = 0.0;                  // when the last run started
-    int teams = 1;                             // of the last run
-    std::string part;                          // of the last run; empty: the complete sweep
+    bool running = false;               // a run has started, and no end of a run was recorded since
+    bool preparing = false;             // the last run has not started its cases yet
+    std::string last_run_ended;         // how the last run ended
+    std::vector<std::string> overrides; // overrides of the last run, key=value
+    std::string resumed_by;             // RunStart::resumed_by of the last run
+    double unix_time_s = 0.0;           // when the last run started
+    int teams = 1;                      // of the last run
+    std::string part;                   // of the last run; empty: the complete sweep
     std::map<std::string, int> teams_of_parts; // teams of the runs without an end, by part
     long unreadable_lines = 0; // number of ignored lines, damaged or truncated by a kill
 };
