@@ -2,20 +2,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the scan of the vibrometer of a case as UFF 58, CSV or HDF5 for MATLAB and Octave.
 
-Usage: export_scan.py CASE KIND FILE
-KIND is uff, uffb (binary), csv or mat. Exit 0: written; 2: the case has no scan; 6: a file cannot be read or written.
+Usage: export_scan.py CASE [--format uff|csv|mat] [--binary] [--out FILE]
+Exit 0: written; 2: the case has no scan; 6: a file cannot be read or written.
 """
+import argparse
 import sys
+from pathlib import Path
 
 from scan import BadScan, read_scan, write_scan
 
 USAGE, ENVIRONMENT = 2, 6
 
 
-def main(case, kind, file):
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="shearwake export")
+    parser.add_argument("case")
+    parser.add_argument("--format", default="uff")
+    parser.add_argument("--binary", action="store_true")
+    parser.add_argument("--out")
+    given = parser.parse_args(arguments)
+    if given.binary and given.format != "uff":
+        print("--binary applies only with --format uff", file=sys.stderr)
+        return USAGE
+    case, file = given.case, given.out or f"{Path(given.case).stem}.{given.format}"
     try:
         scan = read_scan(case)
-        write_scan(file, scan, kind)
+        write_scan(file, scan, "uffb" if given.binary else given.format)
     except BadScan as error:
         print(f"{case}: {error}; a case has a scan if its job has [vibrometer]", file=sys.stderr)
         return USAGE
@@ -28,4 +40,4 @@ def main(case, kind, file):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(sys.argv[1:]))

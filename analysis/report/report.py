@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws the figures of an output folder and writes a self-contained HTML page.
 
-Usage: report.py DIR [--only ID[,ID]]    writes DIR/report/index.html and each figure as .png and .pdf
-Prints the result in a sentence and the path of the page. Needs numpy, h5py and matplotlib. Exit 0: done;
+Usage: report.py DIR [--only ID[,ID]] [--json]    writes DIR/report/index.html and each figure as .png and .pdf
+Prints the result in a sentence and the path of the page, or a JSON document. Needs numpy, h5py and matplotlib. Exit 0: done;
 1: a figure could not be drawn; 2: no complete case has the id; 4: case files are damaged, which the page lists; 6: the
 folder does not exist.
 """
 import argparse
 import gc
+import json
 import os
 import sys
 import traceback
@@ -48,6 +49,7 @@ from words import OTHERS, counted, some_of
 
 USAGE = 2        # exit code of the program for wrong arguments
 ENVIRONMENT = 6  # exit code of the program for missing files
+SCHEMA = 1       # version of the JSON document
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
@@ -153,8 +155,8 @@ def selected(sweep, ids):
 
 
 def write_report(directory, only=()):
-    """Returns the path of the page, the summary, the figures that could not be drawn, and the ids of damaged
-    cases. Raises NoPlan, NoCase."""
+    """Returns the path of the page, the summary, the figures that could not be drawn, and the sweep. Raises NoPlan,
+    NoCase."""
     progress = Progress()
     sweep = load(directory, progress.show)
     some = selected(sweep, only)
@@ -166,17 +168,27 @@ def write_report(directory, only=()):
         drawn.save()
         (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
     progress.end()
-    return path, summary(sweep), problems, [case.id for case in sweep.cases if case.status == "damaged"]
+    return path, summary(sweep), problems, sweep
+
+
+def document(path, result, sweep, damaged):
+    """The JSON document of `shearwake report --json`."""
+    complete = [case for case in sweep.cases if case.whole]
+    return json.dumps({"schema": SCHEMA, "command": "report", "folder": str(sweep.folder), "page": str(path),
+                       "result": result, "cases": len(sweep.cases), "complete": len(complete),
+                       "not_valid": sum(any(w["severity"] == "error" for w in case.warnings) for case in complete),
+                       "damaged": damaged}, indent=1, ensure_ascii=False)
 
 
 def main(arguments):
     parser = argparse.ArgumentParser(prog="report", description="Draws figures and writes one HTML page.")
     parser.add_argument("folder", metavar="DIR")
     parser.add_argument("--only", metavar="ID[,ID]", default="", help="draw these cases where not all can be drawn")
+    parser.add_argument("--json", action="store_true", help="print a JSON document instead of text")
     given = parser.parse_args(arguments)
     collect_garbage_seldom()
     try:
-        path, result, problems, damaged = write_report(given.folder, [i for i in given.only.split(",") if i])
+        path, result, problems, sweep = write_report(given.folder, [i for i in given.only.split(",") if i])
     except NoCase as error:
         print(f"report: {error}", file=sys.stderr)
         return USAGE
@@ -185,10 +197,14 @@ def main(arguments):
         return ENVIRONMENT
     for problem in problems:
         print(f"report: {problem}", file=sys.stderr)
+    damaged = [case.id for case in sweep.cases if case.status == "damaged"]
     if damaged:
         print(f"report: {counted(len(damaged), 'damaged case file')}: {', '.join(damaged)}", file=sys.stderr)
     try:
-        print(f"result: {result}\nreport: {path}", flush=True)
+        if not given.json:
+            print(f"result: {result}\nreport: {path}", flush=True)
+        elif not problems:
+            print(document(path, result, sweep, damaged), flush=True)
     except OSError as error:
         print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet

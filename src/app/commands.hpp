@@ -13,9 +13,9 @@
 namespace shearwake::app {
 
 /// Each command has one function, in a file named after the command. The exceptions are `run`,
-/// which is adaptive_run in this folder, and `bench`, which is bench_command in bench/. All
-/// functions are collective over the world; commands that only read or draw do their work on rank
-/// 0.
+/// which is adaptive_run in this folder, `bench`, which is bench_command in bench/, and the
+/// commands of python_command.hpp. All functions are collective over the world; commands that only
+/// read or draw do their work on rank 0.
 
 struct CheckArguments : schedule::JobArguments {
     bool json = false;
@@ -47,12 +47,6 @@ struct ShowArguments {
     bool json = false;
 };
 
-struct ExportArguments {
-    std::filesystem::path case_file, out; // out empty: <stem of the case>.<format>
-    std::string format = "uff";           // uff, csv, mat
-    bool binary = false;                  // of UFF
-};
-
 /// `job` is the file of --options.
 struct MeasureArguments : schedule::JobArguments {
     std::filesystem::path data, out; // out empty: out/<job name>.measure
@@ -82,12 +76,6 @@ struct ReduceArguments {
     reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
 };
 
-struct ReportArguments {
-    std::filesystem::path folder;
-    std::vector<std::string> only; // ids of the cases with a panel or a line; empty: some or all
-    bool json = false;
-};
-
 /// Arguments of `run`, of which `out` is the folder of the sweep, and `only` the cases to study.
 struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
@@ -96,13 +84,6 @@ struct ConvergeArguments : schedule::RunArguments {
 /// Arguments of `run`, of which `out` is the folder of the optima (default: out/<job
 /// name>.optimise).
 struct OptimiseArguments : schedule::RunArguments {};
-
-struct CompareArguments {
-    std::filesystem::path first, second; // case files or output folders
-    std::filesystem::path picture;       // empty: none
-    bool all = false; // every pair, time, trace and column instead of those that differ most
-    bool json = false;
-};
 
 struct StatusArguments {
     std::filesystem::path folder;
@@ -128,13 +109,6 @@ struct RespondArguments {
     bool gives_radius() const;
 };
 
-struct ExploreArguments {
-    int port = 0;  // 0: any free port
-    int ranks = 1; // of the engine
-    bool opens_browser = true;
-    std::filesystem::path folder; // of sweeps that the page starts; empty: "out"
-};
-
 ExitCode check_command(const CheckArguments& arguments, const Comm& world);
 ExitCode plan_command(const PlanArguments& arguments, const Comm& world);
 /// Computes one case of a job, without its sweep, and prints the values of its table.
@@ -148,23 +122,16 @@ ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world)
 /// Computes the best envelope of each case of a job with [optimise], an upper bound with its
 /// certificate, and the cases of the result.
 ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world);
-/// Compares two cases or sweeps by a script of analysis/report.
-ExitCode compare_command(const CompareArguments& arguments, const Comm& world);
-ExitCode report_command(const ReportArguments& arguments, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.
 ExitCode show_modulation_command(const ShowModulationArguments& arguments, const Comm& world);
 /// Writes the thickness and the field of the lens of the job's first case.
 ExitCode lens_command(const LensArguments& arguments, const Comm& world);
-/// Writes the scan of the vibrometer of a case by a script of analysis/report.
-ExitCode export_command(const ExportArguments& arguments, const Comm& world);
 /// Computes the measures of a measured scan.
 ExitCode measure_command(const MeasureArguments& arguments, const Comm& world);
 /// Estimates the keys of [uncertain] from a measured scan.
 ExitCode fit_command(const FitArguments& arguments, const Comm& world);
-/// Opens a page on which settings are changed and their surfaces are computed at once.
-ExitCode explore_command(const ExploreArguments& arguments, const Comm& world);
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world);
 
 /// Reads the command line and calls the function of its command.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/interactive_commands.hpp"
 
-#include "app/commands.hpp"
+#include "app/python_command.hpp"
 #include "serve/serve.hpp"
 
 namespace shearwake::app {
@@ -27,33 +27,11 @@ void add_serve(CLI::App& app, Action& action) {
     });
 }
 
-void add_explore(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<ExploreArguments>();
-    CLI::App* command = app.add_subcommand(
-        "explore", "open a page in the browser that computes while settings are changed");
-    command->add_option("--port", arguments->port, "port on 127.0.0.1 (default: any free one)")
-        ->type_name("N")
-        ->check(CLI::Range(0, 65535));
-    command->add_option("-n,--ranks", arguments->ranks, "ranks of the engine (default 1)")
-        ->type_name("N")
-        ->check(CLI::Range(1, 1024));
-    command
-        ->add_option("--out", arguments->folder,
-                     "folder for the sweeps that the page starts (default: out)")
-        ->type_name("DIR");
-    command->add_flag_callback(
-        "--no-browser", [=] { arguments->opens_browser = false; },
-        "print the address without opening a browser");
-    command->callback([=, &action] {
-        action = [=](const Comm& world) { return explore_command(*arguments, world); };
-    });
-}
-
 } // namespace
 
 void add_interactive_commands(CLI::App& app, Action& action) {
     add_serve(app, action);
-    add_explore(app, action);
+    add_python_command(app, action, "explore");
 }
 
 } // namespace shearwake::app

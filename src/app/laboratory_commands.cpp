@@ -2,27 +2,10 @@
 #include "app/laboratory_commands.hpp"
 
 #include "app/commands.hpp"
+#include "app/python_command.hpp"
 
 namespace shearwake::app {
 namespace {
-
-void add_export(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<ExportArguments>();
-    CLI::App* command = app.add_subcommand(
-        "export", "write the scan of the vibrometer of a case for other programs");
-    command->add_option("CASE", arguments->case_file, "case file (HDF5)")->required();
-    command
-        ->add_option("--format", arguments->format,
-                     "format: uff (Universal File Format, type 58; default), csv, or mat (HDF5 for "
-                     "MATLAB and Octave)")
-        ->check(one_of({"uff", "csv", "mat"}));
-    command->add_flag("--binary", arguments->binary, "with uff: binary instead of ASCII data");
-    command->add_option("--out", arguments->out,
-                        "file (default: the id of the case with the extension of the format)");
-    command->callback([=, &action] {
-        action = [=](const Comm& world) { return export_command(*arguments, world); };
-    });
-}
 
 void add_scan(CLI::App* command, schedule::JobArguments& job, std::filesystem::path& out,
               double& least_quality) {
@@ -102,7 +85,7 @@ void add_fit(CLI::App& app, Action& action) {
 } // namespace
 
 void add_laboratory_commands(CLI::App& app, Action& action) {
-    add_export(app, action);
+    add_python_command(app, action, "export");
     add_measure(app, action);
     add_fit(app, action);
 }

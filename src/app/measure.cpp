@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 #include "app/converted_scan.hpp"
+#include "app/python_command.hpp"
 #include "app/reduce_folder.hpp"
 #include "laboratory/converted_data.hpp"
 #include "laboratory/replay_engine.hpp"
@@ -240,7 +241,7 @@ ExitCode measure_command(const MeasureArguments& arguments, const Comm& world) {
         fmt::print("case: {}\ntable: {}\n", folder.case_file(planned.id).string(),
                    written.csv.string());
     });
-    return arguments.draws ? report_command({.folder = folder.root, .only = {}}, world)
+    return arguments.draws ? python_command("report", {folder.root.string()}, world)
                            : ExitCode::done;
 }
 

@@ -44,24 +44,24 @@ int run_silently(const std::vector<std::string>& command) {
 }
 
 /// Exit code of a program run without a shell; -1 if it could not be started.
-int run_program(const std::vector<std::string>& command, Captured* captured) {
+int run_program(const std::vector<std::string>& command, std::string* errors) {
     std::fflush(nullptr);
     std::array<int, 2> ends{-1, -1};
-    if (captured && ::pipe(ends.data()) != 0) return -1;
+    if (errors && ::pipe(ends.data()) != 0) return -1;
     const pid_t child = ::fork();
     if (child == 0) {
-        if (captured) {
-            ::dup2(ends[1], captured->stream == Stream::output ? STDOUT_FILENO : STDERR_FILENO);
+        if (errors) {
+            ::dup2(ends[1], STDERR_FILENO);
             ::close(ends[0]);
             ::close(ends[1]);
         }
         replace_process(command);
     }
-    if (captured) {
+    if (errors) {
         ::close(ends[1]);
         std::array<char, 4096> part{};
         for (ssize_t n = 0; child > 0 && (n = ::read(ends[0], part.data(), part.size())) > 0;)
-            captured->text.append(part.data(), static_cast<std::size_t>(n));
+            errors->append(part.data(), static_cast<std::size_t>(n));
         ::close(ends[0]);
     }
     return child < 0 ? -1 : exit_code_of(child);
@@ -119,11 +119,11 @@ const PythonPackages scan_packages = {"scans need",
                                       "python3-xxhash"};
 
 int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
-                      const PythonPackages& packages, Captured* captured) {
+                      const PythonPackages& packages, std::string* errors) {
     std::vector<std::string> command = {find_python(packages),
                                         (find_scripts(script) / script).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    return run_program(command, captured);
+    return run_program(command, errors);
 }
 
 } // namespace shearwake::app

@@ -2,7 +2,7 @@
 #include "app/declare_commands.hpp"
 
 #include "app/commands.hpp"
-#include "app/movie.hpp"
+#include "app/python_command.hpp"
 #include "app/study_commands.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
@@ -14,21 +14,6 @@
 
 namespace shearwake::app {
 namespace {
-
-void add_report(CLI::App& app, Action& action, const std::string& folder) {
-    auto arguments = std::make_shared<ReportArguments>();
-    CLI::App* command = app.add_subcommand("report", "draw figures and write one HTML page");
-    command->add_option("DIR", arguments->folder, folder)->required();
-    command
-        ->add_option("--only", arguments->only,
-                     "where not all cases can be drawn, draw these, by id, and their references")
-        ->type_name("ID[,ID]")
-        ->delimiter(',');
-    add_json(command, arguments->json);
-    command->callback([=, &action] {
-        action = [=](const Comm& world) { return report_command(*arguments, world); };
-    });
-}
 
 void add_status(CLI::App& app, Action& action, const std::string& folder) {
     auto arguments = std::make_shared<StatusArguments>();
@@ -209,10 +194,10 @@ void add_result_commands(CLI::App& app, Action& action) {
     add_status(app, action, folder);
     add_verify(app, action, folder);
     add_reduce(app, action);
-    add_report(app, action, folder);
-    add_movie(app, action);
+    add_python_command(app, action, "report");
+    add_python_command(app, action, "movie");
     add_diff(app, action);
-    add_compare(app, action);
+    add_python_command(app, action, "compare");
     add_converge(app, action);
     add_optimise(app, action);
     add_show(app, action);

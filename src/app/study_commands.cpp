@@ -62,27 +62,6 @@ void add_optimise(CLI::App& app, Action& action) {
     });
 }
 
-void add_compare(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<CompareArguments>();
-    CLI::App* command = app.add_subcommand(
-        "compare", "compare the fields, traces and columns of two cases or two sweeps, also of "
-                   "different engines and resolutions");
-    command->add_option("A", arguments->first, "case file (HDF5) or output folder")->required();
-    command->add_option("B", arguments->second, "reference: case file or output folder")
-        ->required();
-    command
-        ->add_option("--picture", arguments->picture,
-                     "draw the fields and their difference into this file: .png, .svg or .pdf "
-                     "(of sweeps: the pair that differs most)")
-        ->type_name("FILE");
-    command->add_flag("--all", arguments->all,
-                      "list every pair, time, trace and column instead of those that differ most");
-    command->add_flag("--json", arguments->json, "print the result as JSON");
-    command->callback([=, &action] {
-        action = [=](const Comm& world) { return compare_command(*arguments, world); };
-    });
-}
-
 void add_reduce(CLI::App& app, Action& action) {
     auto arguments = std::make_shared<ReduceArguments>();
     CLI::App* command =

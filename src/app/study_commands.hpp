@@ -8,7 +8,6 @@ namespace shearwake::app {
 /// Define the subcommands about accuracy. `app` and `action` must outlive the parsing.
 void add_converge(CLI::App& app, Action& action);
 void add_optimise(CLI::App& app, Action& action);
-void add_compare(CLI::App& app, Action& action);
 void add_reduce(CLI::App& app, Action& action);
 
 } // namespace shearwake::app
