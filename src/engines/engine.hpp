@@ -87,6 +87,7 @@ struct SolverReport {
 
 /// Receives the field of a case while the engine computes it. Called on every rank of the team in
 /// the same order, including ranks with an empty slab. An observer must not throw on one rank only.
+/// Nothing has an empty default, so that an observer cannot miss a part of the field unnoticed.
 class Observer {
 public:
     virtual ~Observer() = default;
@@ -94,20 +95,39 @@ public:
     virtual void frame(const Frame& frame) = 0;
     /// The stress at the depths of receptors, after the frame of the same time. Only for cases that
     /// request it.
-    virtual void stress(const StressFrame& /*frame*/) {}
+    virtual void stress(const StressFrame& frame) = 0;
     /// The tangential displacement, after all frames. Only for cases that request it.
-    virtual void tangential(const TangentialFrame& /*frame*/) {}
+    virtual void tangential(const TangentialFrame& frame) = 0;
     /// The depths of the levels of volumes. Called once, after `begin` and before `restore`, for
     /// cases that record volumes. Collective.
-    virtual void volume_levels(const std::vector<double>& /*z_m*/) {}
+    virtual void volume_levels(const std::vector<double>& z_m) = 0;
     /// One plane of a snapshot, in any order, before the next frame. Collective.
-    virtual void volume(const VolumePlane& /*plane*/) {}
+    virtual void volume(const VolumePlane& plane) = 0;
     /// Called once after the last frame by engines that provide a report. Collective.
-    virtual void solved(const SolverReport& /*report*/) {}
+    virtual void solved(const SolverReport& report) = 0;
     /// Save and restore what the observer has accumulated, as a part of the engine's checkpoints.
     /// `restore` follows `begin`. Collective.
-    virtual void save(StateWriter& /*state*/) {}
-    virtual void restore(const StateReader& /*state*/) {}
+    virtual void save(StateWriter& state) = 0;
+    virtual void restore(const StateReader& state) = 0;
+};
+
+/// Passes everything on to another observer. A class that adds to one part overrides it and calls
+/// the function of this class.
+class ForwardingObserver : public Observer {
+public:
+    explicit ForwardingObserver(Observer& next) : next_(next) {}
+    void begin(const Slab& slab) override { next_.begin(slab); }
+    void frame(const Frame& frame) override { next_.frame(frame); }
+    void stress(const StressFrame& frame) override { next_.stress(frame); }
+    void tangential(const TangentialFrame& frame) override { next_.tangential(frame); }
+    void volume_levels(const std::vector<double>& z_m) override { next_.volume_levels(z_m); }
+    void volume(const VolumePlane& plane) override { next_.volume(plane); }
+    void solved(const SolverReport& report) override { next_.solved(report); }
+    void save(StateWriter& state) override { next_.save(state); }
+    void restore(const StateReader& state) override { next_.restore(state); }
+
+private:
+    Observer& next_;
 };
 
 /// Memory of one rank before any case: the program, MPI and HDF5.

@@ -12,7 +12,7 @@ void FrameKeeper::begin(const engines::Slab& slab) {
     together(team_, [&] {
         rows_.resize(static_cast<std::size_t>(case_.time.frames * slab.x_count * case_.domain.ny));
     });
-    next_.begin(slab);
+    ForwardingObserver::begin(slab);
 }
 
 void FrameKeeper::frame(const engines::Frame& frame) {
@@ -22,7 +22,7 @@ void FrameKeeper::frame(const engines::Frame& frame) {
             for (const double value : frame.u_z_m.row(i))
                 *out++ = static_cast<float>(value);
     }
-    next_.frame(frame);
+    ForwardingObserver::frame(frame);
 }
 
 void FrameKeeper::gather(std::vector<float>& all) const {

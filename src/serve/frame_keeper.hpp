@@ -9,16 +9,14 @@ namespace shearwake::serve {
 
 /// Keeps the surface of all frames in single precision and passes everything on to another
 /// observer.
-class FrameKeeper : public engines::Observer {
+class FrameKeeper : public engines::ForwardingObserver {
 public:
     /// `rows`: memory for the frames of this rank, which keeps its size between cases.
     FrameKeeper(const Case& c, const Comm& team, engines::Observer& next, std::vector<float>& rows)
-        : case_(c), team_(team), next_(next), rows_(rows) {}
+        : ForwardingObserver(next), case_(c), team_(team), rows_(rows) {}
 
     void begin(const engines::Slab& slab) override;
     void frame(const engines::Frame& frame) override;
-    void stress(const engines::StressFrame& frame) override { next_.stress(frame); }
-    void solved(const engines::SolverReport& report) override { next_.solved(report); }
 
     /// Moves the frames of all ranks to rank 0, into `all` with the shape [frame][x][y]; other
     /// ranks get an empty vector. Collective.
@@ -27,7 +25,6 @@ public:
 private:
     const Case& case_;
     const Comm& team_;
-    engines::Observer& next_;
     std::vector<float>& rows_; // [frame][x of this rank][y]
     engines::Slab slab_;
 };

@@ -65,6 +65,16 @@ class Serve(ProgramTest):
             self.assertEqual(server.compute("schema = 2")[0]["code"], "bad_job")
             self.assertEqual(server.end(), 0)
 
+    def test_the_scan_of_a_tilted_vibrometer_contains_all_components(self):
+        job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0], [3.0, 1.5], [6.0, -6.0]]\ntilt_deg = 30.0\nazimuth_deg = 40.0\n")
+        with Server() as server:
+            message, arrays = server.compute(job)
+            self.assert_equal_to_run(message, arrays, job)
+        with h5py.File(case_files(self.folder / "run")[0]) as file:
+            scan = file["vibrometer/velocity"][()]
+        self.assertGreater(numpy.abs(scan).max(), 0.0)
+        numpy.testing.assert_allclose(arrays["vibrometer/velocity"], scan, rtol=0.0, atol=1e-9 * numpy.abs(scan).max())
+
     def test_a_newer_request_a_message_and_the_end_of_the_input_cancel(self):
         with Server() as server:
             first = server.send(LARGE)

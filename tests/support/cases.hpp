@@ -46,8 +46,22 @@ inline Case moving_focus(const Medium& medium, const Motion& motion) {
     return c;
 }
 
+/// Base of observers that store one part of a run.
+class IgnoringObserver : public engines::Observer {
+public:
+    void begin(const engines::Slab& /*slab*/) override {}
+    void frame(const engines::Frame& /*frame*/) override {}
+    void stress(const engines::StressFrame& /*frame*/) override {}
+    void tangential(const engines::TangentialFrame& /*frame*/) override {}
+    void volume_levels(const std::vector<double>& /*z_m*/) override {}
+    void volume(const engines::VolumePlane& /*plane*/) override {}
+    void solved(const engines::SolverReport& /*report*/) override {}
+    void save(StateWriter& /*state*/) override {}
+    void restore(const StateReader& /*state*/) override {}
+};
+
 /// Stores every frame of a run on this rank's slab.
-class FrameStore : public engines::Observer {
+class FrameStore : public IgnoringObserver {
 public:
     void begin(const engines::Slab& slab) override { slab_ = slab; }
     void frame(const engines::Frame& frame) override {

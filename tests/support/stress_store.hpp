@@ -3,6 +3,7 @@
 
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
+#include "support/cases.hpp"
 #include "support/on_root.hpp"
 
 #include <array>
@@ -12,10 +13,9 @@
 namespace shearwake::test {
 
 /// Stores the stress that an engine passes to receptors, on this rank's slab.
-class StressStore : public engines::Observer {
+class StressStore : public IgnoringObserver {
 public:
     void begin(const engines::Slab& slab) override { slab_ = slab; }
-    void frame(const engines::Frame& /*frame*/) override {}
     void stress(const engines::StressFrame& frame) override {
         std::vector<double> values;
         for (std::ptrdiff_t i = 0; i < frame.compression_Pa.rows(); ++i) {

@@ -11,12 +11,20 @@
 
 namespace shearwake::pipeline {
 
-/// Base of the parts of SurfaceRecorder: it receives the frames, is saved to and restored from
-/// checkpoints, and combines the slabs at the end.
+/// Base of the parts of SurfaceRecorder, each of which records one kind of data and ignores the
+/// others: it receives the field, is saved to and restored from checkpoints, and combines the slabs
+/// at the end.
 class Recording : public engines::Observer {
 public:
     void begin(const engines::Slab&) override {}
     void frame(const engines::Frame&) override {}
+    void stress(const engines::StressFrame&) override {}
+    void tangential(const engines::TangentialFrame&) override {}
+    void volume_levels(const std::vector<double>&) override {}
+    void volume(const engines::VolumePlane&) override {}
+    void solved(const engines::SolverReport&) override {}
+    void save(StateWriter&) override {}
+    void restore(const StateReader&) override {}
     /// Collective, once, after the engine. Throws CaseFailure on all ranks together.
     virtual void finish() = 0;
 };
