@@ -104,6 +104,23 @@ double greatest_frequency_Hz(const SampledGain& g) {
     return g.interval_s > 0.0 ? 0.5 / g.interval_s : 0.0;
 }
 
+/// The frequency with which the gain repeats; 0: it is steady or does not repeat.
+double repetition_Hz(const SineGain& g) {
+    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
+}
+double repetition_Hz(const RampGain&) {
+    return 0.0;
+}
+double repetition_Hz(const SquareGain& g) {
+    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
+}
+double repetition_Hz(const WindowGain&) {
+    return 0.0;
+}
+double repetition_Hz(const SampledGain& g) {
+    return g.repeat ? 1.0 / g.period_s() : 0.0;
+}
+
 } // namespace
 
 double gain(const Envelope& envelope, double t_s) {
@@ -125,12 +142,9 @@ void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>
 
 double gain_frequency_Hz(const Envelope& envelope) {
     for (const Gain& factor : envelope.gains) {
-        const auto* sine = std::get_if<SineGain>(&factor);
-        if (sine && sine->depth != 0.0) return sine->frequency_Hz;
-        const auto* square = std::get_if<SquareGain>(&factor);
-        if (square && square->depth != 0.0) return square->frequency_Hz;
-        const auto* sampled = std::get_if<SampledGain>(&factor);
-        if (sampled && sampled->repeat) return 1.0 / sampled->period_s();
+        const double frequency_Hz =
+            std::visit([](const auto& g) { return repetition_Hz(g); }, factor);
+        if (frequency_Hz > 0.0) return frequency_Hz;
     }
     return 0.0;
 }

@@ -49,6 +49,22 @@ void add_of(const Gain& gain, std::vector<double>& frequencies_Hz) {
                gain);
 }
 
+/// The reason why a gain does not repeat; empty if it does.
+std::string why_not(const Gain& gain) {
+    const std::string once = "rises or falls once (a ramp or a window), which a load that repeats "
+                             "for ever cannot; remove it";
+    return std::visit(
+        overloaded{[&](const RampGain&) { return once; }, [&](const WindowGain&) { return once; },
+                   [](const SineGain&) { return std::string(); },
+                   [](const SquareGain&) { return std::string(); },
+                   [](const SampledGain& sampled) {
+                       return std::string(sampled.repeat ? ""
+                                                         : "has an envelope of samples that are "
+                                                           "not repeated; set repeat = true");
+                   }},
+        gain);
+}
+
 /// The reason why the load does not repeat; empty if it does.
 std::string why_not(const Load& load) {
     for (const Mover& mover : load.modulation.trajectory.parts)
@@ -56,12 +72,7 @@ std::string why_not(const Load& load) {
             if (travel->at_end == AtEnd::off || travel->at_end == AtEnd::hold)
                 return "has a path that ends; set path.at_end = \"repeat\" or \"back-and-forth\"";
     for (const Gain& gain : load.modulation.envelope.gains)
-        if (std::holds_alternative<RampGain>(gain) || std::holds_alternative<WindowGain>(gain))
-            return "rises or falls once (a ramp or a window), which a load that repeats for ever "
-                   "cannot; remove it";
-    for (const Gain& gain : load.modulation.envelope.gains)
-        if (const auto* sampled = std::get_if<SampledGain>(&gain); sampled && !sampled->repeat)
-            return "has an envelope of samples that are not repeated; set repeat = true";
+        if (const std::string reason = why_not(gain); !reason.empty()) return reason;
     return {};
 }
 
