@@ -10,7 +10,6 @@ from figure import Figure
 from validity import invalid_caption
 from words import key_name
 
-CLASSES = ["SA1", "RA", "PC"]
 PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
           ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
 
@@ -70,4 +69,4 @@ def figures(sweep, folder):
     values = {layout.x_position(sweep, c) for c in layout.ordinary(sweep) if c.whole}
     if len([v for v in values if not math.isnan(v)]) < 2:
         return []
-    return [f for kind in CLASSES if (f := class_figure(sweep, folder, kind))]
+    return [f for kind in layout.receptor_classes(sweep) if (f := class_figure(sweep, folder, kind))]

@@ -10,7 +10,6 @@ import layout
 import style
 import warnings_of
 from figure import Figure
-from package import CLASSES
 from words import counted, millimetres, number
 
 COLOURS = {"SA1": style.PALETTE[2], "RA": style.PALETTE[0], "PC": style.PALETTE[1]}
@@ -27,7 +26,7 @@ class Afferents:
         found, pins, hand = (stored.arrays(name) for name in ("afferents", "pins", "hand"))
         self.x, self.y = 1e3 * found["hand_x"], 1e3 * found["hand_y"]
         self.patch = 1e3 * np.stack([found["x"], found["y"]], axis=1)
-        self.kind = np.array(CLASSES)[found["class"].astype(int)]
+        self.kind, self.number = stored.receptor_classes(), found["class"].astype(int)
         self.count = found["spike_count"].astype(int)
         self.outline = 1e3 * np.stack([hand["hand_x"], hand["hand_y"]], axis=1)
         self.pins = 1e3 * np.stack([pins["hand_x"], pins["hand_y"]], axis=1)
@@ -40,7 +39,8 @@ class Afferents:
         return np.flatnonzero(self.kind == kind)
 
     def present(self):
-        return [kind for kind in CLASSES if len(self.of(kind))]
+        """The classes with an afferent, in the order of their numbers."""
+        return list(dict.fromkeys(self.kind[np.argsort(self.number, kind="stable")].tolist()))
 
 
 def duration_ms(case):
@@ -177,7 +177,7 @@ def places_figure(sweep, case, afferents, folder, name):
     figure.supylabel("indentation (µm); spikes below", fontsize=9.5)
     if used:
         made[0, 0].legend(handles=[plt.Line2D([], [], marker="|", linestyle="none", label=kind,
-                                              color=COLOURS[kind]) for kind in CLASSES
+                                              color=COLOURS[kind]) for kind in afferents.present()
                                    if kind in used], loc="lower right",
                           bbox_to_anchor=(1.0, 1.0), ncol=3, borderaxespad=0.1, handletextpad=0.2)
     style.save(figure, folder / f"{name}.png")

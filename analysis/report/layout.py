@@ -370,3 +370,9 @@ def separate_title(found, members, of_all):
     """The title of a panel of references, with the curves to which they belong unless they belong to all of them."""
     labels = [] if of_all else [group.label for group in members if group.label]
     return ", ".join([reference_name(found), *([" and ".join(labels)] if labels else [])])
+
+
+def receptor_classes(sweep):
+    """The classes of receptors with columns in the table."""
+    end = "_spikes_1"
+    return [column["name"].removesuffix(end) for column in sweep.columns if column["name"].endswith(end)]

@@ -11,7 +11,6 @@ from numerical_error import (choices, estimated_at, is_measurement, is_numerical
 from warnings_of import is_valid
 from words import counted, listed, number
 
-CLASSES = ("SA1", "RA", "PC")
 EQUAL = 1e-6  # relative: below the error of every engine, above the rounding of its sums
 NAMED = 3     # largest number of cases with the same value that are named
 
@@ -254,7 +253,7 @@ def fired(sweep):
     """The spikes of the receptors, for jobs without a valid efficiency; '' if no case has valid spikes."""
     cases = [c for c in layout.ordinary(sweep) if warnings_of.is_valid(c, warnings_of.OF_RECEPTORS)]
     spikes = {kind: [(c, int(c.value(f"{kind}_spikes_1"))) for c in cases if not math.isnan(c.value(f"{kind}_spikes_1"))]
-              for kind in CLASSES}
+              for kind in layout.receptor_classes(sweep)}
     firing = {kind: found for kind, found in spikes.items() if any(n for _, n in found)}
     silent = [kind for kind, found in spikes.items() if found and kind not in firing]
     parts = [f"The {kind} afferents fire {spikes_text(sweep, found)}" for kind, found in firing.items()]

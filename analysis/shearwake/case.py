@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from .plot import Plot
     from .sweep import Sweep
 
-CLASSES = ("SA1", "RA", "PC")
 HOW = {
     "surface": "set record.snapshots_ms or record.frames in the job", "traces": "set record.traces_mm in the job",
     "volume": "set record.volumes_ms in the job", "afferents": "add [afferents] to the job",
@@ -228,6 +227,10 @@ class Case:
         """The recorded volumes, one variable per component (time, z, y, x)."""
         return self.dataset("volume")
 
+    def receptor_classes(self) -> np.ndarray:
+        """The class of each afferent, for example "RA"."""
+        return stored.receptor_classes(self._file())
+
     @property
     def afferents(self) -> pd.DataFrame:
         """One row per afferent: class (SA1, RA, PC), positions and depth in m, number of spikes, and mean rate in Hz."""
@@ -236,7 +239,7 @@ class Case:
         count = len(found["afferent"])
         rows = {name: values for name, values in found.items()
                 if len(values) == count and name not in ("afferent", "spike", "spike_time")}
-        rows["class"] = np.array(CLASSES)[found["class"].astype(int)]
+        rows["class"] = self.receptor_classes()
         for name in ("row", "spike_count"):
             rows[name] = found[name].astype(int)
         rows["rate_Hz"] = rows["spike_count"] / (self.setting("time", "frames") * self.setting("time", "interval_s"))
@@ -247,8 +250,7 @@ class Case:
         import pandas as pd
         found = self.arrays("afferents")
         number = np.repeat(np.arange(len(found["afferent"])), found["spike_count"].astype(int))
-        kind = np.array(CLASSES)[found["class"].astype(int)]
-        return pd.DataFrame({"afferent": number, "class": kind[number], "time_s": found["spike_time"]})
+        return pd.DataFrame({"afferent": number, "class": self.receptor_classes()[number], "time_s": found["spike_time"]})
 
     # ---- pictures
 

@@ -83,6 +83,14 @@ def items(path: Path, group: str) -> dict[str, Item]:
                 if isinstance(item, h5py.Dataset)}
 
 
+def receptor_classes(path: Path) -> np.ndarray:
+    """The class of each afferent. Raises OSError and KeyError."""
+    with h5py.File(path, "r") as file:
+        numbers = file["afferents/class"]
+        names = [entry.split(": ")[1] for entry in text(numbers.attrs["long_name"]).split(", ")]  # "0: SA1, 1: RA, 2: PC"
+        return np.array(names)[numbers[()].astype(int)]
+
+
 def describe(group: str, name: str, item: h5py.Dataset) -> Item:
     prefix = "" if group == "/" else group + "/"
     keys = [list(dim.keys()) for dim in item.dims]

@@ -13,12 +13,4 @@ std::optional<AfferentClass> class_named(const std::string& name) {
     return std::nullopt;
 }
 
-double receptor_depth_m(AfferentClass kind) {
-    return kind == AfferentClass::SA1 ? 0.3e-3 : kind == AfferentClass::RA ? 1.6e-3 : 2e-3;
-}
-
-std::size_t neuron_count(AfferentClass kind) {
-    return kind == AfferentClass::RA ? 9 : 4;
-}
-
 } // namespace shearwake

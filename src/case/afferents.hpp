@@ -14,20 +14,44 @@
 
 namespace shearwake {
 
-/// Classes of mechanoreceptors: slowly adapting (Merkel), rapidly adapting (Meissner), Pacinian.
+/// Classes of mechanoreceptors: slowly adapting (Merkel), rapidly adapting (Meissner), Pacinian. A
+/// further class has an enumerator, a row of receptor_classes, and its neurons in
+/// neural/fibre/neuron_rows.cpp.
 enum class AfferentClass { SA1, RA, PC };
-constexpr auto names_of(std::type_identity<AfferentClass>) {
-    return std::array{"SA1", "RA", "PC"};
+
+struct ReceptorClass {
+    AfferentClass kind;
+    const char* name;
+    double depth_m;                                   // of the receptors below the surface
+    std::size_t neurons;                              // fitted to recorded fibres of the class
+    bool feels_static;                                // responds to a stress that does not change
+    double palm_per_cm2, finger_per_cm2, tip_per_cm2; // density of the fibres (neural/hand)
+};
+/// In the order of the enumerators and of the depths.
+inline constexpr std::array receptor_classes = {
+    ReceptorClass{AfferentClass::SA1, "SA1", 0.3e-3, 4, true, 10.0, 30.0, 70.0},
+    ReceptorClass{AfferentClass::RA, "RA", 1.6e-3, 9, false, 25.0, 40.0, 140.0},
+    ReceptorClass{AfferentClass::PC, "PC", 2e-3, 4, false, 10.0, 10.0, 25.0}};
+
+constexpr const ReceptorClass& properties(AfferentClass kind) {
+    return receptor_classes[static_cast<std::size_t>(kind)];
 }
-inline constexpr std::array all_classes = {AfferentClass::SA1, AfferentClass::RA,
-                                           AfferentClass::PC};
+
+/// A member of every row of the table.
+template <class Member>
+constexpr auto of_each_class(Member ReceptorClass::*member) {
+    std::array<Member, receptor_classes.size()> all{};
+    for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] = receptor_classes[i].*member;
+    return all;
+}
+inline constexpr auto all_classes = of_each_class(&ReceptorClass::kind);
+constexpr auto names_of(std::type_identity<AfferentClass>) {
+    return of_each_class(&ReceptorClass::name);
+}
 /// "SA1" etc., and the class with such a name, if any.
 std::string name_of(AfferentClass kind);
 std::optional<AfferentClass> class_named(const std::string& name);
-/// Depth of the receptors of a class below the surface: 0.3, 1.6 and 2 mm.
-double receptor_depth_m(AfferentClass kind);
-/// Number of neurons that were fitted to fibres of the class.
-std::size_t neuron_count(AfferentClass kind);
 
 /// A nerve fibre: the position of its receptor, its class, and the index of its fitted neuron.
 struct ListedAfferent {

@@ -55,7 +55,7 @@ Drive PinSource::drive(std::span<const Afferent> afferents, const SkinWays& ways
                 arriving.push_back(delayed(
                     rates_N_s_.line(p), arrival_samples(ways_mm[p], radius_mm_, rate_Hz_), gain));
         sum_delayed(arriving, dynamic.line(i));
-        if (afferent.kind != AfferentClass::SA1) continue; // the other classes have weight 0
+        if (!properties(afferent.kind).feels_static) continue; // with weight 0
         any_static = true;
         arriving.clear();
         for (std::size_t p = 0; p < at_mm_.size(); ++p)

@@ -25,7 +25,7 @@ Drive StressSource::drive(std::span<const Afferent> afferents, std::size_t first
         const auto rate = rates_MPa_s_.line(first + i);
         for (std::size_t k = 0; k < samples(); ++k)
             drive.dynamic_N_s_mm3[k][static_cast<std::ptrdiff_t>(i)] = scale * rate[k];
-        if (afferents[i].kind != AfferentClass::SA1) continue;
+        if (!properties(afferents[i].kind).feels_static) continue;
         drive.static_MPa.resize(samples());
         const auto stress = stress_MPa_.line(first + i);
         for (std::size_t k = 0; k < samples(); ++k)

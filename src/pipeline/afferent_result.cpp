@@ -130,6 +130,15 @@ std::string since(const FeltMotion& motion) {
                                             : "since the load began";
 }
 
+/// "0: SA1, 1: RA, 2: PC".
+std::string class_numbers() {
+    std::string text;
+    for (const AfferentClass kind : all_classes)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", static_cast<int>(kind),
+                            name_of(kind));
+    return text;
+}
+
 VariableGroup afferents_group(const FeltMotion& motion, const Scene& scene,
                               const SpikeTimes& times_s) {
     std::vector<double> number, x, y, hand_x, hand_y, depth, kind, row, count, spike, time;
@@ -165,7 +174,7 @@ VariableGroup afferents_group(const FeltMotion& motion, const Scene& scene,
               "finger",
               ""},
              {"depth", each, depth, "m", "depth of the receptor", ""},
-             {"class", each, kind, "1", "0: SA1, 1: RA, 2: PC", ""},
+             {"class", each, kind, "1", class_numbers(), ""},
              {"row", each, row, "1", "index of the neuron fitted to this class, from 0", ""},
              {"spike_count", each, count, "1", "spikes of the afferent", ""},
              {"spike_time",

@@ -35,6 +35,7 @@ def add_afferents(path, counts, moves=True, felt="pins"):
         x = 1e-3 * np.array([0.0, 1.0, 30.0, 0.0, 30.0])
         group["x"], group["y"], group["hand_x"], group["hand_y"] = x, 0 * x, x + 0.12, 0 * x + 0.01
         group["class"], group["spike_count"] = [2.0, 2.0, 2.0, 1.0, 1.0], np.array(counts, float)
+        group["class"].attrs["long_name"] = "0: SA1, 1: RA, 2: PC"
         group["spike_time"] = np.concatenate(
             [0.005 * np.arange(1, n + 1) for n in counts] or [np.zeros(0)])
         pins = file.create_group("pins")

@@ -20,9 +20,21 @@ std::optional<ListedAfferent> afferent(const std::vector<std::string>& cells) {
                row = finite_number_in(cells[3]);
     const auto kind = class_named(cells[2]);
     if (!x_mm || !y_mm || !row || !kind || *row != std::floor(*row) || *row < 0.0 ||
-        *row >= static_cast<double>(neuron_count(*kind)))
+        *row >= static_cast<double>(properties(*kind).neurons))
         return std::nullopt;
     return ListedAfferent{{*x_mm / 1000.0, *y_mm / 1000.0}, *kind, static_cast<std::size_t>(*row)};
+}
+
+/// "with row 0 to 3 (class SA1), 0 to 8 (class RA) or 0 to 3 (class PC)".
+std::string rows_text() {
+    std::string text = "with row ";
+    for (const ReceptorClass& c : receptor_classes)
+        text += fmt::format("{}0 to {} (class {})",
+                            &c == &receptor_classes.front()  ? ""
+                            : &c == &receptor_classes.back() ? " or "
+                                                             : ", ",
+                            c.neurons - 1, c.name);
+    return text;
 }
 
 } // namespace
@@ -49,10 +61,8 @@ AfferentsFile read_listed_afferents(std::string_view csv) {
         }
         const auto one = afferent(reader.cells());
         if (!one)
-            return refuse(reader.line(),
-                          fmt::format("must be x_mm,y_mm,class,row with class SA1, RA or PC and "
-                                      "row 0 to 3 (SA1), 0 to 8 (RA) or 0 to 3 (PC), but is \"{}\"",
-                                      excerpt(reader.text())));
+            return refuse(reader.line(), fmt::format("must be {}, {}, but is \"{}\"", heading,
+                                                     rows_text(), excerpt(reader.text())));
         if (file.afferents.size() == most_afferents)
             return refuse(reader.line(),
                           fmt::format("exceeds the limit of {} afferents", most_afferents));

@@ -74,18 +74,18 @@ AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
 std::vector<AfferentClass> read_classes(Reader& reader) {
     const auto names = reader.find_words("classes");
     if (!names) return {all_classes.begin(), all_classes.end()};
+    constexpr auto class_names = names_of(std::type_identity<AfferentClass>{});
+    const std::vector<std::string> known(class_names.begin(), class_names.end());
     std::vector<AfferentClass> classes; // in a fixed order, without duplicates
     for (const AfferentClass kind : all_classes)
         if (std::find(names->begin(), names->end(), name_of(kind)) != names->end())
             classes.push_back(kind);
     for (const std::string& name : *names)
         if (!class_named(name))
-            reader.error(
-                "classes",
-                fmt::format("must contain only \"SA1\", \"RA\" and \"PC\", but contains \"{}\"",
-                            excerpt(name)));
+            reader.error("classes", fmt::format("must contain only {}, but contains \"{}\"",
+                                                quoted_list(known, "and"), excerpt(name)));
     if (names->empty())
-        reader.error("classes", "must contain at least one class: \"SA1\", \"RA\" or \"PC\"");
+        reader.error("classes", "must contain at least one class: " + quoted_list(known));
     return classes;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/fibre/afferent.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace shearwake::neural {
@@ -85,16 +86,20 @@ constexpr std::array<NeuronRow, 4> PC_rows = {{
 }};
 // clang-format on
 
+constexpr std::array<std::span<const NeuronRow>, receptor_classes.size()> all_rows = {
+    SA1_rows, RA_rows, PC_rows};
+static_assert(std::ranges::equal(
+    all_rows, receptor_classes, {}, [](const auto& rows) { return rows.size(); },
+    &ReceptorClass::neurons));
+
 } // namespace
 
 double depth_mm(AfferentClass kind) {
-    return 1e3 * receptor_depth_m(kind);
+    return 1e3 * properties(kind).depth_m;
 }
 
 std::span<const NeuronRow> neuron_rows(AfferentClass kind) {
-    if (kind == AfferentClass::SA1) return SA1_rows;
-    if (kind == AfferentClass::RA) return RA_rows;
-    return PC_rows;
+    return all_rows[static_cast<std::size_t>(kind)];
 }
 
 } // namespace shearwake::neural

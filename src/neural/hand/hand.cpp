@@ -139,12 +139,10 @@ const HandRegion& region(const Hand& hand, const std::string& name) {
 }
 
 double density_per_cm2(AfferentClass kind, SkinKind skin) {
-    const auto of = [&](double palm, double finger, double tip) {
-        return skin == SkinKind::palm ? palm : skin == SkinKind::finger ? finger : tip;
-    };
-    if (kind == AfferentClass::SA1) return of(10.0, 30.0, 70.0);
-    if (kind == AfferentClass::RA) return of(25.0, 40.0, 140.0);
-    return of(10.0, 10.0, 25.0);
+    const ReceptorClass& c = properties(kind);
+    return skin == SkinKind::palm     ? c.palm_per_cm2
+           : skin == SkinKind::finger ? c.finger_per_cm2
+                                      : c.tip_per_cm2;
 }
 
 } // namespace shearwake::neural
