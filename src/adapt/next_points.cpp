@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "adapt/next_points.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <map>
 #include <optional>
 
@@ -23,7 +24,7 @@ double rounded(double value) {
 
 /// |f''| at each point by second divided differences of the points with values; NaN without.
 std::vector<double> curvatures(const std::vector<double>& x, const Curve& y) {
-    std::vector<double> found(x.size(), std::numeric_limits<double>::quiet_NaN());
+    std::vector<double> found(x.size(), not_a_number);
     std::vector<std::size_t> known;
     for (std::size_t i = 0; i < x.size(); ++i)
         if (std::isfinite(y[i])) known.push_back(i);
@@ -87,7 +88,7 @@ void search(const AdaptiveAxis& axis, const std::vector<double>& x, const Curve&
 } // namespace
 
 std::vector<double> interpolation_errors(const std::vector<double>& x, const Curve& curve) {
-    std::vector<double> errors(x.size() - 1, std::numeric_limits<double>::quiet_NaN());
+    std::vector<double> errors(x.size() - 1, not_a_number);
     const std::vector<double> curved = curvatures(x, curve);
     for (std::size_t i = 0; i + 1 < x.size(); ++i) {
         const double h = x[i + 1] - x[i];

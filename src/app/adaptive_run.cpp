@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/adaptive_run.hpp"
 
+#include "base/clock.hpp"
 #include "app/adaptive_shards.hpp"
 #include "base/json_document.hpp"
 #include "base/text.hpp"
@@ -13,7 +14,6 @@
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -190,7 +190,7 @@ private:
         if (arguments_.shard.empty()) return {};
         OtherShards::Outcome outcome;
         on_root(world_, [&] { outcome = shards_->wait(job_.plan); });
-        outcome.is_extended = world_.broadcast(outcome.is_extended ? 1L : 0L) != 0;
+        outcome.is_extended = world_.broadcast(outcome.is_extended);
         outcome.reason = world_.broadcast(std::move(outcome.reason));
         if (outcome.reason.empty()) return outcome;
         const std::string next = schedule::run_command_line(arguments_);
@@ -207,7 +207,7 @@ private:
     Round result_of_round() const {
         Round round;
         on_root(world_, [&] { round = evaluated(folder_, job_.plan, *shards_); });
-        round.has_ended = world_.broadcast(round.has_ended ? 1L : 0L) != 0;
+        round.has_ended = world_.broadcast(round.has_ended);
         round.next = shared(round.next, world_);
         return round;
     }
@@ -222,13 +222,11 @@ private:
         say("next: " + next);
     }
 
-    double elapsed_s() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-    }
+    double elapsed_s() const { return seconds_since(began_); }
 
     const schedule::RunArguments& arguments_;
     const Comm& world_;
-    std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+    Clock::time_point began_ = Clock::now();
     schedule::Deadline deadline_;
     schedule::OutputFolder folder_;
     config::Job job_;

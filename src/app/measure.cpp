@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/constants.hpp"
 #include "app/commands.hpp"
 #include "app/converted_scan.hpp"
 #include "app/python_command.hpp"
@@ -125,8 +126,7 @@ double standard_deviation(const std::vector<double>& values) {
         }
     for (const double value : values)
         if (std::isfinite(value)) squares += (value - sum / count) * (value - sum / count);
-    return count < 2.0 ? std::numeric_limits<double>::quiet_NaN()
-                       : std::sqrt(squares / (count - 1.0));
+    return count < 2.0 ? not_a_number : std::sqrt(squares / (count - 1.0));
 }
 
 void write_uncertainty(const schedule::OutputFolder& folder, const std::string& id,
@@ -175,8 +175,8 @@ void print_columns(const schedule::OutputFolder& folder, const Columns& repeated
         const auto* value = std::get_if<double>(&table.rows.front()[i]);
         if (!value || std::isnan(*value) || table.columns[i] == "wall_s") continue;
         const auto found = repeated.find(table.columns[i]);
-        const double error = found == repeated.end() ? std::numeric_limits<double>::quiet_NaN()
-                                                     : standard_deviation(found->second);
+        const double error =
+            found == repeated.end() ? not_a_number : standard_deviation(found->second);
         fmt::print("{} = {:.6g}{}\n", table.columns[i], *value,
                    std::isnan(error) ? "" : fmt::format(" +- {:.2g}", error));
     }

@@ -82,13 +82,13 @@ void compute_optima(const Study& study, const std::vector<std::vector<MotionChan
 /// Whether the optima of all cases and strengths are known, so that no motion needs to be searched.
 /// Collective.
 bool has_optima(const Study& study, const Comm& world) {
-    int missing = 0;
+    bool is_missing = false;
     on_root(world, [&] {
         for (const OptimisedCase& c : study.cases)
             for (const double strength : study.options.strengths)
-                missing += fs::exists(study.files.optimum(c, strength)) ? 0 : 1;
+                is_missing = is_missing || !fs::exists(study.files.optimum(c, strength));
     });
-    return world.broadcast(missing) == 0;
+    return !world.broadcast(is_missing);
 }
 
 /// The optima of all cases and strengths on every rank. Collective.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/optimise_table.hpp"
 
+#include "base/constants.hpp"
 #include "app/optimise_job.hpp"
 #include "optimise/waveform.hpp"
 #include "parallel/agree.hpp"
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <limits>
 #include <numbers>
 
 namespace shearwake::app {
@@ -21,15 +21,13 @@ using optimise::Optima;
 using optimise::OptimisedCase;
 using optimise::Optimum;
 
-constexpr double absent = std::numeric_limits<double>::quiet_NaN();
-
 double degrees(double rad) {
     return 180.0 / std::numbers::pi * rad;
 }
 
 Reading reading(const Readings& all, const Case& physics) {
     const auto found = all.find(case_id(physics));
-    return found == all.end() ? Reading{absent, absent} : found->second;
+    return found == all.end() ? Reading{not_a_number, not_a_number} : found->second;
 }
 
 /// A row of the table without the settings of the case: column and value.
@@ -48,10 +46,11 @@ void add_motion(Row& row, const optimise::MovedCase& moved) {
             {{"optimum_size_1", change.size},
              {"optimum_speed_m_s", motion     ? motion->mean_m_s
                                    : constant ? constant->speed_m_s
-                                              : absent},
-             {"optimum_sm_frequency_Hz", motion && swings ? motion->frequency_Hz : absent},
-             {"optimum_sm_deviation_m_s", motion && swings ? motion->deviation_m_s : absent},
-             {"optimum_sm_phase_deg", motion && swings ? degrees(motion->phase_rad) : absent}});
+                                              : not_a_number},
+             {"optimum_sm_frequency_Hz", motion && swings ? motion->frequency_Hz : not_a_number},
+             {"optimum_sm_deviation_m_s", motion && swings ? motion->deviation_m_s : not_a_number},
+             {"optimum_sm_phase_deg",
+              motion && swings ? degrees(motion->phase_rad) : not_a_number}});
         return;
     }
 }
@@ -76,13 +75,14 @@ Row row_of(const Optima& results, std::size_t i, std::size_t s, const OptimiseOp
                {"am_phase_deg", degrees(of.am.phase_rad)}};
     const optimise::BestSm& sm = results.sm[i][s];
     const optimise::SmCase* best = sm ? &c.sm[*sm] : nullptr;
-    const Reading of_sm = best ? reading(basis, best->physics) : Reading{absent, absent};
+    const Reading of_sm =
+        best ? reading(basis, best->physics) : Reading{not_a_number, not_a_number};
     row.insert(row.end(),
                {{"eta_sm_1", of_sm.eta},
                 {"strength_sm_1", of_sm.focal_rms_um / reading(basis, c.plain).focal_rms_um},
-                {"sm_frequency_Hz", best ? best->frequency_Hz : absent},
-                {"sm_deviation_m_s", best ? best->deviation_m_s : absent},
-                {"sm_phase_deg", best ? degrees(best->phase_rad) : absent}});
+                {"sm_frequency_Hz", best ? best->frequency_Hz : not_a_number},
+                {"sm_deviation_m_s", best ? best->deviation_m_s : not_a_number},
+                {"sm_phase_deg", best ? degrees(best->phase_rad) : not_a_number}});
     if (options.over.size() > 1) add_motion(row, results.moved[i][s]);
     if (cases.exported) {
         const Reading exported = reading(computed, *cases.exported);

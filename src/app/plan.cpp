@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/constants.hpp"
 #include "app/commands.hpp"
 
 #include "base/json_document.hpp"
@@ -18,7 +19,6 @@
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 namespace shearwake::app {
 namespace {
@@ -57,8 +57,7 @@ double points_per_focus(const Case& c) {
 /// Grid points per shortest shear wavelength that the focus can excite: the wavenumber at which the
 /// spectrum of the footprint has fallen to 1 %.
 double points_per_wave(const Case& c) {
-    return 2.0 * std::numbers::pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) /
-           c.domain.spacing_m;
+    return two_pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) / c.domain.spacing_m;
 }
 
 /// The estimates of a case on a team of the layout.

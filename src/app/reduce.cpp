@@ -75,11 +75,11 @@ void print_json(const reduce::ReducedTables& written, const std::filesystem::pat
 
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
     const std::filesystem::path& path = arguments.folder;
-    long damaged = 0;
+    bool is_damaged = false;
     on_root(world, [&] {
         const reduce::ReducedTables written =
             reduce_folder(schedule::folder_of_results(path), arguments.errors);
-        damaged = static_cast<long>(written.damaged.size());
+        is_damaged = !written.damaged.empty();
         if (!arguments.json) print_counts(written, path);
         print_damaged(written);
         if (written.whole == 0)
@@ -92,7 +92,7 @@ ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
         else
             print_files(written, path);
     });
-    return world.broadcast(damaged) > 0 ? ExitCode::some_cases_failed : ExitCode::done;
+    return world.broadcast(is_damaged) ? ExitCode::some_cases_failed : ExitCode::done;
 }
 
 } // namespace shearwake::app

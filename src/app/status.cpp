@@ -265,8 +265,8 @@ std::size_t points_to_add(const schedule::OutputFolder& folder, const State& sta
     return points;
 }
 
-/// Returns the number of damaged cases.
-long print_status(const StatusArguments& arguments) {
+/// Returns whether a case is damaged.
+bool print_status(const StatusArguments& arguments) {
     const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
     State state{.plan = storage::read_plan(folder.plan()),
                 .journal = storage::read_journals(folder.root),
@@ -284,15 +284,15 @@ long print_status(const StatusArguments& arguments) {
     else
         print_text(folder, state, arguments.verify);
     state.index.save();
-    return static_cast<long>(state.tally.damaged.size());
+    return !state.tally.damaged.empty();
 }
 
 } // namespace
 
 ExitCode status_command(const StatusArguments& arguments, const Comm& world) {
-    long damaged = 0;
-    on_root(world, [&] { damaged = print_status(arguments); });
-    const bool fails = arguments.verify && world.broadcast(damaged) > 0;
+    bool is_damaged = false;
+    on_root(world, [&] { is_damaged = print_status(arguments); });
+    const bool fails = arguments.verify && world.broadcast(is_damaged);
     return fails ? ExitCode::some_cases_failed : ExitCode::done;
 }
 

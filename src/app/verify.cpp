@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/clock.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
@@ -9,7 +10,6 @@
 #include "schedule/output_folder.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,8 +17,6 @@
 
 namespace shearwake::app {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct Verified {
     std::vector<const storage::CaseDigest*> damaged;
@@ -30,10 +28,6 @@ struct Verified {
 
     bool is_sound() const { return damaged.empty() && plan_damage.empty(); }
 };
-
-double seconds_since(Clock::time_point began) {
-    return std::chrono::duration<double>(Clock::now() - began).count();
-}
 
 /// Shows the progress: one line that is redrawn on a terminal, elsewhere a line every ten seconds.
 class VerifyLine {
@@ -133,7 +127,7 @@ void print(const Verified& v) {
 } // namespace
 
 ExitCode verify_command(const VerifyArguments& arguments, const Comm& world) {
-    long sound = 1;
+    bool is_sound = true;
     on_root(world, [&] {
         const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
         Verified verified;
@@ -147,10 +141,10 @@ ExitCode verify_command(const VerifyArguments& arguments, const Comm& world) {
             fmt::print("{}", json_of(folder, verified));
         else if (!arguments.quiet || !verified.is_sound())
             print(verified);
-        sound = verified.is_sound() ? 1 : 0;
+        is_sound = verified.is_sound();
         index.save(); // so that the next run recomputes the damaged cases
     });
-    return world.broadcast(sound) != 0 ? ExitCode::done : ExitCode::some_cases_failed;
+    return world.broadcast(is_sound) ? ExitCode::done : ExitCode::some_cases_failed;
 }
 
 } // namespace shearwake::app

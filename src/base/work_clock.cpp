@@ -31,7 +31,7 @@ std::size_t WorkClock::enter(std::string_view stage) {
 
 void WorkClock::switch_to(std::size_t stage) {
     const auto now = Clock::now();
-    stages_[current_].seconds += std::chrono::duration<double>(now - last_).count();
+    stages_[current_].seconds += seconds_between(last_, now);
     current_ = stage;
     last_ = now;
 }

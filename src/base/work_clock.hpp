@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
+#include "base/clock.hpp"
+
 #include <cstddef>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,6 @@ public:
 
 private:
     friend class StageScope;
-    using Clock = std::chrono::steady_clock;
     struct Stage {
         std::string_view name;
         double seconds = 0.0;

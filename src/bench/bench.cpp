@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench.hpp"
 
+#include "base/constants.hpp"
 #include "base/json_document.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
@@ -14,7 +15,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <numbers>
 
 namespace shearwake::bench {
 namespace {
@@ -130,9 +130,8 @@ Case layered_bench_case() {
 /// 256 x 192 points, a circle of 20 mm and 128 frames of a period of 10 ms.
 Case steady_bench_case() {
     Case c = layered_bench_case();
-    c.scene().load.modulation.trajectory = {
-        {Travel{Arc{{}, 10e-3, 0.0, 2.0 * std::numbers::pi},
-                ConstantSpeed{2.0 * std::numbers::pi * 10e-3 * 100.0}, AtEnd::repeat}}};
+    c.scene().load.modulation.trajectory = {{Travel{
+        Arc{{}, 10e-3, 0.0, two_pi}, ConstantSpeed{two_pi * 10e-3 * 100.0}, AtEnd::repeat}}};
     c.domain.edges = DomainEdges::open;
     c.time = {128, 10e-3 / 128.0, Regime::periodic};
     c.measure.at_s = c.time.duration_s();

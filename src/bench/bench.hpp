@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "case/case.hpp"
 #include "bench/output.hpp"
 #include "parallel/comm.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 namespace shearwake::bench {
 
@@ -32,11 +32,10 @@ ExitCode bench_command(const BenchArguments& arguments, const Comm& world);
 
 /// Wall-clock seconds of the slowest rank.
 double seconds_of(const Comm& world, const auto& work) {
-    using Clock = std::chrono::steady_clock;
     world.barrier();
     const auto began = Clock::now();
     work();
-    return world.max(std::chrono::duration<double>(Clock::now() - began).count());
+    return world.max(seconds_since(began));
 }
 
 /// The best of several measurements, which is the least disturbed by other processes.

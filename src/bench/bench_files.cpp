@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/clock.hpp"
 #include "bench/bench.hpp"
 
 #include "parallel/agree.hpp"
@@ -66,11 +67,10 @@ ExitCode bench_files(const Comm& world, Output& out) {
     const auto [frames_s, commit_s] = write_frames(path, world);
     double cached_s = 0.0, verify_s = 0.0, read_s = 0.0, bytes = 0.0;
     on_root(world, [&] {
-        using Clock = std::chrono::steady_clock;
         const auto seconds = [](const auto& work) {
             const auto began = Clock::now();
             work();
-            return std::chrono::duration<double>(Clock::now() - began).count();
+            return seconds_since(began);
         };
         const auto verify = [&] { storage::check_integrity(path); };
         cached_s = best_of(3, [&] { return seconds(verify); });

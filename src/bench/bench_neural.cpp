@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/constants.hpp"
 #include "bench/bench.hpp"
 #include "neural/hand/population.hpp"
 #include "neural/respond.hpp"
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <ctime>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace shearwake::bench {
 namespace {
@@ -24,8 +24,7 @@ PinStimulus grid_of_pins() {
         stimulus.at_mm.push_back(Vec2{118.0, 2.0} + 4.0 * cell);
         for (std::size_t k = 0; k < 5000; ++k)
             stimulus.indentation_mm.line(p)[k] =
-                0.05 * (1.0 + std::sin(2.0 * std::numbers::pi * 200.0 * static_cast<double>(k) /
-                                           neuron_rate_Hz +
+                0.05 * (1.0 + std::sin(two_pi * 200.0 * static_cast<double>(k) / neuron_rate_Hz +
                                        static_cast<double>(p)));
     }
     return stimulus;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/uncertain.hpp"
 
+#include "base/constants.hpp"
 #include "base/text.hpp"
 #include "config/axis_values.hpp"
 #include "config/document/reader.hpp"
@@ -99,7 +100,7 @@ std::vector<Threshold> read_thresholds(Reader& reader) {
     Reader table = reader.optional_table("exceedance");
     for (const std::string& column : table.keys()) {
         const NodePtr node = table.node(column);
-        double value = std::nan("");
+        double value = not_a_number;
         if (const auto* integer = std::get_if<std::int64_t>(&node->value))
             value = static_cast<double>(*integer);
         else if (const auto* number = std::get_if<double>(&node->value))

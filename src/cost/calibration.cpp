@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cost/calibration.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "cost/file_speed.hpp"
 #include "engines/checkpoint.hpp"
@@ -13,7 +14,6 @@
 #include "storage/journal/journal.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstring>
@@ -58,10 +58,6 @@ double core_s(const auto& task) {
     const std::clock_t began = std::clock();
     task();
     return static_cast<double>(std::clock() - began) / static_cast<double>(CLOCKS_PER_SEC);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point began) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
 /// Ends the run of an engine when a stop is requested, without saving anything.
@@ -109,7 +105,7 @@ engines::MeasuredWork measured_stage(const engines::Calibration& one, const Comm
         if (stop.asked()) return {one.kind, {}, 0.0};
         if (shared) engine = engines::make_engine(c.solver);
         WorkClock clock;
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = Clock::now();
         const double of_core_s = core_s([&] { run_alone(c, *engine, alone, stop); });
         const double share = std::min(1.0, of_core_s / seconds_since(began));
         all_s += of_core_s;
@@ -159,7 +155,7 @@ std::optional<engines::Rates> measured_rates(const std::set<std::string>& kinds,
         world.barrier();
         engines::MeasuredWork stage;
         together(world, [&] { stage = measured_stage(one, alone, stop); });
-        if (world.max(stop.asked() ? 1.0 : 0.0) > 0.0) return std::nullopt;
+        if (world.any(stop.asked())) return std::nullopt;
         stage.seconds = world.max(stage.seconds);
         measured.push_back(std::move(stage));
     }
@@ -177,7 +173,7 @@ double all_to_all_s(const Comm& world, int numbers) {
     std::vector<double> all_s;
     for (std::size_t i = 0; i <= repeats; ++i) {
         world.barrier();
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = Clock::now();
         world.all_to_all(std::span<const std::complex<double>>(sent), counts, std::span(received),
                          counts);
         const double seconds = world.max(seconds_since(began));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cost/file_speed.hpp"
 
+#include "base/clock.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
 #include <limits>
 #include <unistd.h>
@@ -15,7 +15,6 @@ namespace shearwake::cost {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr int cases = 5;
 constexpr std::size_t block_B = std::size_t{1} << 25;
@@ -26,7 +25,7 @@ double best_s(const auto& task) {
     for (int i = 0; i < 2; ++i) {
         const auto began = Clock::now();
         task();
-        best = std::min(best, std::chrono::duration<double>(Clock::now() - began).count());
+        best = std::min(best, seconds_since(began));
     }
     return best;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fft/row_window.hpp"
 
+#include "base/constants.hpp"
 #include "simd/kernels.hpp"
 #include "fft/reals.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::fft {
 
@@ -22,8 +22,7 @@ RowWindow::RowWindow(std::ptrdiff_t ny, std::ptrdiff_t begin, std::ptrdiff_t cou
     const std::ptrdiff_t distances = count / 2 + 1;
     const auto put = [&](AlignedVector<double>& to, std::ptrdiff_t ky, std::ptrdiff_t y) {
         // Reduced to one turn, so that the angle is exact for long rows.
-        const double angle =
-            2.0 * std::numbers::pi * static_cast<double>(ky * y % ny) / static_cast<double>(ny);
+        const double angle = two_pi * static_cast<double>(ky * y % ny) / static_cast<double>(ny);
         to.push_back(std::cos(angle));
         to.push_back(std::sin(angle));
     };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fft/staggered_derivative.hpp"
 
+#include "base/constants.hpp"
 #include "fft/reals.hpp"
 #include "fft/wisdom.hpp"
 #include "simd/kernels.hpp"
@@ -8,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace shearwake::fft {
 
@@ -31,7 +31,7 @@ StaggeredDerivative<Real>::StaggeredDerivative(std::ptrdiff_t points, double spa
     const double n = static_cast<double>(points);
     for (std::ptrdiff_t m = 0; m < points; ++m) {
         const auto signed_m = static_cast<double>(2 * m < points ? m : m - points);
-        const double k = 2.0 * std::numbers::pi * signed_m / (n * spacing_m);
+        const double k = two_pi * signed_m / (n * spacing_m);
         const std::complex<double> ik(0.0, k / n); // with the 1/n of the transforms
         const bool nyquist = 2 * m == points;
         const auto forward = ik * std::polar(1.0, 0.5 * k * spacing_m);

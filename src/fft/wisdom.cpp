@@ -110,7 +110,7 @@ void plan_measured(const Comm& team, const std::string& shape, const MakePlans& 
     });
     text = team.broadcast(text);
     const bool made = team.is_root() ? !text.empty() : make_from(text, make, wisdom);
-    if (team.max(made ? 0 : 1) == 1) return plan_estimated(make, precision);
+    if (!team.all(made)) return plan_estimated(make, precision);
     wisdom.forget();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/footprint.hpp"
 
+#include "base/constants.hpp"
 #include "base/overloaded.hpp"
 #include "load/acoustics/lens_design.hpp"
 #include "load/array_field.hpp"
@@ -75,7 +76,7 @@ double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
             [&](const GaussianFootprint& g) {
                 const double s2 = sigma_m(g) * sigma_m(g);
                 const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
-                return 2.0 * std::numbers::pi * s2 * std::exp(-0.5 * k2 * s2);
+                return two_pi * s2 * std::exp(-0.5 * k2 * s2);
             },
             [&](const ArrayFootprint& array) {
                 return std::abs(transform(central_pattern(array), kx_rad_m, ky_rad_m));

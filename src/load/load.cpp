@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/load.hpp"
 
+#include "base/constants.hpp"
 #include "base/overloaded.hpp"
 #include "load/load_pattern.hpp"
 
@@ -110,8 +111,7 @@ double amplitude(const Load& load, double t_s) {
     const double c = std::visit(overloaded{
                                     [](const AveragedCarrier&) { return 1.0; },
                                     [&](const ResolvedCarrier& carrier) {
-                                        return 1.0 + std::cos(2.0 * std::numbers::pi *
-                                                              carrier.frequency_Hz * t_s);
+                                        return 1.0 + std::cos(two_pi * carrier.frequency_Hz * t_s);
                                     },
                                 },
                                 load.carrier);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/mach_angle.hpp"
 
+#include "base/constants.hpp"
 #include "measures/surface_sums.hpp"
 
 #include <fmt/format.h>
@@ -191,7 +192,7 @@ Fronts fronts_of(const Surface& surface, Wake wake) {
 } // namespace
 
 double mach_angle_theory_deg(double wave_speed_m_s, double speed_m_s) {
-    if (!(speed_m_s > wave_speed_m_s)) return std::numeric_limits<double>::quiet_NaN();
+    if (!(speed_m_s > wave_speed_m_s)) return not_a_number;
     return std::asin(wave_speed_m_s / speed_m_s) * degrees;
 }
 

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/constants.hpp"
 #include "base/vec2.hpp"
 #include "base/view.hpp"
 #include "case/case.hpp"
 
-#include <limits>
 #include <string>
 
 namespace shearwake::measures {
 
 /// Half-angle of a wake, or the reason why it could not be determined.
 struct MachFit {
-    double angle_deg = std::numeric_limits<double>::quiet_NaN();
+    double angle_deg = not_a_number;
     /// The largest deviation from the angle of separate fits to the near and the far half of either
     /// side: 0 for a straight and symmetric wedge.
-    double residual_deg = std::numeric_limits<double>::quiet_NaN();
+    double residual_deg = not_a_number;
     int points = 0; // number of points of the front, on both sides, in the fits
     std::string reason;
     bool valid() const { return reason.empty(); }

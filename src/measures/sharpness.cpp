@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/sharpness.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <limits>
 
 namespace shearwake::measures {
 namespace {
@@ -72,7 +73,7 @@ double sharpness(View2<const double> mean_u2, const Domain& domain, const Region
                 all += energy;
             }
         });
-    return all > 0.0 ? near / all : std::numeric_limits<double>::quiet_NaN();
+    return all > 0.0 ? near / all : not_a_number;
 }
 
 } // namespace shearwake::measures

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 
 namespace shearwake::neural {
 namespace {
@@ -18,7 +17,7 @@ namespace {
 double resultant(const std::vector<double>& times_s, double frequency_Hz) {
     std::complex<double> sum = 0.0;
     for (const double t_s : times_s)
-        sum += std::polar(1.0, 2.0 * std::numbers::pi * std::fmod(frequency_Hz * t_s, 1.0));
+        sum += std::polar(1.0, two_pi * std::fmod(frequency_Hz * t_s, 1.0));
     return std::abs(sum);
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/best_envelope.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <random>
 #if SHEARWAKE_NLOPT
 #include <nlopt.h>
@@ -102,8 +102,7 @@ Eigen::VectorXd sine(Eigen::Index knots, Uniform& uniform) {
     const double periods = std::floor(2.0 + uniform() * (count / 6.0)), phase = uniform();
     Eigen::VectorXd e(knots);
     for (Eigen::Index j = 0; j < knots; ++j)
-        e(j) = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi *
-                                    (periods * static_cast<double>(j) / count + phase));
+        e(j) = 0.5 - 0.5 * std::cos(two_pi * (periods * static_cast<double>(j) / count + phase));
     return e;
 }
 

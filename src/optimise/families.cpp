@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "optimise/families.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,9 +16,7 @@ constexpr int most_sm_periods = 5;
 constexpr double first_deviation = 0.45, deviation_step = 0.15; // of SM-STM, relative to the speed
 
 double drive(const AmEnvelope& am, double t_s) {
-    return 1.0 -
-           0.5 * am.depth *
-               (1.0 + std::cos(2.0 * std::numbers::pi * am.frequency_Hz * t_s + am.phase_rad));
+    return 1.0 - 0.5 * am.depth * (1.0 + std::cos(two_pi * am.frequency_Hz * t_s + am.phase_rad));
 }
 
 /// Adds an SM-STM that can be computed.
@@ -48,7 +48,7 @@ AmEnvelope best_am(const Forms& forms, const Knots& knots, double strength,
             for (int p = 0; p < phases; ++p) {
                 AmEnvelope am{.frequency_Hz = frequency_Hz,
                               .depth = static_cast<double>(d) / depths,
-                              .phase_rad = 2.0 * std::numbers::pi * p / phases};
+                              .phase_rad = two_pi * p / phases};
                 Eigen::VectorXd values(knots.count);
                 for (Eigen::Index j = 0; j < knots.count; ++j)
                     values(j) = drive(am, knots.at_s(j));
@@ -88,7 +88,7 @@ std::vector<SmCase> sm_cases(const Case& c, const OptimiseOptions& options) {
 std::vector<SmCase> sm_around(const Case& c, const SmCase& centre, double step,
                               const OptimiseOptions& options) {
     std::vector<SmCase> cases;
-    const double whole = 2.0 * std::numbers::pi;
+    const double whole = two_pi;
     for (const double sign : {1.0, -1.0}) {
         const double phase_rad = centre.phase_rad + sign * step * 0.125 * whole;
         add_sm(cases, c, centre.frequency_Hz, centre.deviation_m_s,

@@ -61,6 +61,9 @@ public:
     double min(double value) const;
     int max(int value) const;
     int min(int value) const;
+    /// Whether it is true on any rank, and on all ranks.
+    bool any(bool value) const { return max(value ? 1 : 0) != 0; }
+    bool all(bool value) const { return min(value ? 1 : 0) != 0; }
     void sum(std::span<double> values) const; // element by element, in place
     void max(std::span<double> values) const;
 
@@ -75,6 +78,10 @@ public:
     void broadcast(std::vector<T>& values, int from = 0) const {
         values.resize(static_cast<std::size_t>(broadcast(static_cast<long>(values.size()), from)));
         broadcast_in_place(std::span<T>(values), from);
+    }
+    template <std::same_as<bool> Bool>
+    bool broadcast(Bool value, int from = 0) const {
+        return broadcast(value ? 1 : 0, from) != 0;
     }
     std::string broadcast(std::string text, int from = 0) const;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
 #include "parallel/comm.hpp"
 
-#include <chrono>
 #include <functional>
 
 namespace shearwake {
@@ -20,7 +20,6 @@ public:
     bool ask(const std::function<bool()>& answer);
 
 private:
-    using Clock = std::chrono::steady_clock;
     const Comm& team_;
     double interval_s_;
     long asked_ = 0, last_ = 0, next_ = 1; // numbers of calls; the ranks communicate in call next_

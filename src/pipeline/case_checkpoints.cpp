@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/case_checkpoints.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/case_scope.hpp"
@@ -15,18 +16,12 @@ namespace shearwake::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-
 /// Ranks that share cores lose milliseconds at every synchronisation, so this is not done at every
 /// step.
 constexpr double between_looks_s = 0.1;
 /// After a stop request, a case without checkpoints may compute for this time, so that short cases
 /// are completed.
 constexpr double grace_s = 10.0;
-
-double seconds_since(Clock::time_point then) {
-    return std::chrono::duration<double>(Clock::now() - then).count();
-}
 
 std::array<fs::path, 2> paths_of(const fs::path& stem) {
     return {stem.string() + ".A.h5", stem.string() + ".B.h5"};
@@ -67,8 +62,7 @@ CaseCheckpoints::CaseCheckpoints(fs::path stem, storage::CheckpointOwner owner,
 void CaseCheckpoints::find_newest() {
     const auto paths = paths_of(stem_);
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        // Rank 0 checks the files: 0 if there is no checkpoint, 1 if there may be one.
-        long candidate = 0;
+        bool is_candidate = false; // according to rank 0, which checks the files
         storage::CheckpointFacts facts;
         const auto pass_over = [&](const std::string& trouble) {
             hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), trouble));
@@ -76,10 +70,10 @@ void CaseCheckpoints::find_newest() {
         on_root(team_, [&] {
             if (!fs::exists(paths[i])) return;
             const std::string trouble = storage::trouble_with_checkpoint(paths[i], owner_, facts);
-            candidate = trouble.empty() ? 1 : 0;
-            if (!trouble.empty()) pass_over(trouble);
+            is_candidate = trouble.empty();
+            if (!is_candidate) pass_over(trouble);
         });
-        if (team_.broadcast(candidate) == 0) continue;
+        if (!team_.broadcast(is_candidate)) continue;
         facts.sequence = team_.broadcast(facts.sequence);
         facts.seconds = team_.sum(team_.is_root() ? facts.seconds : 0.0);
         if (newest_ && newest_->facts.sequence > facts.sequence) continue;

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
 #include "engines/checkpoint.hpp"
 #include "parallel/comm.hpp"
 #include "parallel/spaced_question.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/journal/journal.hpp"
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -80,12 +80,12 @@ private:
     std::function<std::string()> part_;
     std::optional<State> newest_;
     double earlier_seconds_ = 0.0;
-    std::chrono::steady_clock::time_point began_, saved_, looked_, progressed_;
+    Clock::time_point began_, saved_, looked_, progressed_;
     // Relative to the last save; the root checks its clock and signals at next_look_.
     long steps_ = 0, last_look_ = 0, next_look_ = 1;
     bool stopping_ = false, stops_ = false, stop_failed_ = false;
     SpacedQuestion stop_question_;
-    std::optional<std::chrono::steady_clock::time_point> stop_seen_; // on the root
+    std::optional<Clock::time_point> stop_seen_; // on the root
 };
 
 /// Whether a case has a checkpoint from which a run can resume, according to its attributes. Not

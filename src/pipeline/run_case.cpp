@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/run_case.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
@@ -14,17 +15,10 @@
 #include "storage/case_file/xdmf.hpp"
 #include "storage/journal/journal.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
 
 namespace shearwake::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double elapsed_s(Clock::time_point began) {
-    return std::chrono::duration<double>(Clock::now() - began).count();
-}
 
 /// Checked in advance, since Linux grants more memory than it has and then kills the process.
 void refuse_too_large(const Case& c, const Comm& team, double available_B) {
@@ -55,17 +49,17 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
     }
     const bool volumes = !c.record.volumes_s.empty();
     if (layout.empty() && !volumes) return storage::Beginning::anew;
-    long usable = 0;
+    bool is_usable = false;
     on_root(team, [&] {
         const std::string trouble = storage::trouble_with_part(
             path, checkpoints.part_record(), layout,
             volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
-        usable = trouble.empty() ? 1 : 0;
-        if (usable == 0)
+        is_usable = trouble.empty();
+        if (!is_usable)
             checkpoints.say(
                 fmt::format("{}.part {}: the case starts from scratch", path.string(), trouble));
     });
-    if (team.broadcast(usable) != 0) return storage::Beginning::go_on;
+    if (team.broadcast(is_usable)) return storage::Beginning::go_on;
     checkpoints.discard();
     return storage::Beginning::anew;
 }
@@ -119,14 +113,14 @@ std::optional<CaseOutcome> compute_and_write(const PlannedCase& planned, const J
     const bool keeps = !layout.empty() || !c.record.volumes_s.empty();
     SurfaceRecorder recorder(c, team, keeps ? &writer : nullptr, tick);
     keep_receptors(c, recorder);
-    const double before_solve_s = elapsed_s(began);
+    const double before_solve_s = seconds_since(began);
     compute(c, engine, team, recorder, writer, checkpoints);
     if (checkpoints.stop()) return std::nullopt;
-    const double solve_s = elapsed_s(began) - before_solve_s;
+    const double solve_s = seconds_since(began) - before_solve_s;
 
     const CaseResults results = case_results(planned, recorder, team);
     if (team.is_root()) facts.columns_in_samples = columns_in_samples(results.groups.front());
-    facts.wall_s = checkpoints.earlier_seconds() + elapsed_s(began);
+    facts.wall_s = checkpoints.earlier_seconds() + seconds_since(began);
     facts.ended = storage::timestamp();
     facts.solver = recorder.solver();
     if (team.is_root())

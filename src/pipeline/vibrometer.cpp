@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/vibrometer.hpp"
 
+#include "base/constants.hpp"
 #include "sampling/random.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <span>
@@ -151,7 +151,7 @@ private:
 double normal(std::uint64_t seed, std::uint32_t stream, std::uint64_t counter) {
     const double u = sampling::random_uniform(seed, stream, 2 * counter),
                  v = sampling::random_uniform(seed, stream, 2 * counter + 1);
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v);
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(two_pi * v);
 }
 
 double power(std::span<const double> values) {
@@ -173,8 +173,7 @@ void filter(const Case& c, double rate_Hz, std::vector<double>& values) {
     if (c.time.regime == Regime::periodic) { // repeat the period until the filters have settled
         const double slowest_Hz = o.high_pass_Hz > 0.0 ? o.high_pass_Hz : o.low_pass_Hz;
         const double periods =
-            std::ceil(settling * rate_Hz /
-                      (2.0 * std::numbers::pi * slowest_Hz * static_cast<double>(length)));
+            std::ceil(settling * rate_Hz / (two_pi * slowest_Hz * static_cast<double>(length)));
         const auto copies = static_cast<std::size_t>(std::clamp(periods, 1.0, 10000.0));
         for (std::size_t n = 0; n < copies * length; ++n)
             values.push_back(values[n]);
@@ -223,8 +222,7 @@ Scan scan(const Case& c, const std::vector<double>& displacements_m) {
             v[n] += noise_m_s * normal(static_cast<std::uint64_t>(o.seed), noise_stream,
                                        point * (std::uint64_t{1} << 32) + n);
         filter(c, rate_Hz, v);
-        if (is_missing[point] != 0)
-            std::fill(v.begin(), v.end(), std::numeric_limits<double>::quiet_NaN());
+        if (is_missing[point] != 0) std::fill(v.begin(), v.end(), not_a_number);
         const double all = signal + noise_m_s * noise_m_s;
         scan.quality.push_back(is_missing[point] != 0 || all == 0.0 ? 0.0 : signal / all);
         scan.velocity_m_s.insert(scan.velocity_m_s.end(), v.begin(), v.end());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/adaptive_tables.hpp"
 
+#include "base/constants.hpp"
 #include "adapt/next_points.hpp"
 
 #include <algorithm>
@@ -12,8 +13,6 @@
 
 namespace shearwake::reduce {
 namespace {
-
-constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 std::string text_of(const Setting& setting) {
     return std::visit(
@@ -57,7 +56,7 @@ public:
         for (std::size_t i = 0; i < plan_.cases.size(); ++i) {
             if (plan_.cases[i].is_reference) continue;
             NamedCurve place;
-            double at = no_value;
+            double at = not_a_number;
             for (const Setting& setting : plan_.cases[i].settings) {
                 if (setting.key == axis.key) {
                     at = std::get<double>(setting.value);
@@ -68,7 +67,7 @@ public:
             }
             const auto [curve, is_new] = curve_of.try_emplace(place.others, curves.size());
             if (is_new) {
-                place.values.assign(x.size(), no_value);
+                place.values.assign(x.size(), not_a_number);
                 curves.push_back(std::move(place));
             }
             const auto index = std::ranges::lower_bound(x, at) - x.begin();
@@ -116,14 +115,14 @@ private:
 
     double number(std::size_t row, const std::string& column) const {
         const auto place = std::ranges::find(table_.columns, column) - table_.columns.begin();
-        if (place == std::ssize(table_.columns)) return no_value;
+        if (place == std::ssize(table_.columns)) return not_a_number;
         const std::vector<Cell>& cells = table_.rows[row];
         const auto valid = std::ranges::find(table_.columns, "valid") - table_.columns.begin();
         if (valid < std::ssize(cells) &&
             cells[static_cast<std::size_t>(valid)] == Cell(std::string("no")))
-            return no_value;
+            return not_a_number;
         const double* number = std::get_if<double>(&cells[static_cast<std::size_t>(place)]);
-        return number ? *number : no_value;
+        return number ? *number : not_a_number;
     }
 
     double value(const AdaptiveAxis& axis, std::size_t row) const {
@@ -131,7 +130,8 @@ private:
         if (axis.goal != AdaptiveAxis::Goal::crossing) return v;
         if (axis.has_level) return v - axis.level;
         const auto reference = row_of_.find(plan_.cases[row].reference_id);
-        return reference == row_of_.end() ? no_value : v - number(reference->second, axis.column);
+        return reference == row_of_.end() ? not_a_number
+                                          : v - number(reference->second, axis.column);
     }
 
     const storage::PlanIndex& plan_;
@@ -155,8 +155,8 @@ void add_errors(AdaptiveState& state, const std::vector<NamedCurve>& curves, Tab
             beyond += errors[i] > axis.tolerance;
             unknown += std::isnan(errors[i]);
             table.rows.push_back({axis.key, std::string(name_of(axis.goal)), axis.column,
-                                  curve.others, state.points[i], state.points[i + 1], no_value,
-                                  no_value, errors[i], yes_or_no(errors[i], axis.tolerance)});
+                                  curve.others, state.points[i], state.points[i + 1], not_a_number,
+                                  not_a_number, errors[i], yes_or_no(errors[i], axis.tolerance)});
         }
     }
     std::string sentence = fmt::format(
@@ -194,7 +194,7 @@ void add_locations(AdaptiveState& state, const std::vector<NamedCurve>& curves, 
                 where, is_end ? " (an end of the interval: the extremum may be outside)" : ""));
             table.rows.push_back({axis.key, std::string(goal), axis.column, curve.others,
                                   location.from, location.to, location.at,
-                                  axis.is_extremum() ? location.value : no_value, no_value,
+                                  axis.is_extremum() ? location.value : not_a_number, not_a_number,
                                   yes_or_no(uncertain, axis.tolerance * (1.0 + 1e-9))});
         }
     }

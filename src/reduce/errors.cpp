@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/errors.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace shearwake::reduce {
@@ -61,8 +61,7 @@ Table with_errors(const Table& table, const std::vector<std::string>& names, con
             if (!extends) continue;
             const auto found = errors.find(std::get<std::string>(table.rows[row][0]));
             const bool known = found != errors.end() && found->second.contains(name);
-            extended.rows[row].emplace_back(known ? found->second.at(name)
-                                                  : std::numeric_limits<double>::quiet_NaN());
+            extended.rows[row].emplace_back(known ? found->second.at(name) : not_a_number);
         }
     }
     return extended;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/uncertain_tables.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "reduce/sensitivity.hpp"
@@ -98,10 +99,10 @@ private:
     /// NaN: no value, or readings that are not valid.
     double value(const Group& group, std::size_t design_row, std::size_t column) const {
         const auto row = group.rows.find(design_row);
-        if (row == group.rows.end()) return std::nan("");
+        if (row == group.rows.end()) return not_a_number;
         const std::vector<Cell>& cells = table_.rows[row->second];
         const std::size_t valid = place_of(table_, "valid");
-        if (valid < cells.size() && cells[valid] == Cell(std::string("no"))) return std::nan("");
+        if (valid < cells.size() && cells[valid] == Cell(std::string("no"))) return not_a_number;
         return std::get<double>(cells[column]);
     }
 

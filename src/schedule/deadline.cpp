@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/deadline.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
@@ -96,8 +97,7 @@ bool Deadline::lets_begin(double needed_s, double left_s) const {
 
 double Deadline::left_s() const {
     const double kept_s = std::min(60.0, 0.05 * limit_s_);
-    return limit_s_ - kept_s -
-           std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    return limit_s_ - kept_s - seconds_since(began_);
 }
 
 } // namespace shearwake::schedule

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
 #include "parallel/comm.hpp"
 
-#include <chrono>
 #include <limits>
 #include <string>
 
@@ -34,7 +34,7 @@ public:
 
 private:
     double limit_s_ = std::numeric_limits<double>::infinity();
-    std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+    Clock::time_point began_ = Clock::now();
 };
 
 } // namespace shearwake::schedule

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/progress.hpp"
 
+#include "base/clock.hpp"
 #include "base/json_line.hpp"
 #include "base/text.hpp"
 #include "storage/files.hpp"
@@ -44,17 +45,17 @@ std::string bar(double share) {
 
 Progress::Progress(Style style, Log log)
     : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
-      began_(std::chrono::steady_clock::now()), last_(began_) {}
+      began_(Clock::now()), last_(began_) {}
 
 void Progress::start() {
-    began_ = last_ = std::chrono::steady_clock::now();
+    began_ = last_ = Clock::now();
     recorded_ = began_ + shortest_recorded - between_records; // short runs record no state
 }
 
 /// Updates the files every ten seconds; finish() appends the last line.
 void Progress::log(const SweepCounts& counts) {
     counts_ = counts;
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     if (!log_.lines.empty()) {
         has_unlogged_ = true;
         if (now - logged_ >= between_records) write_log();
@@ -67,17 +68,17 @@ void Progress::log(const SweepCounts& counts) {
 
 /// docs/reference/json-output.md describes the members.
 std::string Progress::json() const {
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - began_;
+    const double elapsed_s = seconds_since(began_);
     JsonLine line;
     line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
-    line.add("time", storage::timestamp()).add("elapsed_s", elapsed.count());
+    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
     line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
     line.add("running", counts_.running).add("partial", counts_.partial);
     return line.add("left_s", counts_.left_s).text();
 }
 
 void Progress::write_log() {
-    logged_ = std::chrono::steady_clock::now();
+    logged_ = Clock::now();
     has_unlogged_ = false;
     storage::append_line(log_.lines, json());
 }
@@ -99,8 +100,8 @@ void Progress::write_state() const {
 void Progress::update(const SweepCounts& counts) {
     if (!log_.lines.empty() || !log_.state.empty()) log(counts);
     if (quiet_ || counts.total == 0) return;
-    const auto now = std::chrono::steady_clock::now();
-    const double since = std::chrono::duration<double>(now - last_).count();
+    const auto now = Clock::now();
+    const double since = seconds_between(last_, now);
     const long ended = counts.done + counts.failed;
     const bool due = live_ ? since > 0.25 || ended == counts.total
                            : since > 60.0 || (ended == counts.total && !ended_);
@@ -117,8 +118,7 @@ void Progress::update(const SweepCounts& counts) {
 }
 
 std::string Progress::line(const SweepCounts& counts) const {
-    const double elapsed =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
+    const double elapsed = seconds_since(began_);
     const long ended = counts.done + counts.failed;
     // A team may end a case before it resets its share.
     const double complete = std::min(1.0, (static_cast<double>(ended) + counts.partial) /

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
 #include "schedule/output_folder.hpp"
 
-#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -60,11 +60,11 @@ private:
 
     bool quiet_, live_;
     Log log_;
-    std::chrono::steady_clock::time_point logged_, recorded_; // lines and state
-    SweepCounts counts_;                                      // the latest ones
-    bool has_unlogged_ = false;                               // whether they are not in the log
-    bool drawn_ = false, ended_ = false;                      // ended_: the last line is printed
-    std::chrono::steady_clock::time_point began_, last_;
+    Clock::time_point logged_, recorded_; // lines and state
+    SweepCounts counts_;                  // the latest ones
+    bool has_unlogged_ = false;           // whether they are not in the log
+    bool drawn_ = false, ended_ = false;  // ended_: the last line is printed
+    Clock::time_point began_, last_;
 };
 
 } // namespace shearwake::schedule

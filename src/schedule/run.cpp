@@ -229,7 +229,7 @@ struct Preparation {
         std::error_code none;
         const bool stop = stop_requested() || deadline.left_s() <= 0.0 ||
                           (world.is_root() && std::filesystem::exists(folder.stop_file(), none));
-        if (world.max(stop ? 1 : 0) != 0) throw StoppedBeforeCases{};
+        if (world.any(stop)) throw StoppedBeforeCases{};
         if (number == 1) on_root(world, [&] { journal.run_prepares(start); });
         // Most choices take a tenth of a second; a line for each would hide the others.
         const auto now = std::chrono::steady_clock::now();

@@ -171,14 +171,14 @@ bool Worker::one_case(const PlannedCase& planned) {
         const std::optional<CaseError> error =
             error_of([&] { fail_together(team_, [&] { is_done = compute(planned); }); });
         // A rank that lacks the memory to describe the error has to decide as the others do.
-        if (team_.max(error ? 1 : 0) == 0) {
+        if (!team_.any(error.has_value())) {
             file_failures_in_a_row_ = 0;
             break;
         }
         is_done = false;
         engine_.reset(); // its data may be incomplete
         const bool passing = error && error->trouble == Trouble::passing;
-        if (team_.min(passing ? 1 : 0) == 0 || attempt == waits_for_files.size()) {
+        if (!team_.all(passing) || attempt == waits_for_files.size()) {
             if (team_.is_root() && error) record(planned, error->reason, error->blame);
             break;
         }

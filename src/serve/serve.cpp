@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/serve.hpp"
 
+#include "base/clock.hpp"
 #include "config/job.hpp"
 #include "parallel/sleeping_barrier.hpp"
 #include "pipeline/memory.hpp"
@@ -9,14 +10,11 @@
 #include "serve/solver.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fmt/format.h>
 #include <unistd.h>
 
 namespace shearwake::serve {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 void greet(Output& output, const Limits& limits, int ranks) {
     output.message("hello", -1,
@@ -35,9 +33,7 @@ void greet(Output& output, const Limits& limits, int ranks) {
 void answer_request(const Request& request, Solver& solver, const Limits& limits, Inbox* inbox,
                     Output& output, const Comm& world) {
     const auto began = Clock::now();
-    const auto seconds = [&] {
-        return std::chrono::duration<double>(Clock::now() - began).count();
-    };
+    const auto seconds = [&] { return seconds_since(began); };
     Interrupt interrupt(world, [&] { return inbox->interrupts() || seconds() > limits.time_s; });
     Answer answer;
     std::string code, text;
@@ -88,7 +84,7 @@ ExitCode serve_command(const ServeArguments& arguments, const Comm& world) {
         std::optional<Request> request;
         if (inbox) request = inbox->wait();
         sleeping_barrier(world); // a request may be hours away
-        if (world.broadcast(request ? 1L : 0L) == 0) return ExitCode::done;
+        if (!world.broadcast(request.has_value())) return ExitCode::done;
         Request shared = request.value_or(Request{});
         shared.job = world.broadcast(std::move(shared.job));
         answer_request(shared, solver, limits, inbox ? &*inbox : nullptr, output, world);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/solver.hpp"
 
+#include "base/clock.hpp"
 #include "base/error.hpp"
 #include "config/job.hpp"
 #include "engines/registry/make_engine.hpp"
@@ -13,7 +14,6 @@
 #include "pipeline/surface_recorder.hpp"
 #include "serve/frame_keeper.hpp"
 
-#include <chrono>
 #include <fmt/format.h>
 
 namespace shearwake::serve {
@@ -99,7 +99,7 @@ void Solver::refuse_unsuitable(const Case& c) const {
 }
 
 bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answer) {
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = Clock::now();
     const config::Job job = read_request(text);
     const PlannedCase& planned = job.plan.cases.front();
     const Case& c = planned.physics;
@@ -120,8 +120,7 @@ bool Solver::compute(const std::string& text, Interrupt& interrupt, Answer& answ
     on_root(world_, [&] {
         answer.members = description(planned);
         answer.members["warnings"] = warnings_of(c, recorder, results.afferents);
-        answer.members["seconds"] =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        answer.members["seconds"] = seconds_since(began);
         answer.groups = std::move(results.groups);
         answer.frames = {frames_, c.time.frames, c.domain.nx, c.domain.ny};
     });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/jump_tail.hpp"
 
+#include "base/constants.hpp"
 #include "engines/layered/gauss_rule.hpp"
 #include "fft/reals.hpp"
 
@@ -105,7 +106,7 @@ TailFit::TailFit(std::ptrdiff_t samples, StackQuantity quantity)
     Eigen::MatrixXd values(rows, powers);
     Eigen::VectorXd weights(rows);
     for (Eigen::Index row = 0; row < rows; ++row) {
-        const double x = 2.0 * std::numbers::pi *
+        const double x = two_pi *
                          static_cast<double>(frequencies_[static_cast<std::size_t>(row / 2)]) /
                          static_cast<double>(samples);
         weights(row) = x * x; // H decays as its inverse

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/point_response.hpp"
 
+#include "base/constants.hpp"
 #include "engines/layered/gauss_rule.hpp"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ PointRule point_rule(double spacing_m, double reach_m) {
             const Complex slope(1.0, std::pow(height / (s + height), 2));
             rule.k_rad_m.push_back(k);
             rule.weight.push_back(low_pass(k, spacing_m) * k * slope *
-                                  (gauss.weight[i] * half / (2.0 * pi)));
+                                  (gauss.weight[i] * half / two_pi));
         }
     return rule;
 }

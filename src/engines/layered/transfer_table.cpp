@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/transfer_table.hpp"
 
+#include "base/constants.hpp"
 #include "engines/layered/open_grid.hpp"
 #include "engines/layered/point_response.hpp"
 #include "engines/layered/work_kinds.hpp"
@@ -25,7 +26,7 @@ using Complex = std::complex<double>;
 
 Complex TimeTransform::omega(std::ptrdiff_t m) const {
     const double period_s = static_cast<double>(samples) * step_s;
-    return {2.0 * std::numbers::pi * static_cast<double>(m) / period_s, -decay_rad_s};
+    return {two_pi * static_cast<double>(m) / period_s, -decay_rad_s};
 }
 
 double TransferTable::from_rad_m() const {
@@ -206,8 +207,8 @@ void TransferTable::add_remainder(std::ptrdiff_t ky, std::size_t depth, Complex*
 }
 
 std::vector<double> TransferTable::wavenumbers_rad_m(std::ptrdiff_t ky) const {
-    const double dkx = 2.0 * std::numbers::pi / (static_cast<double>(key_.nx) * key_.spacing_m);
-    const double dky = 2.0 * std::numbers::pi / (static_cast<double>(key_.ny) * key_.spacing_m);
+    const double dkx = two_pi / (static_cast<double>(key_.nx) * key_.spacing_m);
+    const double dky = two_pi / (static_cast<double>(key_.ny) * key_.spacing_m);
     std::vector<double> k(static_cast<std::size_t>(half_nx()));
     for (std::size_t i = 0; i < k.size(); ++i)
         k[i] = std::hypot(static_cast<double>(i) * dkx, static_cast<double>(ky_start_ + ky) * dky);

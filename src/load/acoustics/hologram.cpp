@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/acoustics/hologram.hpp"
 
+#include "base/constants.hpp"
+
 #include <cmath>
 #include <numbers>
 
@@ -58,7 +60,7 @@ std::vector<Complex> phased_drives(Hologram hologram, const Transfers& transfers
     std::vector<Complex> strengths;
     for (std::size_t m = 0; m < foci; ++m) {
         const double turns = 0.5 * static_cast<double>(m * (m + 1)) / std::numbers::phi;
-        strengths.push_back(std::polar(1.0, 2.0 * std::numbers::pi * turns));
+        strengths.push_back(std::polar(1.0, two_pi * turns));
     }
     std::vector<double> weights(foci, 1.0);
     std::vector<Complex> drives = phases(transfers, strengths);

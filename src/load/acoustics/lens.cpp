@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/acoustics/lens.hpp"
 
+#include "base/constants.hpp"
 #include "load/acoustics/patch.hpp"
 
 #include <algorithm>
@@ -101,20 +102,18 @@ std::ptrdiff_t pixels_along(const LensFootprint& lens) {
 
 double thickness_m(const LensFootprint& lens, double phase_rad) {
     // The phase of the transmitted sound is (k_lens - k_air) thickness.
-    const double k_air = 2.0 * std::numbers::pi * lens.frequency_Hz / lens.sound_speed_m_s;
-    const double k_lens = 2.0 * std::numbers::pi * lens.frequency_Hz / lens.material_c_m_s;
-    const double phase = k_lens > k_air ? phase_rad : 2.0 * std::numbers::pi - phase_rad;
-    const double turns = phase / (2.0 * std::numbers::pi);
-    return lens.base_m +
-           2.0 * std::numbers::pi * (turns - std::floor(turns)) / std::abs(k_lens - k_air);
+    const double k_air = two_pi * lens.frequency_Hz / lens.sound_speed_m_s;
+    const double k_lens = two_pi * lens.frequency_Hz / lens.material_c_m_s;
+    const double phase = k_lens > k_air ? phase_rad : two_pi - phase_rad;
+    const double turns = phase / (two_pi);
+    return lens.base_m + two_pi * (turns - std::floor(turns)) / std::abs(k_lens - k_air);
 }
 
 double transmission(const LensFootprint& lens, double thickness_m) {
     const double ratio = lens.material_density_kg_m3 * lens.material_c_m_s /
                          (air_impedance_density_kg_m3 * lens.sound_speed_m_s);
     const double mismatch = 0.5 * (ratio - 1.0 / ratio);
-    const double s =
-        std::sin(2.0 * std::numbers::pi * lens.frequency_Hz / lens.material_c_m_s * thickness_m);
+    const double s = std::sin(two_pi * lens.frequency_Hz / lens.material_c_m_s * thickness_m);
     return 1.0 / (1.0 + mismatch * mismatch * s * s);
 }
 

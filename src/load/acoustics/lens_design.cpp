@@ -65,8 +65,7 @@ public:
 
     /// The nearest field behind the lens, whose amplitude is 1: the phases of its pixels.
     std::vector<double> phases(const std::vector<Complex>& field) const {
-        std::vector<double> phase_rad(static_cast<std::size_t>(pixels_ * pixels_),
-                                      std::numeric_limits<double>::quiet_NaN());
+        std::vector<double> phase_rad(static_cast<std::size_t>(pixels_ * pixels_), not_a_number);
         for_pixels([&](std::size_t pixel, std::ptrdiff_t i, std::ptrdiff_t j) {
             Complex sum = 0.0;
             for_points(i, j, [&](std::size_t point) { sum += field[point]; });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "load/acoustics/plane_propagation.hpp"
 
+#include "base/constants.hpp"
 #include "fft/aligned.hpp"
 #include "fft/line_transform.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace shearwake {
@@ -45,7 +45,7 @@ Complex pressure_of_cell(const Sound& sound, const PlanePair& planes, double x_m
             const double r = std::hypot(x_m - half_m * x, y_m - half_m * y, z);
             sum += x_weight * y_weight * z / (r * r) * (1.0 / r - i_k) * std::exp(i_k * r);
         }
-    return half_m * half_m / (2.0 * std::numbers::pi) * sum;
+    return half_m * half_m / (two_pi)*sum;
 }
 
 } // namespace

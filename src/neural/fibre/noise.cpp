@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/fibre/noise.hpp"
 
+#include "base/constants.hpp"
+
 #include <cmath>
-#include <numbers>
 #include <Random123/philox.h>
 #include <Random123/uniform.hpp>
 
@@ -21,7 +22,7 @@ std::array<double, 2> two_uniforms(std::uint64_t key, std::uint32_t stream, std:
 
 std::array<double, 2> two_normals(std::uint64_t key, std::uint32_t stream, std::uint64_t counter) {
     const auto [u, v] = two_uniforms(key, stream, counter);
-    const double radius = std::sqrt(-2.0 * std::log(u)), angle = 2.0 * std::numbers::pi * v;
+    const double radius = std::sqrt(-2.0 * std::log(u)), angle = two_pi * v;
     return {radius * std::cos(angle), radius * std::sin(angle)};
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/skin/carrier.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 
 namespace shearwake::neural {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 /// millions of samples.
 double turn(double frequency_Hz, double rate_Hz, std::size_t k) {
     const double periods = frequency_Hz * static_cast<double>(k) / rate_Hz;
-    return 2.0 * std::numbers::pi * (periods - std::floor(periods));
+    return two_pi * (periods - std::floor(periods));
 }
 
 } // namespace

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/skin/skin_stress.hpp"
 
+#include "base/constants.hpp"
 #include "neural/skin/contact.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace shearwake::neural {
 
@@ -17,7 +17,7 @@ double stress_per_load(double distance_mm, double depth_mm, double radius_mm) {
     const double phi = std::atan2(2.0 * xi, q), theta = std::atan(1.0 / xi);
     const double J01 = std::sin(0.5 * phi) / std::sqrt(R);
     const double J02 = std::sqrt(1.0 + xi * xi) * std::sin(1.5 * phi - theta) / (R * std::sqrt(R));
-    return (J01 + xi * J02) / (2.0 * std::numbers::pi * radius_mm * radius_mm);
+    return (J01 + xi * J02) / (two_pi * radius_mm * radius_mm);
 }
 
 std::size_t arrival_samples(double distance_mm, double radius_mm, double rate_Hz) {

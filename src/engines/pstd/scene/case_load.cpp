@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scene/case_load.hpp"
 
+#include "base/constants.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace shearwake::pstd {
@@ -166,7 +167,7 @@ public:
 
     void operator()(std::ptrdiff_t sample, std::span<const std::size_t> which,
                     std::span<double> values) {
-        constexpr double is_free = std::numeric_limits<double>::quiet_NaN();
+        constexpr double is_free = not_a_number;
         const bool on_path = prescribed_ == PstdPrescribed::path;
         std::fill(values.begin(), values.end(), on_path ? 0.0 : is_free);
         first_ = static_cast<std::ptrdiff_t>(which.front());

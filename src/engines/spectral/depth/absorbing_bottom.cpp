@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/depth/absorbing_bottom.hpp"
 
+#include "base/constants.hpp"
 #include "case/edge_absorption.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::spectral {
 namespace {
@@ -50,7 +50,7 @@ AbsorbingBottom absorbing_bottom(const Case& c, const SpectralOptions& options) 
 }
 
 double swirl_viscosity_Pa_s(const AbsorbingBottom& bottom, const Layer& layer, double into_m) {
-    const double waves = 2.0 * std::numbers::pi * bottom.depth_m / bottom.longest_m;
+    const double waves = two_pi * bottom.depth_m / bottom.longest_m;
     const double share = into_m / bottom.depth_m;
     return 45.0 / (waves * waves) * layer.density_kg_m3 * layer.c_s_m_s * bottom.depth_m *
            std::pow(share, 4);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/depth/depth_mesh.hpp"
 
+#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "engines/spectral/depth/mesh_pieces.hpp"
 
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <numbers>
 
 namespace shearwake::spectral {
 
@@ -84,7 +84,7 @@ DepthMesh choose_mesh(const Case& c, const SpectralOptions& options, double step
     const double omega =
         bandwidth_rad_m(c.scene().load.footprint, 1e-2) *
             greatest_speed_m_s(c.scene().load.modulation.trajectory) +
-        2.0 * std::numbers::pi * greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope);
+        two_pi * greatest_envelope_frequency_Hz(c.scene().load.modulation.envelope);
     // a_mu = 1/12 is stable for omega dt < 2.42 with omega = c_s sqrt(finest) (2/h).
     const double calm_m = 2.0 * c.scene().medium.layers.front().c_s_m_s *
                           std::sqrt(finest_mode(mesh.rule)) * step_s / 2.42;

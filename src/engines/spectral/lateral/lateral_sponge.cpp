@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/lateral_sponge.hpp"
 
+#include "base/constants.hpp"
 #include "case/edge_absorption.hpp"
 #include "simd/kernels.hpp"
 
@@ -51,7 +52,7 @@ SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s) {
     if (medium == Lateral::varies) return plan;
     const double k_rad_m = bandwidth_rad_m(c.scene().load.footprint, 3e-2);
     const auto points = [&](double extent_m, std::ptrdiff_t all) {
-        const double waves = std::ceil(k_rad_m * extent_m / (2.0 * std::numbers::pi));
+        const double waves = std::ceil(k_rad_m * extent_m / (two_pi));
         if (2.0 * waves + 2.0 >= static_cast<double>(all)) return all;
         return std::min(all, good_even_length(2 * std::lround(waves) + 2));
     };

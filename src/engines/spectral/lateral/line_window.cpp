@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/line_window.hpp"
 
+#include "base/constants.hpp"
 #include "simd/kernels.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::spectral {
 namespace {
@@ -31,8 +31,7 @@ LineWindow::LineWindow(std::ptrdiff_t nx, std::ptrdiff_t begin, std::ptrdiff_t c
     const auto put = [&](Turn& turn, std::ptrdiff_t lane, std::ptrdiff_t k, std::ptrdiff_t x,
                          double weight) {
         // Reduced to one turn, so that the angle is exact for long lines.
-        const double angle =
-            2.0 * std::numbers::pi * static_cast<double>(k * x % nx) / static_cast<double>(nx);
+        const double angle = two_pi * static_cast<double>(k * x % nx) / static_cast<double>(nx);
         turn.cosine[lane] = weight * std::cos(angle);
         turn.sine[lane] = weight * std::sin(angle);
     };

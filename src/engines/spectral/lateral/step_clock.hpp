@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/clock.hpp"
+
 #include <array>
-#include <chrono>
 #include <cstddef>
 
 namespace shearwake::spectral {
@@ -24,7 +25,7 @@ public:
     void lap(Phase phase, double bytes = 0.0) {
         const auto now = Clock::now();
         const auto at = static_cast<std::size_t>(phase);
-        seconds_[at] += std::chrono::duration<double>(now - last_).count();
+        seconds_[at] += seconds_between(last_, now);
         bytes_[at] += bytes;
         last_ = now;
     }
@@ -32,7 +33,6 @@ public:
     double bytes(std::size_t phase) const { return bytes_[phase]; }
 
 private:
-    using Clock = std::chrono::steady_clock;
     Clock::time_point last_;
     std::array<double, phase_count> seconds_{}, bytes_{};
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/stepping/time_step.hpp"
 
+#include "base/constants.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/stepping/step_probe.hpp"
@@ -53,7 +54,7 @@ void find_fastest(const Load& load, Scales& s) {
     const auto* carrier = std::get_if<ResolvedCarrier>(&load.carrier);
     const double modulation_Hz = greatest_envelope_frequency_Hz(load.modulation.envelope) +
                                  (carrier ? carrier->frequency_Hz : 0.0);
-    const double modulation_rad_s = 2.0 * std::numbers::pi * modulation_Hz;
+    const double modulation_rad_s = two_pi * modulation_Hz;
     const double scan_rad_s = s.k_rad_m * s.scan_speed_m_s;
     const double shear_rad_s = s.k_rad_m * s.wave_speed_m_s;
     s.load_rad_s = std::max(modulation_rad_s, scan_rad_s);
@@ -62,10 +63,9 @@ void find_fastest(const Load& load, Scales& s) {
         s.fastest = fmt::format("limited by the {} ({:.3g} Hz)", carrier ? "carrier" : "modulation",
                                 modulation_Hz);
     else
-        s.fastest =
-            fmt::format("limited by {} ({:.3g} mm at {:.3g} m/s, {:.3g} Hz)",
-                        s.omega_rad_s == scan_rad_s ? "the scan" : "shear waves", wavelength_mm,
-                        s.omega_rad_s / s.k_rad_m, s.omega_rad_s / (2.0 * std::numbers::pi));
+        s.fastest = fmt::format("limited by {} ({:.3g} mm at {:.3g} m/s, {:.3g} Hz)",
+                                s.omega_rad_s == scan_rad_s ? "the scan" : "shear waves",
+                                wavelength_mm, s.omega_rad_s / s.k_rad_m, s.omega_rad_s / (two_pi));
 }
 
 Scales scales_of(const Case& c) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/stress/endless_stress.hpp"
 
+#include "base/constants.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace shearwake::spectral {
 namespace {
@@ -57,11 +57,10 @@ std::vector<SurfacePoint> outline(const Body& body, double spacing_m) {
     };
     const Vec3 half_m = half_section_m(body);
     if (std::holds_alternative<Cylinder>(body.shape)) {
-        const double around_m = 2.0 * std::numbers::pi * half_m.x;
+        const double around_m = two_pi * half_m.x;
         const long parts = parts_of(around_m);
         for (long i = 0; i < parts; ++i) {
-            const double angle =
-                2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(parts);
+            const double angle = two_pi * static_cast<double>(i) / static_cast<double>(parts);
             const Vec3 normal{std::sin(angle), 0.0, std::cos(angle)};
             points.push_back({half_m.x * normal, normal, around_m / static_cast<double>(parts)});
         }
@@ -170,8 +169,7 @@ void EndlessStress::put_phases() {
     const std::ptrdiff_t period = points_along();
     for (std::ptrdiff_t j = 0; j < points(); ++j)
         for (std::ptrdiff_t k = 0; 2 * k < period; ++k) {
-            const double angle = 2.0 * std::numbers::pi *
-                                 static_cast<double>(k * (first_point() + j) % period) /
+            const double angle = two_pi * static_cast<double>(k * (first_point() + j) % period) /
                                  static_cast<double>(period);
             phases_.push_back((k > 0 ? 2.0 : 1.0) * std::cos(angle));
             phases_.push_back((k > 0 ? -2.0 : -1.0) * std::sin(angle));

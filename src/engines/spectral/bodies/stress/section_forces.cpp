@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/stress/section_forces.hpp"
 
+#include "base/constants.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
 
 #include <cmath>
@@ -29,7 +30,7 @@ Stress line_stress(Vec3 r_m, double lambda_per_mu, Vec3 force_N_m) {
     const double radial = f.x * x + f.z * z;
     const double scale = -1.0 / (4.0 * std::numbers::pi * (1.0 - nu) * r);
     const double shear = scale * (1.0 - 2.0 * nu), all = 2.0 * scale * radial;
-    const double out_of_plane = -f.y / (2.0 * std::numbers::pi * r);
+    const double out_of_plane = -f.y / (two_pi * r);
     const double s_xx = shear * (2.0 * f.x * x - radial) + all * x * x;
     const double s_zz = shear * (2.0 * f.z * z - radial) + all * z * z;
     return {s_xx,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/stress/surface_points.hpp"
 
+#include "base/constants.hpp"
 #include "base/overloaded.hpp"
 #include "engines/spectral/bodies/lump_markers.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
@@ -29,17 +30,17 @@ std::vector<SurfacePoint> on_ellipsoid(Vec3 r, double spacing_m) {
     for (long i = 0; i < rings; ++i) {
         const double polar = (static_cast<double>(i) + 0.5) * step;
         const double s = std::sin(polar), c = std::cos(polar);
-        const long around = std::max(6L, parts_of(2.0 * std::numbers::pi * wide_m * s, spacing_m));
+        const long around = std::max(6L, parts_of(two_pi * wide_m * s, spacing_m));
         for (long j = 0; j < around; ++j) {
-            const double angle = 2.0 * std::numbers::pi *
+            const double angle = two_pi *
                                  (static_cast<double>(j) + 0.5 * static_cast<double>(i % 2)) /
                                  static_cast<double>(around);
             const Vec3 unit{s * std::cos(angle), s * std::sin(angle), c};
             const Vec3 normal{unit.x / r.x, unit.y / r.y, unit.z / r.z};
             // The exact area of the part of the unit sphere, times that of the map to the
             // ellipsoid.
-            const double of_sphere = 2.0 * std::sin(0.5 * step) * s * 2.0 * std::numbers::pi /
-                                     static_cast<double>(around);
+            const double of_sphere =
+                2.0 * std::sin(0.5 * step) * s * two_pi / static_cast<double>(around);
             points.push_back({{r.x * unit.x, r.y * unit.y, r.z * unit.z},
                               (1.0 / norm(normal)) * normal,
                               of_sphere * r.x * r.y * r.z * norm(normal)});
@@ -83,14 +84,13 @@ std::vector<SurfacePoint> on_cylinder(const Cylinder& shape, bool has_ends, doub
     const double cell_m = shape.length_m / static_cast<double>(along);
     /// The points at a radius and a place on the axis.
     const auto ring = [&](double radius_m, double at_m, double width_m, double out) {
-        const long around = std::max(6L, parts_of(2.0 * std::numbers::pi * radius_m, spacing_m));
+        const long around = std::max(6L, parts_of(two_pi * radius_m, spacing_m));
         for (long j = 0; j < around; ++j) {
-            const double angle = 2.0 * std::numbers::pi * (static_cast<double>(j) + 0.5) /
-                                 static_cast<double>(around);
+            const double angle =
+                two_pi * (static_cast<double>(j) + 0.5) / static_cast<double>(around);
             const Vec3 radial = std::cos(angle) * side + std::sin(angle) * up;
-            points.push_back(
-                {at_m * axis + radius_m * radial, out == 0.0 ? radial : out * axis,
-                 width_m * 2.0 * std::numbers::pi * radius_m / static_cast<double>(around)});
+            points.push_back({at_m * axis + radius_m * radial, out == 0.0 ? radial : out * axis,
+                              width_m * two_pi * radius_m / static_cast<double>(around)});
         }
     };
     for (long i = 0; i < along; ++i)
