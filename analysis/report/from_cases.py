@@ -3,18 +3,17 @@
 
 Usage: from_cases.py DIR    writes DIR/tables/plan.json, which `shearwake reduce` and `shearwake report` then read
 """
-import json
 import sys
 from pathlib import Path
 
-from package import plan_of_cases
+from package import plan_of_cases, sealed
 
 
 def main(folder):
     plan = plan_of_cases(Path(folder))
     tables = Path(folder) / "tables"
     tables.mkdir(exist_ok=True)
-    (tables / "plan.json").write_text(json.dumps(plan, indent=1) + "\n", encoding="utf-8")
+    (tables / "plan.json").write_text(sealed(plan), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -51,6 +51,12 @@ def open_case(path: str | os.PathLike[str]) -> h5py.File:
     return h5py.File(path, "r")
 
 
+def sealed(value: Any) -> str:
+    """The JSON text of an object with its checksum."""
+    text = json.dumps(value) + "\n"
+    return f'{text[:-2]},"checksum":"{xxhash.xxh3_64(text.encode()).hexdigest()}"}}\n'
+
+
 def read_json(text: str) -> Any:
     """The object of a JSON text without its checksum. Raises Damaged if the checksum is missing or does not match, and
     ValueError if the text is not valid JSON."""

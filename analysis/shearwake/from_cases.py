@@ -95,7 +95,7 @@ def plan_of_cases(folder: Path) -> dict[str, Any]:
     entries = [{"id": c["case_id"], "settings": c["settings"],
                 "is_reference": c["is_reference"] == "yes", "reference_id": c["reference_id"]}
                for c in cases]
-    return {"schema": 1, "name": name, "job": first["job"], "title": first["title"] or options["job"].get("title", name),
+    return {"schema": 2, "name": name, "job": first["job"], "title": first["title"] or options["job"].get("title", name),
             "swept_keys": keys, "cases": entries,
             "table": {"x": x, "series": options["table"].get("series",
                                                              series_of(ordinary, keys, x))}}

@@ -39,10 +39,9 @@ def plan_object(folder: Path) -> dict[str, Any]:
     """The object of plan.json. Without this file it is that of tables/plan.json, which `reduce` writes, or follows from
     the case files."""
     path, reduced = folder / "plan.json", folder / "tables" / "plan.json"
-    if path.exists():
-        return read_json(path.read_text(encoding="utf-8"))
-    if reduced.exists():
-        return json.loads(reduced.read_text(encoding="utf-8"))
+    for file in (path, reduced):
+        if file.exists():
+            return read_json(file.read_text(encoding="utf-8"))
     return plan_of_cases(folder)
 
 

@@ -13,6 +13,8 @@ import pandas as pd
 
 from study import AM, FWHM, InFolder, job, program, shearwake
 
+from shearwake.checksum import sealed  # noqa: E402
+
 OPENED = []
 sys.addaudithook(lambda event, arguments: OPENED.append(str(arguments[0])) if event in ("open", "os.scandir") else None)
 
@@ -83,7 +85,7 @@ class Reading(InFolder):
         (folder / "cases").mkdir(parents=True)
         entries = [{"id": f"{n:016x}", "settings": {AM: float(n % 100), FWHM: 1.0 + n // 100}, "is_reference": False,
                     "reference_id": "", "case": "[domain]\nnx = 48\n"} for n in range(10000)]
-        (folder / "plan.json").write_text(program.sealed_text({
+        (folder / "plan.json").write_text(sealed({
             "schema": 2, "name": "many", "title": "many", "swept_keys": [AM, FWHM], "table": {"x": AM, "series": []},
             "cases": entries}))
         for entry in entries:

@@ -18,7 +18,8 @@ sys.path.append(str(ROOT / "tests" / "end_to_end"))
 
 import report  # noqa: E402
 import style  # noqa: E402
-from program import seal, sealed_text  # noqa: E402
+from package import sealed  # noqa: E402
+from program import seal  # noqa: E402
 
 style.DPI, style.PDF = 30, False  # draws faster
 with_pdf = mock.patch.object(style, "PDF", True)
@@ -140,12 +141,12 @@ class Folder:
 
     def fail(self, identity, reason):
         with open(self.path / "journal.jsonl", "a") as journal:
-            journal.write(sealed_text({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
-                                       "blame": "case", "reason": reason}))
+            journal.write(sealed({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
+                                  "blame": "case", "reason": reason}))
             journal.write('{"event":"fini')
 
     def save(self):
-        (self.path / "plan.json").write_text(sealed_text(self.plan))
+        (self.path / "plan.json").write_text(sealed(self.plan))
         for file in (self.path / "cases").glob("*.h5"):
             seal(file)
         reduce(self.path)
