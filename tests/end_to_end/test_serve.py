@@ -69,7 +69,7 @@ class Serve(ProgramTest):
         job = one(more="[vibrometer]\npoints_mm = [[-6.0, 3.0], [3.0, 1.5], [6.0, -6.0]]\ntilt_deg = 30.0\nazimuth_deg = 40.0\n")
         with Server() as server:
             message, arrays = server.compute(job)
-            self.assert_equal_to_run(message, arrays, job)
+        self.assertEqual(message["case"], self.stored(job)[3])
         with h5py.File(case_files(self.folder / "run")[0]) as file:
             scan = file["vibrometer/velocity"][()]
         self.assertGreater(numpy.abs(scan).max(), 0.0)
