@@ -66,7 +66,7 @@ class Compare(ProgramTest):
         (self.folder / "text.h5").write_text("not HDF5")
         with h5py.File(self.folder / "map.h5", "w") as file:
             file["c_s_m_s"] = 5.0
-        for name, words in (("text.h5", "text.h5 cannot be read as a case file"),
+        for name, words in (("text.h5", "text.h5 is not a case file of shearwake"),
                             ("map.h5", "map.h5 is not a case file of shearwake"),
                             ("none.h5", "none.h5 does not exist"), ("out/none", "output folder; run the job first")):
             said = self.shearwake("compare", name, path, expect=6).said

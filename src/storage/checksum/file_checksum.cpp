@@ -158,7 +158,8 @@ IntegrityCheck check_integrity(const fs::path& path) {
     ChecksumLine line;
     if (file.size() < line_length ||
         !parse(file.text(file.size() - line_length, line_length), line)) {
-        check.damage = "the checksum at its end is missing";
+        check.damage =
+            "the checksum at its end is missing: it is truncated, or not a shearwake case file";
         return check;
     }
     // append_line() first ends an incomplete last line.

@@ -112,7 +112,7 @@ bool is_extension(Json before, Json now) {
     for (const Json& entry : before.at("cases"))
         if (!ids.contains(entry.at("id").get<std::string>())) return false;
     for (Json* root : {&before, &now}) {
-        for (const char* key : {"cases", "title", "table"})
+        for (const char* key : {"checksum", "cases", "title", "table"})
             root->erase(key);
         if (root->contains("uncertain"))
             for (const char* key : {"samples", "exceedance"})

@@ -98,7 +98,7 @@ TEST_CASE("a file without a checksum is damaged", "[checksum]") {
             h5::put_attribute(file.raw(), name, std::string(value));
         file.close("close");
     }
-    CHECK(check_integrity(path).damage == "the checksum at its end is missing");
+    CHECK(check_integrity(path).damage.starts_with("the checksum at its end is missing"));
     CHECK_FALSE(is_accepted(path));
     CaseIndex index(folder / "", CaseIndex::Trust::checksum);
     REQUIRE(index.find("00ff"));
