@@ -51,9 +51,14 @@ double standard_deviation_m(const Load& load) {
     return fwhm_m(load.footprint) / (2.0 * std::sqrt(2.0 * std::log(2.0)));
 }
 
+/// The error at frames within four steps before and after a break counts, hence also that of a
+/// break at the last frame, such as the end of a path, or shortly after it.
 BreakError break_error(const Case& c, double cell_s) {
-    const double from_s = c.time.regime == Regime::periodic ? c.time.interval_s : 0.0;
-    return {c, breaks_of(c.scene().load, from_s, from_s + c.time.duration_s(), cell_s), cell_s};
+    const bool is_periodic = c.time.regime == Regime::periodic;
+    const double from_s = is_periodic ? c.time.interval_s : 0.0;
+    const double after_s = is_periodic ? 0.0 : 4.0 * cell_s;
+    return {c, breaks_of(c.scene().load, from_s, from_s + c.time.duration_s() + after_s, cell_s),
+            cell_s};
 }
 
 /// The number of samples per frame, from `least` on, for which BreakError is small enough.
