@@ -57,11 +57,11 @@ Block product(std::ptrdiff_t count, const Block* a, const Block* b, const Block*
     return product;
 }
 
-void put_load(const LoadSample* three, const Block* shape, Block* surface) {
+void put_load(std::ptrdiff_t count, const LoadSample* samples, const Block* shape, Block* surface) {
     for (std::ptrdiff_t s = 0; s < slices; ++s) {
         Value sum{};
-        for (int n = 0; n < 3; ++n) {
-            const LoadSample& sample = three[n];
+        for (std::ptrdiff_t n = 0; n < count; ++n) {
+            const LoadSample& sample = samples[n];
             Vector re, im;
             simd::load_ascending(sample.x + 2 * s * width, re, im);
             Value v = {{re * sample.y_re - im * sample.y_im, re * sample.y_im + im * sample.y_re,

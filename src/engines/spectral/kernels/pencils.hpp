@@ -5,7 +5,7 @@
 
 namespace shearwake::spectral {
 
-/// One load sample that contributes to a step, for the pencils of one ky.
+/// The load at one time that contributes to a step, for the pencils of one ky.
 struct LoadSample {
     const double* x;    // e^{-i kx x} for eight kx, complex
     double y_re, y_im;  // e^{-i ky y} times the amplitude
@@ -27,9 +27,10 @@ struct PencilKernels {
                        Block* to);
     /// Sum of a * b over the unknowns, with weights `counted` for the parts.
     Block (*product)(std::ptrdiff_t count, const Block* a, const Block* b, const Block* counted);
-    /// Sum of three samples times the spectrum of a constant pattern (null: each sample has its
+    /// Sum of `count` samples times the spectrum of a constant pattern (null: each sample has its
     /// own).
-    void (*put_load)(const LoadSample* three, const Block* shape, Block* surface);
+    void (*put_load)(std::ptrdiff_t count, const LoadSample* samples, const Block* shape,
+                     Block* surface);
 };
 
 /// Transfers the velocity for the sponge between pencils and three planes per level (u_x, u_y,

@@ -6,14 +6,22 @@
 #include "fft/reals.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 
 namespace shearwake::spectral {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// Times (in steps) of the load samples that contribute to a step, and their weights.
+/// Breaks are searched for in ranges of this many steps, as far as the run has come: a probe of a
+/// long run advances a part of it only, and a resumed run finds the same breaks.
+constexpr std::ptrdiff_t searched_steps = 64;
+/// A break this close to the end of a range belongs to both sides [steps].
+constexpr double tolerance_steps = 1e-6;
+
+/// Times (in steps) of the samples of a smooth load that contribute to step n, and their weights.
 struct Sample {
     std::ptrdiff_t step;
     double weight;
@@ -21,6 +29,12 @@ struct Sample {
 std::array<Sample, 3> samples_at(std::ptrdiff_t n) {
     if (n == 0) return {{{0, 7.0 / 12.0}, {1, 0.5}, {2, -1.0 / 12.0}}};
     return {{{n - 1, 1.0 / 12.0}, {n, 10.0 / 12.0}, {n + 1, 1.0 / 12.0}}};
+}
+
+/// The weight of the load at a time, for step n.
+double hat(double steps, std::ptrdiff_t n) {
+    const double share = std::max(1.0 - std::abs(steps - static_cast<double>(n)), 0.0);
+    return n == 0 ? 2.0 * share : share; // at the start there is only the half after it
 }
 
 } // namespace
@@ -109,17 +123,50 @@ void MovingLoad::put_shape(Shape& shape) const {
     }
 }
 
-/// Two of the three samples of a step are those of the previous step and are reused.
-void MovingLoad::reuse(std::ptrdiff_t first_step) {
-    for (std::size_t s = 0; s < loads_.size(); ++s)
-        for (std::size_t from = s + 1; from < loads_.size(); ++from)
-            if (loads_[from].step == first_step + static_cast<std::ptrdiff_t>(s))
-                std::swap(loads_[s], loads_[from]);
+/// Finds the breaks up to two steps after n.
+void MovingLoad::find_breaks(std::ptrdiff_t n) {
+    const auto drop = [&](double at) { return at < static_cast<double>(n) - 2.0; };
+    for (searched_ = std::max(searched_, std::max<std::ptrdiff_t>(n - 1, 0) / searched_steps);
+         searched_ * searched_steps < n + 3; ++searched_) {
+        std::erase_if(breaks_, drop);
+        const double from_s = static_cast<double>(searched_ * searched_steps) * step_s_;
+        for (const Break& each :
+             breaks_of(case_.scene().load, from_s,
+                       from_s + static_cast<double>(searched_steps) * step_s_, step_s_))
+            // Nothing precedes the start.
+            if (each.time_s > tolerance_steps * step_s_) breaks_.push_back(each.time_s / step_s_);
+    }
 }
 
-void MovingLoad::place(Sampled& load, std::ptrdiff_t step) {
-    load.step = step;
-    pattern_.set(pattern_.held_s(static_cast<double>(step) * step_s_));
+void MovingLoad::choose_nodes(std::ptrdiff_t n) {
+    find_breaks(n);
+    const double first = std::max(static_cast<double>(n) - 1.0, 0.0),
+                 last = static_cast<double>(n == 0 ? 2 : n + 1); // of samples_at()
+    nodes_.clear();
+    const auto is_near = [&](double at) {
+        return at > first - tolerance_steps && at < last + tolerance_steps;
+    };
+    if (std::ranges::none_of(breaks_, is_near)) {
+        for (const Sample& sample : samples_at(n))
+            nodes_.push_back({static_cast<double>(sample.step), sample.weight});
+        return;
+    }
+    const double end = static_cast<double>(n + 1);
+    std::vector<double> ends = {first, static_cast<double>(n), end};
+    std::ranges::copy_if(breaks_, std::back_inserter(ends),
+                         [&](double at) { return at > first && at < end; });
+    std::ranges::sort(ends);
+    for (std::size_t i = 1; i < ends.size(); ++i) {
+        const double middle = 0.5 * (ends[i - 1] + ends[i]), half = 0.5 * (ends[i] - ends[i - 1]);
+        if (half < tolerance_steps) continue;
+        for (const double at : {middle - half / std::sqrt(3.0), middle + half / std::sqrt(3.0)})
+            nodes_.push_back({at, half * hat(at, n)});
+    }
+}
+
+void MovingLoad::place(Sampled& load, double held_s) {
+    load.held_s = held_s;
+    pattern_.set(held_s);
     if (pattern_.changes()) put_shape(load.shape);
     const Vec2 origin = pattern_.origin_m() - Vec2{case_.domain.x_m(0), case_.domain.y_m(0)};
     load.x.resize(static_cast<std::size_t>(vectors_.blocks() * lane_count));
@@ -130,49 +177,47 @@ void MovingLoad::place(Sampled& load, std::ptrdiff_t step) {
         load.y[j] = std::polar(1.0, -vectors_.ky_rad_m(static_cast<std::ptrdiff_t>(j)) * origin.y);
 }
 
-namespace {
-
-/// Weight of a sample of a load that is switched off. It is one half at the end, so that the sum of
-/// the samples equals the integral of the load. If the end lies between two steps, the first moment
-/// is preserved, too.
-double share_before(double end_steps, std::ptrdiff_t step) {
-    const double last = std::floor(end_steps + 1e-9);
-    const double after = end_steps - last, at = static_cast<double>(step);
-    const double next = 0.5 * after * after;
-    if (at < last) return 1.0;
-    if (at == last) return 0.5 + after - next;
-    return at == last + 1.0 ? next : 0.0;
-}
-
-} // namespace
-
 void MovingLoad::sample(std::ptrdiff_t n) {
-    const double off_s = off_time_s(case_.scene().load.modulation.trajectory);
+    choose_nodes(n);
+    const Load& given = case_.scene().load;
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();
-    const auto samples = samples_at(n);
-    reuse(samples.front().step);
-    for (std::size_t s = 0; s < samples.size(); ++s) {
-        const double t_s = static_cast<double>(samples[s].step) * step_s_;
-        Sampled& load = loads_[s];
-        if (load.step != samples[s].step) place(load, samples[s].step);
-        load.amplitude_Pa = share_before(off_s / step_s_, samples[s].step) * samples[s].weight *
-                            case_.scene().load.peak_Pa * amplitude(case_.scene().load, t_s) /
-                            area_m2;
+    // Placing a load is expensive: those of the previous step are reused, and an array that updates
+    // its focus rarely is placed once per update.
+    std::swap(loads_, spare_);
+    loads_.clear();
+    for (const Node& node : nodes_) {
+        const double t_s = node.steps * step_s_, held_s = pattern_.held_s(t_s);
+        auto at = std::ranges::find(loads_, held_s, &Sampled::held_s);
+        if (at == loads_.end()) {
+            const auto former = std::ranges::find(spare_, held_s, &Sampled::held_s);
+            if (former != spare_.end()) {
+                loads_.push_back(std::move(*former));
+                spare_.erase(former);
+            } else {
+                loads_.emplace_back();
+                place(loads_.back(), held_s);
+            }
+            at = std::prev(loads_.end());
+            at->amplitude_Pa = 0.0;
+        }
+        at->amplitude_Pa += node.weight * given.peak_Pa * strength(given, t_s) / area_m2;
     }
+    spare_.clear();
 }
 
 void MovingLoad::put(std::ptrdiff_t row, std::ptrdiff_t block, Block* surface) const {
     const std::ptrdiff_t pencil = parts * (row * vectors_.blocks() + block);
-    LoadSample samples[3];
-    for (std::size_t i = 0; i < loads_.size(); ++i) {
-        const Sampled& load = loads_[i];
+    std::vector<LoadSample> samples;
+    samples.reserve(loads_.size());
+    for (const Sampled& load : loads_) {
         const Complex y = load.amplitude_Pa * load.y[static_cast<std::size_t>(row)];
-        samples[i] = {.x = fft::reals(load.x.data() + block * lane_count),
-                      .y_re = y.real(),
-                      .y_im = y.imag(),
-                      .shape = pattern_.changes() ? load.shape.data() + pencil : nullptr};
+        samples.push_back({.x = fft::reals(load.x.data() + block * lane_count),
+                           .y_re = y.real(),
+                           .y_im = y.imag(),
+                           .shape = pattern_.changes() ? load.shape.data() + pencil : nullptr});
     }
-    kernels_.put_load(samples, pattern_.changes() ? nullptr : shape_.data() + pencil, surface);
+    kernels_.put_load(std::ssize(samples), samples.data(),
+                      pattern_.changes() ? nullptr : shape_.data() + pencil, surface);
 }
 
 } // namespace shearwake::spectral

@@ -4,9 +4,9 @@
 #include "case/case.hpp"
 #include "engines/spectral/kernels/pencils.hpp"
 #include "fft/slab_transform.hpp"
+#include "load/breaks.hpp"
 #include "load/load_pattern.hpp"
 
-#include <array>
 #include <complex>
 #include <vector>
 
@@ -52,9 +52,12 @@ private:
     fft::SlabShare share_;
 };
 
-/// The spectrum of the moving footprint with its own fourth-order correction in time, f + (dt^2/12)
-/// f''. At the start the samples are one-sided and (dt/3) f' is added, because u(dt) is half of the
-/// first difference. Not collective.
+/// The spectrum of the moving footprint, averaged over the steps before and after each time with
+/// weights that fall linearly to zero: u+ - 2 u + u- of a free mass is dt^2 times this average of
+/// its acceleration. Where the load is smooth, three samples give f + (dt^2/12) f'', which is of
+/// fourth order. Near a break (load/breaks.hpp), for example the end of a path, Gauss nodes between
+/// the breaks integrate. At the start the average is one-sided, because u(dt) is half of the first
+/// difference. Not collective.
 class MovingLoad {
 public:
     MovingLoad(const Case& c, const WaveVectors& vectors, double step_s);
@@ -69,20 +72,29 @@ private:
     struct Sampled {
         std::vector<std::complex<double>> x, y;
         double amplitude_Pa = 0.0;
-        std::ptrdiff_t step = -1;
-        Shape shape; // empty for a constant pattern
+        double held_s = 0.0; // time of its focus and pattern
+        Shape shape;         // empty for a constant pattern
+    };
+    /// A time [steps] at which the load contributes to a step.
+    struct Node {
+        double steps, weight;
     };
     void put_shape(Shape& shape) const;
-    void reuse(std::ptrdiff_t first_step);
-    void place(Sampled& load, std::ptrdiff_t step);
+    void place(Sampled& load, double held_s);
+    void place_all();
+    void find_breaks(std::ptrdiff_t n);
+    void choose_nodes(std::ptrdiff_t n);
 
     const Case& case_;
     const PencilKernels& kernels_;
     WaveVectors vectors_;
     double step_s_;
     LoadPattern pattern_;
-    std::array<Sampled, 3> loads_;
-    Shape shape_; // of a constant pattern
+    std::vector<Node> nodes_;            // of the selected step
+    std::vector<Sampled> loads_, spare_; // at these times
+    std::vector<double> breaks_;         // [steps], those near the selected step at least
+    std::ptrdiff_t searched_ = 0;        // ranges of steps in which breaks have been searched for
+    Shape shape_;                        // of a constant pattern
 };
 
 } // namespace shearwake::spectral
