@@ -98,8 +98,8 @@ std::string elastic_note(const Case& c, std::size_t i) {
 
 } // namespace
 
-std::vector<std::string> discretisation_notes(const Case& c, const TimeStep& time,
-                                              const DepthMesh& mesh) {
+std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
+                                              const ProbedErrors& errors) {
     double longest_m = 0.0;
     for (std::size_t e = 0; e < mesh.elements(); ++e)
         longest_m = std::max(longest_m, mesh.length_m(e));
@@ -113,8 +113,29 @@ std::vector<std::string> discretisation_notes(const Case& c, const TimeStep& tim
             "the half-space consists of {:.3g} mm of the medium and an absorber of {:.3g} mm, "
             "designed for shear wavelengths up to {:.3g} mm (estimated error {:.2g})",
             1e3 * mesh.bottom->clear_m, 1e3 * mesh.bottom->depth_m, 1e3 * mesh.bottom->longest_m,
-            probed_return(c, std::get<SpectralOptions>(c.solver), time.step_s)));
+            errors.absorber));
+    notes.push_back(fmt::format("step{} cause an estimated error of {:.2g} in the surface field "
+                                "(relative L2), and of up to {:.2g} of its maximum near the focus",
+                                mesh.bottom ? ", elements and absorber" : " and elements",
+                                errors.norm, errors.maximum));
     return notes;
+}
+
+std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors) {
+    const auto& options = std::get<SpectralOptions>(c.solver);
+    if (errors.norm <= options.accuracy) return {};
+    const bool by_absorber = errors.absorber > 0.5 * errors.norm;
+    return {
+        {Severity::warning,
+         by_absorber           ? "solver.spectral.absorbing_depth_mm"
+         : options.time_step_s ? "solver.spectral.time_step_us"
+                               : "solver.spectral.accuracy",
+         fmt::format("the estimated relative L2 error of the surface field, {:.1e}, exceeds the "
+                     "accuracy of {:.1e}; {}",
+                     errors.norm, options.accuracy,
+                     by_absorber           ? "use a deeper absorber, or a wider domain"
+                     : options.time_step_s ? "remove this key, or use a shorter step"
+                                           : "specify a shorter solver.spectral.time_step_us")}};
 }
 
 std::vector<std::string> edge_notes(const Case& c) {

@@ -3,6 +3,7 @@
 
 #include "engines/limits.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
+#include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 
 #include <string>
@@ -12,8 +13,11 @@ namespace shearwake::spectral {
 
 /// Notes on the discretisation in time and depth, with the estimated errors, one line each. Not
 /// collective.
-std::vector<std::string> discretisation_notes(const Case& c, const TimeStep& time,
-                                              const DepthMesh& mesh);
+std::vector<std::string> discretisation_notes(const TimeStep& time, const DepthMesh& mesh,
+                                              const ProbedErrors& errors);
+
+/// A warning if the estimated error exceeds the accuracy of the options. Not collective.
+std::vector<Remark> accuracy_warnings(const Case& c, const ProbedErrors& errors);
 
 /// Notes on the share of energy that the absorbing edges return, one line each. Not collective.
 std::vector<std::string> edge_notes(const Case& c);

@@ -48,7 +48,8 @@ std::vector<std::string> SpectralEngine::choices(const Case& given) const {
     const Case c = with_rigid_bodies(given);
     const auto& options = std::get<SpectralOptions>(c.solver);
     const TimeStep time = choose_time_step(c, options);
-    auto notes = discretisation_notes(c, time, choose_mesh(c, options, time.step_s));
+    auto notes = discretisation_notes(time, choose_mesh(c, options, time.step_s),
+                                      probed_errors(c, options, time.step_s));
     for (const auto& more :
          {edge_notes(c), body_notes(given), engines::notes_of(variation_choices(c, options))})
         notes.insert(notes.end(), more.begin(), more.end());
@@ -87,10 +88,12 @@ void SpectralEngine::run(const Case& given, const Comm& team, engines::Observer&
     if (engines::march(field, c.time.frames * time.per_frame, observer, checkpoints) ==
         engines::MarchEnd::stopped)
         return;
-    auto notes = discretisation_notes(c, time, mesh);
+    const ProbedErrors errors = probed_errors(c, options, time.step_s);
+    auto notes = discretisation_notes(time, mesh, errors);
     for (const auto& more : {edge_notes(c), body_notes(given)})
         notes.insert(notes.end(), more.begin(), more.end());
-    const engines::SolverReport report = report_of(field.stepper(), std::move(notes));
+    engines::SolverReport report = report_of(field.stepper(), std::move(notes));
+    report.warnings = accuracy_warnings(c, errors);
     field.finish(observer);
     observer.solved(report);
 }

@@ -3,11 +3,15 @@
 
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
+#include "load/breaks.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace shearwake::spectral {
 namespace {
@@ -132,63 +136,204 @@ double share_above(double limit_rad_m, double sample_rad_m, double spacing_rad_m
     return std::clamp((to - limit_rad_m) / (to - from), 0.0, 1.0);
 }
 
-} // namespace
+/// Elements of half the length above the absorber.
+DepthMesh with_halved_elements(const DepthMesh& mesh) {
+    DepthMesh finer = mesh;
+    finer.ends_m = {0.0};
+    finer.layers.clear();
+    finer.light.clear();
+    const auto add = [&](std::size_t e, double end_m) {
+        finer.ends_m.push_back(end_m);
+        finer.layers.push_back(mesh.layers[e]);
+        if (!mesh.light.empty()) finer.light.push_back(mesh.light[e]);
+    };
+    for (std::size_t e = 0; e < mesh.elements(); ++e) {
+        const double middle_m = 0.5 * (mesh.ends_m[e] + mesh.ends_m[e + 1]);
+        if (middle_m < mesh.clear_depth_m()) add(e, middle_m);
+        add(e, mesh.ends_m[e + 1]);
+    }
+    return finer;
+}
 
-double probed_return(const Case& c, const SpectralOptions& options, double step_s) {
-    const double coarse_s = 2.0 * step_s; // suffices for a difference of two absorbers
-    // Where the absorber returns the most: the lowest wave vectors of the domain, exactly.
-    constexpr std::ptrdiff_t low_rows = 4, high_rows = 4;
-    fft::SlabShare low_share, high_share;
-    low_share.ky_count = std::min(low_rows, (c.domain.ny + 1) / 2);
-    high_share.ky_count = high_rows;
-    const WaveVectors low = WaveVectors(c.domain, low_share)
-                                .coarser(std::min(probed_columns, c.domain.nx), c.domain.ny);
-    // Samples of the spectrum of the footprint, for the size of the complete field.
-    const Case few = with_few_wave_vectors(c, high_rows);
-    const WaveVectors high(few.domain, high_share);
+/// An absorber of twice the depth, with elements that are not longer.
+DepthMesh with_deeper_absorber(const Case& c, SpectralOptions options, const DepthMesh& mesh,
+                               double step_s) {
+    double longest_m = 0.0;
+    for (std::size_t e = 0; e < mesh.elements(); ++e)
+        longest_m = std::max(longest_m, mesh.length_m(e));
+    options.absorbing_depth_m = 2.0 * mesh.bottom->depth_m;
+    options.longest_element_m = longest_m;
+    return choose_mesh(c, options, step_s);
+}
 
-    const DepthMesh mesh = choose_mesh(c, options, step_s);
-    SpectralOptions deeper = options;
-    deeper.absorbing_depth_m = 2.0 * mesh.bottom->depth_m;
-    const DepthMesh deeper_mesh = choose_mesh(c, deeper, step_s);
-    const VerticalOperator vertical(mesh, background_of(mesh, c.scene().medium));
-    const VerticalOperator reference(deeper_mesh, background_of(deeper_mesh, c.scene().medium));
-    Probe here(c, vertical, low, coarse_s), deep(c, reference, low, coarse_s);
-    Probe all(few, vertical, high, coarse_s);
+/// The lowest wave vectors of a domain.
+WaveVectors low_vectors(const Domain& domain) {
+    constexpr std::ptrdiff_t rows = 4;
+    fft::SlabShare share;
+    share.ky_count = std::min(rows, (domain.ny + 1) / 2);
+    return WaveVectors(domain, share).coarser(std::min(probed_columns, domain.nx), domain.ny);
+}
 
-    const PencilKernels& kernels = simd::kernels<PencilKernels>();
+WaveVectors few_vectors(const Domain& domain) {
+    fft::SlabShare share;
+    share.ky_count = probed_rows; // without the Nyquist mode
+    return {domain, share};
+}
+
+using Counts = std::vector<Counted>;
+
+Counts counts_of(const WaveVectors& vectors) {
+    Counts all;
+    for (std::ptrdiff_t row = 0; row < vectors.rows(); ++row)
+        all.push_back(vectors.counted(row, 0));
+    return all;
+}
+
+/// Without the mean over the surface, which is pure compression, and of which each sample of the
+/// few would represent too much.
+Counts without_mean(Counts all) {
+    for (Block& part : all[0].part)
+        part[0] = 0.0;
+    return all;
+}
+
+/// Without the cells of the lowest wave vectors.
+Counts without_low(Counts all, const WaveVectors& low, const WaveVectors& few) {
     const double low_kx = low.kx_rad_m(low.nx() / 2) - 0.5 * low.kx_rad_m(1);
     const double low_ky = low.ky_rad_m(low.rows()) - 0.5 * low.ky_rad_m(1);
-    const double per_sample = few.domain.extent_x_m() * few.domain.extent_y_m() /
-                              (c.domain.extent_x_m() * c.domain.extent_y_m());
-    const auto square = [&](const Block* w, const Counted& counted) {
-        return sum_of(kernels.product(parts, w, w, counted.part));
-    };
-    Deviation sums;
-    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
-    for (long n = std::lround(probed_s / coarse_s); n > 0; --n) {
-        for (Probe* probe : {&here, &deep, &all})
-            probe->advance();
-        for (std::ptrdiff_t row = 0; row < low.rows(); ++row) {
-            Block apart[parts];
-            kernels.difference(parts, 1.0, here.surface(row), deep.surface(row), apart);
-            sums.difference += square(apart, low.counted(row, 0));
-            sums.all += square(here.surface(row), low.counted(row, 0));
+    for (std::ptrdiff_t row = 0; row < few.rows(); ++row)
+        for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
+            const double below = (1.0 - share_above(low_ky, few.ky_rad_m(row), few.ky_rad_m(1))) *
+                                 (1.0 - share_above(low_kx, few.kx_rad_m(lane), few.kx_rad_m(1)));
+            for (Block& part : all[static_cast<std::size_t>(row)].part)
+                part[lane] *= 1.0 - below;
         }
-        for (std::ptrdiff_t row = 0; row < high_rows; ++row) {
-            Counted counted = high.counted(row, 0);
-            const double below_y = 1.0 - share_above(low_ky, high.ky_rad_m(row), high.ky_rad_m(1));
+    return all;
+}
+
+/// Points on both axes through the focus, half a width apart, at which a field is evaluated.
+std::vector<Vec2> points_near_focus(const Load& load, double t_s) {
+    const Vec2 focus = focus_m(load, t_s);
+    const double apart_m = 0.5 * fwhm_m(load.footprint);
+    std::vector<Vec2> points = {focus};
+    for (const int i : {-4, -3, -2, -1, 1, 2, 3, 4}) {
+        points.push_back(focus + Vec2{i * apart_m, 0.0});
+        points.push_back(focus + Vec2{0.0, i * apart_m});
+    }
+    return points;
+}
+
+/// The wave vectors of a probe, how often each counts, and the origin of their phases.
+struct Waves {
+    const WaveVectors& vectors;
+    Vec2 origin_m;
+    Counts counts;
+};
+
+/// The mean square over the surface, and the largest magnitude at some points.
+struct Size {
+    double square = 0.0, most = 0.0;
+};
+
+/// Of the difference of two fields, or of one field.
+Size size_of(const Probe& a, const Probe* b, const Waves& waves, const std::vector<Vec2>& points) {
+    using Complex = std::complex<double>;
+    Size size;
+    std::vector<double> at_points(points.size());
+    for (std::ptrdiff_t row = 0; row < std::ssize(waves.counts); ++row) {
+        const Counted& counted = waves.counts[static_cast<std::size_t>(row)];
+        const Block *x = a.surface(row), *y = b ? b->surface(row) : nullptr;
+        for (const auto& [re, im] : {std::pair(plus_re, plus_im), std::pair(minus_re, minus_im)})
             for (std::ptrdiff_t lane = 0; lane < lane_count; ++lane) {
-                const double below_x =
-                    1.0 - share_above(low_kx, high.kx_rad_m(lane), high.kx_rad_m(1));
-                const bool is_mean = row == 0 && lane == 0;
-                for (Block& part : counted.part)
-                    part[lane] *= is_mean ? 0.0 : per_sample * (1.0 - below_x * below_y);
+                const Complex w(x[re][lane] - (y ? y[re][lane] : 0.0),
+                                x[im][lane] - (y ? y[im][lane] : 0.0));
+                const double times = counted.part[re][lane];
+                size.square += times * std::norm(w);
+                const double kx = (re == plus_re ? 1.0 : -1.0) * waves.vectors.kx_rad_m(lane),
+                             ky = waves.vectors.ky_rad_m(row);
+                for (std::size_t p = 0; p < points.size(); ++p) {
+                    const Vec2 from = points[p] - waves.origin_m;
+                    at_points[p] += times * (w * std::polar(1.0, kx * from.x + ky * from.y)).real();
+                }
             }
-            sums.all += square(all.surface(row), counted);
+    }
+    for (const double value : at_points)
+        size.most = std::max(size.most, std::abs(value));
+    return size;
+}
+
+/// Sums over the times of a field, and maxima.
+struct Series {
+    double square = 0.0, most = 0.0;
+    std::ptrdiff_t count = 0;
+    void add(const Size& now) {
+        square += now.square;
+        most = std::max(most, now.most);
+        ++count;
+    }
+    double mean_square() const { return count == 0 ? 0.0 : square / static_cast<double>(count); }
+};
+
+} // namespace
+
+ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double step_s) {
+    const DepthMesh mesh = choose_mesh(c, options, step_s), finer_mesh = with_halved_elements(mesh),
+                    deeper_mesh =
+                        mesh.bottom ? with_deeper_absorber(c, options, mesh, step_s) : mesh;
+    const Medium& medium = c.scene().medium;
+    const VerticalOperator vertical(mesh, background_of(mesh, medium)),
+        finer(finer_mesh, background_of(finer_mesh, medium)),
+        deeper(deeper_mesh, background_of(deeper_mesh, medium));
+    // The error of the step and of the elements at samples of the spectrum of the footprint, that
+    // of the absorber where it returns the most.
+    const Case sampled = with_few_wave_vectors(c, probed_rows);
+    const WaveVectors few = few_vectors(sampled.domain), low = low_vectors(c.domain);
+    const double coarse_s = 2.0 * step_s; // suffices for a difference of two absorbers
+    Probe whole(sampled, vertical, few, step_s), half(sampled, finer, few, 0.5 * step_s);
+    Probe here(c, vertical, low, coarse_s), deep(c, deeper, low, coarse_s);
+    const auto origin_m = [](const Domain& d) { return Vec2{d.x_m(0), d.y_m(0)}; };
+    const Waves each{few, origin_m(sampled.domain), without_mean(counts_of(few))},
+        above{few, each.origin_m, without_low(each.counts, low, few)},
+        lowest{low, origin_m(c.domain), counts_of(low)};
+
+    const double probed_s = std::min(c.time.duration_s(), most_intervals * c.time.interval_s);
+    const std::ptrdiff_t steps = std::lround(probed_s / step_s),
+                         per_frame = std::lround(c.time.interval_s / step_s);
+    Series by_step, by_absorber, high_field, low_field;
+    Deviation half_way;
+    for (std::ptrdiff_t n = 1; n <= steps; ++n) {
+        whole.advance();
+        half.advance();
+        half.advance();
+        std::vector<Vec2> points; // for maxima, at a frame or the step after it
+        if (n % per_frame < 2)
+            points = points_near_focus(c.scene().load, static_cast<double>(n) * step_s);
+        if (n % per_frame == 0) { // what lies between two frames is not part of the field
+            by_step.add(size_of(whole, &half, each, points));
+            high_field.add(size_of(half, nullptr, above, points));
+        }
+        if (n == steps / 2) half_way = {by_step.square, high_field.square};
+        if (n % 2 == 0) {
+            here.advance();
+            low_field.add(size_of(here, nullptr, lowest, points));
+            if (!mesh.bottom) continue;
+            deep.advance();
+            by_absorber.add(size_of(here, &deep, lowest, points));
         }
     }
-    return sums.all > 0.0 ? std::sqrt(sums.difference / sums.all) : 0.0;
+    const Deviation all{by_step.square, high_field.square};
+    const double later = extrapolated(half_way, all, c.time.duration_s() / probed_s) /
+                         std::sqrt(all.difference / all.all); // contains the 4/3
+    const double per_sample = sampled.domain.extent_x_m() * sampled.domain.extent_y_m() /
+                              (c.domain.extent_x_m() * c.domain.extent_y_m());
+    const double field = per_sample * high_field.mean_square() + low_field.mean_square();
+    if (all.difference == 0.0 || field == 0.0) return {}; // no load
+    const double step = later * std::sqrt(per_sample * by_step.mean_square() / field),
+                 absorber = std::sqrt(by_absorber.mean_square() / field);
+    return {.norm = std::hypot(step, absorber),
+            .maximum =
+                (later * by_step.most + by_absorber.most) / (high_field.most + low_field.most),
+            .absorber = absorber};
 }
 
 } // namespace shearwake::spectral

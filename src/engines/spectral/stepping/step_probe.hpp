@@ -12,10 +12,17 @@ namespace shearwake::spectral {
 /// 2500. Takes milliseconds. Not collective.
 double probed_error(const Case& c, const DepthMesh& mesh, double step_s);
 
-/// Relative L2 error of the surface field that the absorber of a half-space causes: the difference
-/// from an absorber of twice the depth at the lowest wave vectors of the domain, relative to the
-/// field of the load. Advances twelve pencils for the duration of the run, at most 2500 frames. Not
-/// collective.
-double probed_return(const Case& c, const SpectralOptions& options, double step_s);
+/// Estimated errors of the surface field, without bodies and maps.
+struct ProbedErrors {
+    double norm = 0.0;     // relative L2 error of all frames
+    double maximum = 0.0;  // largest error near the focus, relative to the largest value there
+    double absorber = 0.0; // the part of `norm` that the absorber of a half-space causes
+};
+
+/// Estimates the errors that the step, the elements and the absorber cause, from differences: from
+/// half the step and half the length of the elements at samples of the spectrum of the footprint,
+/// and from an absorber of twice the depth at the lowest wave vectors of the domain, where it
+/// returns the most. Covers at most 2500 frames as probed_error() does. Not collective.
+ProbedErrors probed_errors(const Case& c, const SpectralOptions& options, double step_s);
 
 } // namespace shearwake::spectral
