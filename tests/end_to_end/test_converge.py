@@ -98,6 +98,28 @@ class Converge(ProgramTest):
     def test_errors_bracket_the_true_ones_of_a_region_on_a_periodic_domain(self):
         self.check_brackets(AROUND_PATH, "[192.0, 144.0]")
 
+    def test_errors_of_engine_spectral_bracket_the_difference_from_layered(self):
+        rigid = changed(('engine = "layered"', 'engine = "spectral"'), ("extent_mm = [64.0, 48.0]", "extent_mm = [56.0, 40.0]"), text=ONE)
+        half_space = changed(('base = "rigid"', 'base = "half-space"'), ("thickness_mm = 20.0\n", ""), text=rigid)
+        for base, job in (("rigid", rigid), ("half-space", half_space)):
+            self.write_job(job)
+            self.shearwake("converge", "job.toml", "--cases", "1", "--quiet", "--out", base)
+            text = (self.folder / base / "converge" / "converge.json").read_text(encoding="utf-8")
+            [case] = json.loads(text)["cases"]
+            fine = f"fine-{base}"
+            self.shearwake("run", "job.toml", "--out", fine, "--quiet", "-S", 'solver.engine="layered"', "-S", "domain.spacing_mm=0.75",
+                           "-S", "time.output_interval_us=25", "-S", "domain.extent_mm=[112.0, 80.0]")
+            self.shearwake("reduce", fine)
+            [finest] = rows(self.folder / fine)
+            for column in BRACKETED:
+                with self.subTest(base=base, column=column):
+                    entry = case["columns"][column]
+                    error = abs(float(finest[column]) - entry["value"])
+                    self.assertGreaterEqual(entry["error"], error)
+                    # In the others changes of opposite signs cancel: up to 11 times.
+                    if column in COLUMNS:
+                        self.assertLessEqual(entry["error"], 5.0 * error)
+
     def test_richardson_predicts_the_error_of_the_time_step(self):
         self.write_job(without_reference(SPECTRAL, ("frames = true", ""),
                                          (SWEEP, SWEEP.replace("400, 500, 1000", "400"))))
