@@ -7,6 +7,8 @@
 #include <cmath>
 #include <complex>
 
+namespace test_moving_load {
+
 using namespace shearwake;
 
 namespace {
@@ -70,3 +72,5 @@ TEST_CASE("the load of a step is its average around it, also where the load jump
         CHECK(std::abs(found / unit - average(c, kx, n)) < 1e-4);
     }
 }
+
+} // namespace test_moving_load
