@@ -3,7 +3,8 @@
 """Checks that all #include lines respect the layers of the program.
 
 Usage: check_layers.py [ROOT] (default: the folder above this script). Prints each error with file and line,
-and exits 1 if there is one.
+and exits 1 if there is one, and 2 if ROOT has no components. Otherwise prints the numbers of components, of their
+dependencies on each other, and of levels.
 
 ${SHEARWAKE_ENGINES} stands for the folders of engines, and ${SHEARWAKE_ENGINE_OPTIONS} for their
 subfolders `options`, as in src/CMakeLists.txt. A folder that the registry does not include is an error, as is
@@ -17,6 +18,7 @@ unused entries, and must not form a cycle. To include a header of a library, or 
 functions, a component must list the library. Tests may include every component, but no component may
 include tests.
 """
+import functools
 import re
 import sys
 from pathlib import Path
@@ -138,6 +140,20 @@ class Tree:
                 if not (self.source / folder / f"{name}.cpp").exists():
                     yield lists, 1, f"{name}.cpp is listed, but does not exist"
 
+    def below(self, folder):
+        component = self.components[folder]
+        return {name for name in component.lists["PUBLIC"] + component.lists["PRIVATE"] if name in self.components}
+
+    def arrows(self):
+        return sum(len(self.below(folder)) for folder in self.components)
+
+    def levels(self):
+        """The number of components in the longest chain of dependencies."""
+        @functools.cache
+        def height(folder):
+            return 1 + max(map(height, self.below(folder)), default=0)
+        return max(map(height, self.components))
+
     def used_by(self, folder):
         """How each dependency is used: PUBLIC if a header uses it, PRIVATE if only .cpp files do."""
         used = {}
@@ -239,10 +255,16 @@ def library(header):
 
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
+    tree = Tree(root)
+    if not tree.components:
+        print(f"{root} has no components in src; give the root of the tree", file=sys.stderr)
+        return 2
     found = 0
-    for path, number, message in Tree(root).errors():
+    for path, number, message in tree.errors():
         print(f"{path}:{number}: {message}")
         found += 1
+    if not found:
+        print(f"{len(tree.components)} components, {tree.arrows()} dependencies, {tree.levels()} levels")
     return 1 if found else 0
 
 

@@ -96,7 +96,7 @@ class NewEngine(unittest.TestCase):
     def test_the_layers_accept_it(self):
         done = subprocess.run([sys.executable, ROOT / "scripts/check_layers.py", self.tree], capture_output=True,
                               encoding="utf-8", check=False)
-        self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
 
     def test_what_refers_to_the_registrations_compiles(self):
         commands = json.loads((BUILD / "compile_commands.json").read_text(encoding="utf-8"))
