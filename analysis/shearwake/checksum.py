@@ -51,10 +51,10 @@ def open_case(path: str | os.PathLike[str]) -> h5py.File:
     return h5py.File(path, "r")
 
 
-def sealed(value: Any) -> str:
-    """The JSON text of an object with its checksum."""
-    text = json.dumps(value) + "\n"
-    return f'{text[:-2]},"checksum":"{xxhash.xxh3_64(text.encode()).hexdigest()}"}}\n'
+def sealed(value: Any, end: str = "\n") -> str:
+    """The JSON text of an object with its checksum, which covers the text and its `end`."""
+    text = json.dumps(value)
+    return f'{text[:-1]},"checksum":"{xxhash.xxh3_64((text + end).encode()).hexdigest()}"}}{end}'
 
 
 def read_json(text: str) -> Any:

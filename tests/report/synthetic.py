@@ -142,7 +142,7 @@ class Folder:
     def fail(self, identity, reason):
         with open(self.path / "journal.jsonl", "a") as journal:
             journal.write(sealed({"event": "failed", "id": identity, "host": "laptop", "unix_s": 1.0,
-                                  "blame": "case", "reason": reason}))
+                                  "blame": "case", "reason": reason}, end="") + "\n")
             journal.write('{"event":"fini')
 
     def save(self):
