@@ -100,8 +100,8 @@ def axis_of(file: h5py.File, name: str, length: int) -> np.ndarray:
 
 def lazy(array: BackendArray, dims: list[str], attributes: dict[str, Any]) -> xr.Variable:
     """A variable of xarray that reads its values when they are needed, and keeps them."""
-    return xr.Variable(dims, indexing.MemoryCachedArray(indexing.CopyOnWriteArray(indexing.LazilyIndexedArray(array))),
-                       attributes)
+    read_late: Any = indexing.LazilyIndexedArray(array)  # of xarray, whose releases state its type differently
+    return xr.Variable(dims, indexing.MemoryCachedArray(indexing.CopyOnWriteArray(read_late)), attributes)
 
 
 class Columns(BackendArray):

@@ -66,8 +66,9 @@ class Plot:
             axes.images[0].set_data(self._values(int(index)).T)
             axes.set_title(title(float(times[index])), loc="left")
             return [axes.images[0]]
-        made = Player(axes.figure, show, frames=indices, interval=played_ms / len(indices), blit=False)
-        plt.close(axes.figure)  # a notebook would show it in addition to the animation
+        figure: Any = axes.figure  # not a part of another one
+        made = Player(figure, show, frames=indices, interval=played_ms / len(indices), blit=False)
+        plt.close(figure)  # a notebook would show it in addition to the animation
         return made
 
     def _values(self, index: int) -> np.ndarray:
