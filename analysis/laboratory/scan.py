@@ -238,9 +238,9 @@ def read_csv(data):
 
 def csv_text(scan):
     out = io.StringIO()
-    out.write(f"# trigger_delay_s = {scan.trigger_delay_s!r}\n")
+    out.write(f"# trigger_delay_s = {float(scan.trigger_delay_s)!r}\n")
     for axis, value in zip("xyz", scan.direction):
-        out.write(f"# direction_{axis} = {value!r}\n")
+        out.write(f"# direction_{axis} = {float(value)!r}\n")
     out.write(",".join(CSV_HEADER + [repr(float(t)) for t in scan.time_s]) + "\n")
     for x, y, quality, row in zip(scan.x_m, scan.y_m, scan.quality, scan.velocity_m_s):
         out.write(",".join(repr(float(value)) for value in (x, y, quality, *row)) + "\n")

@@ -168,9 +168,9 @@ base = "half-space"
 
 [[medium.layer]]
 name = "plane {plane + 1}"
-density_kg_m3 = {density!r}
-c_p_m_s = {max(c_p, 1.2 * c_s)!r}
-c_s_m_s = {c_s!r}
+density_kg_m3 = {float(density)!r}
+c_p_m_s = {float(max(c_p, 1.2 * c_s))!r}
+c_s_m_s = {float(c_s)!r}
 
 [load]
 peak_Pa = 1.0

@@ -238,7 +238,7 @@ class Errors(FilesTest):
         structures["kgrid"].update(Nt=2000)
         structures["source"].update(uz=numpy.ones((1, 20)), u_mode="additive")
         structures["sensor"]["record"] = cell(["p", "uz"])
-        limit_s = 2.0 / (20.0 * numpy.pi * numpy.sqrt(1e6 + 1e6 * (8 / 9) ** 2 + 0.25e6))  # 9 points along y
+        limit_s = float(2.0 / (20.0 * numpy.pi * numpy.sqrt(1e6 + 1e6 * (8 / 9) ** 2 + 0.25e6)))  # 9 points along y
         structures["kgrid"]["dt"] = 0.95 * limit_s
         scipy.io.savemat(self.folder / "study.mat", structures)
         self.imported("study.mat")
