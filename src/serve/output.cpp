@@ -77,11 +77,12 @@ void Output::result(long request, Json members, const std::vector<VariableGroup>
     }
     members["columns"] = std::move(columns);
     members["arrays"] = std::move(arrays);
-    members["bytes"] = bytes;
+    members["bytes"] = bytes + 1; // Open MPI 5 forwards output up to its last newline only
     message("result", request, members);
     std::fwrite(frames.u_z_m.data(), 1, frames.u_z_m.size_bytes(), stdout);
     for (const std::vector<double>* array : values)
         std::fwrite(array->data(), sizeof(double), array->size(), stdout);
+    std::fputc('\n', stdout);
     std::fflush(stdout);
 }
 

@@ -29,7 +29,7 @@ public:
     /// The message `error` with its code and its text for users.
     void error(long request, const std::string& code, const std::string& text);
     /// The message `result`: the members, the scalars and the list of arrays, followed by the bytes
-    /// of the arrays.
+    /// of the arrays and a newline.
     void result(long request, nlohmann::ordered_json members,
                 const std::vector<VariableGroup>& groups, const Frames& frames);
     /// Whether the output cannot be written any more, for example because its reader has ended.
