@@ -23,6 +23,8 @@
 namespace shearwake::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// The last word of a key, or the complete key if another swept key ends in the same word.
 std::string label_of(const std::string& key, const std::vector<Setting>& settings) {
     const std::string ending = key.substr(key.rfind('.') + 1);
@@ -269,7 +271,6 @@ nlohmann::ordered_json json_of(const PlannedCost& cost) {
 
 void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
                 const std::string& next) {
-    using Json = nlohmann::ordered_json;
     Json cases = Json::array(), choices = Json::array(), adaptive = Json::array();
     for (const AdaptiveAxis& axis : job.plan.adaptive)
         adaptive.push_back(json_of(axis));

@@ -14,6 +14,8 @@
 namespace shearwake::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string report_line(const std::filesystem::path& folder) {
     return "shearwake report " + schedule::shell_word(folder.string());
 }
@@ -53,7 +55,6 @@ void print_files(const reduce::ReducedTables& written, const std::filesystem::pa
 }
 
 void print_json(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
-    using Json = nlohmann::ordered_json;
     const auto path = [](const std::filesystem::path& file) {
         return file.empty() ? Json() : Json(file.string());
     };

@@ -16,6 +16,8 @@
 namespace shearwake::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 std::string text_of(const storage::CaseSummary& summary, const std::string& name) {
     const auto found = summary.texts.find(name);
     return found == summary.texts.end() ? "unknown" : printable(found->second);
@@ -67,7 +69,6 @@ storage::CaseSummary read_summary(const std::filesystem::path& path) {
 }
 
 void print_json(const storage::CaseSummary& s) {
-    using Json = nlohmann::ordered_json;
     Json texts = Json::object(), measures = Json::array(), series = Json::array();
     for (const auto& [name, text] : s.texts)
         if (name != "settings") texts[name] = text;

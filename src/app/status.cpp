@@ -24,6 +24,8 @@
 namespace shearwake::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct Tally {
     std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
     double seconds = 0.0;          // of the complete cases
@@ -171,7 +173,6 @@ const char* state_of(const State& state) {
 }
 
 void print_json(const schedule::OutputFolder& folder, State& state) {
-    using Json = nlohmann::ordered_json;
     const Tally& tally = state.tally;
     Json failed = Json::array(), damaged = Json::array();
     for (const storage::IndexedCase* c : failed_cases(state))
