@@ -27,6 +27,8 @@ set(test_environment "SHEARWAKE=${CMAKE_BINARY_DIR}/shearwake" "SHEARWAKE_PYTHON
     OMPI_MCA_mpi_yield_when_idle=1 PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe
     PRTE_MCA_hwloc_default_binding_policy=none)
 
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/test-results)
+
 # add_group(NAME LABEL COMMAND...): REPORT in COMMAND stands for the path of the report. The time limit ends a group that
 # hangs; it does not express an expectation of speed.
 function(add_group name label)

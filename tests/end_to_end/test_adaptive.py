@@ -79,6 +79,7 @@ class Adaptive(ProgramTest):
         self.shearwake("reduce", self.out)
         self.assertLess(set(points), set(curve(self.out)))
 
+    @pytest.mark.long
     def test_kills_and_ranks_do_not_change_the_points(self):
         self.write_job(CURVE)
         self.shearwake("run", "job.toml", "--out", "whole", "--quiet")

@@ -88,6 +88,7 @@ class Bench(ProgramTest):
         self.assertEqual(list(cache.glob("machine-*")), [], "the calibration was completed")
         self.assertEqual(case_files(self.out), [])
 
+    @pytest.mark.long
     def test_fftw_plans_are_measured_once_regardless_of_earlier_engines(self):
         cache = self.folder / "cache"
         short = (("duration_ms = 4.0", "duration_ms = 0.4"), ("at_ms = 4.0", "at_ms = 0.4"),
@@ -118,6 +119,7 @@ class Bench(ProgramTest):
         self.assertRegex(said, r"performance model: calibrated on .*, 2 ranks, ")
         self.assertNotIn("calibrating", said)
 
+    @pytest.mark.long
     def test_without_a_cache_no_rates_are_saved(self):
         self.write_job()
         for place, plans in (("off", 2), ("/proc/nowhere", 1)):

@@ -70,6 +70,7 @@ class Imported(ImportTest):
                 scale = numpy.abs(summed).max()
                 self.assertLess(numpy.abs(shown - summed).max(), 1e-6 * scale)  # frames may be float32
 
+    @pytest.mark.long
     def test_a_stopped_study_is_resumed(self):
         of = reference("a_additive_pml10")
         self.imported(structures_of("a_additive_pml10", of))

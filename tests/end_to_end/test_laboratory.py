@@ -246,6 +246,7 @@ samples = 2
 
 
 class Dispersion(LaboratoryTest):
+    @pytest.mark.long
     def test_guided_waves_of_two_layers_follow_the_secular_equation(self):
         _, case = self.scanned((ROOT / "jobs" / "gel-dispersion.toml").read_text(encoding="utf-8"))
         scan = read_scan(case)

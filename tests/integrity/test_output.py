@@ -91,6 +91,7 @@ class Surroundings(ProgramTest):
             self.shearwake("run", "job.toml", "--out", out, "--ranks-per-case", ranks, ranks=ranks)
             self.shearwake("verify", out)
 
+    @pytest.mark.long
     def test_a_home_and_a_cache_that_cannot_be_written_stop_nothing(self):
         self.write_job()
         wisdom = self.folder / "cache" / "shearwake"

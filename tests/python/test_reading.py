@@ -10,6 +10,7 @@ from unittest import mock
 import h5py
 import numpy as np
 import pandas as pd
+import pytest
 
 from study import AM, FWHM, InFolder, job, program, shearwake
 
@@ -225,6 +226,7 @@ class Reading(InFolder):
         self.assertGreaterEqual(len(axes.lines), 5)  # path, focal disc, focus, and two Mach lines
         self.assertLess(axes.images[0].get_clim()[1], case.value("peak_um"))
 
+    @pytest.mark.long
     def test_an_animation_shows_every_frame(self):
         movie = self.opened().cases[0].animate(end_um=2.0)
         movie.save("a.gif", writer="pillow", dpi=30)

@@ -9,6 +9,8 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+import pytest
+
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from synthetic import AM, FWHM, Folder, case_id, sweep  # noqa: E402
@@ -49,6 +51,7 @@ def many(root):
 
 
 class Texts(unittest.TestCase):
+    @pytest.mark.long
     def test_no_text_is_clipped_or_overlaps(self):
         for make in (sweep, one_case, two_keys, many):
             with self.subTest(make.__name__), tempfile.TemporaryDirectory() as root:

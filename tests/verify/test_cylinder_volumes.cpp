@@ -91,7 +91,8 @@ TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify
         CHECK(d.difference < 1e-8 * d.largest); // rounding
 }
 
-TEST_CASE("the stress around a cylinder is that of its markers in three dimensions", "[verify]") {
+TEST_CASE("the stress around a cylinder is that of its markers in three dimensions",
+          "[long][verify]") {
     // With a distant lump the cylinder is treated as one, with Kelvin's solution at every marker.
     Case c = stress_case(Along::y);
     c.domain = {48, 28, 0.5e-3, 0.0};

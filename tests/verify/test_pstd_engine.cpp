@@ -165,7 +165,7 @@ TEST_CASE("engine pstd equals the closed forms for a full space and for skin bel
 }
 
 TEST_CASE("engine pstd with an internal fluid agrees with engine spectral with the softest solid",
-          "[pstd]") {
+          "[long][pstd]") {
     // A sheet of fluid of 5 points thickness across the domain, 9 mm below the skin.
     const auto surface = [](const SolverOptions& solver, std::optional<double> c_s_m_s) {
         Case c = resting_focus(solver, 9e-3, 1.5e-3);
