@@ -56,8 +56,7 @@ def one_case(path):
     try:
         return single_case(path)
     except FileNotFoundError as error:
-        raise NotACase(f"{path} does not exist: there is no such case file or output folder; run the job "
-                       "first") from error
+        raise NotACase(f"{path} is neither a case file nor an output folder; run the job first") from error
     except (KeyError, ValueError, TypeError) as error:
         raise NotACase(f"{path} is not a case file of shearwake, or is incomplete ({first_line(error)}); arguments are "
                        "files in the folder `cases` of an output folder, or output folders") from error

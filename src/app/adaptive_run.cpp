@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/adaptive_run.hpp"
 
-#include "base/clock.hpp"
 #include "app/adaptive_shards.hpp"
+#include "base/clock.hpp"
 #include "base/json_document.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"

@@ -90,10 +90,11 @@ Words reduce_first(const Words& given) {
 Words prepare_comparison(const Words& given) {
     for (const fs::path path : {given.at(0), given.at(1)}) {
         if (!fs::exists(path))
-            throw UsageError(fmt::format("{} does not exist: there is no such case file or output "
-                                         "folder; run the job first",
-                                         path.string()),
-                             ExitCode::environment);
+            throw UsageError(
+                fmt::format("{} is neither a case file nor an output folder; run the job "
+                            "first",
+                            path.string()),
+                ExitCode::environment);
         if (path.extension() == ".toml") schedule::folder_of_results(path); // explains a job file
     }
     for (const fs::path path : {given.at(0), given.at(1)})

@@ -16,8 +16,8 @@ extern const PythonPackages figure_packages, explorer_packages, scan_packages;
 
 /// Runs a script of `analysis`, such as "report/report.py", with the first Python that has the
 /// packages, and returns its exit code (-1: it could not be started). `errors`: receives the
-/// standard error of the script, which is printed otherwise. Throws UsageError if there is no such
-/// Python or no such script. Not collective: rank 0 calls it.
+/// standard error of the script, which is printed otherwise. Throws UsageError if this Python
+/// or the script is missing. Not collective: rank 0 calls it.
 int run_python_script(const std::string& script, const std::vector<std::string>& arguments,
                       const PythonPackages& packages = figure_packages,
                       std::string* errors = nullptr);

@@ -68,7 +68,7 @@ class Compare(ProgramTest):
             file["c_s_m_s"] = 5.0
         for name, words in (("text.h5", "text.h5 is not a case file of shearwake"),
                             ("map.h5", "map.h5 is not a case file of shearwake"),
-                            ("none.h5", "none.h5 does not exist"), ("out/none", "output folder; run the job first")):
+                            ("none.h5", "none.h5 is neither a case file nor"), ("out/none", "output folder; run the job first")):
             said = self.shearwake("compare", name, path, expect=6).said
             self.says(said, words)
             self.assertNotIn("Traceback", said)

@@ -93,6 +93,17 @@ class Warnings(ProgramTest):
         self.says(self.shearwake("check", "job.toml", "-S", "solver.pstd.time_step_us=20", expect=3).said,
                   "error: solver.pstd.time_step_us", "is unstable on this grid")
 
+    def test_a_step_that_misses_the_accuracy_is_stored_with_its_key(self):
+        self.write_job(without_reference(('engine = "layered"', 'engine = "spectral"'), *SHORT))
+        self.shearwake("run", "job.toml")
+        self.assertFalse([w for warnings in self.stored() for w in warnings if "accuracy" in w["message"]])
+        self.shearwake("run", "job.toml", "--out", "long", "-S", "solver.spectral.time_step_us=100")
+        self.out = self.folder / "long"
+        for warnings in self.stored():
+            [message] = [w["message"] for w in warnings if w["key"] == "solver.spectral.time_step_us"
+                         and "accuracy" in w["message"]]
+            self.assertRegex(message, "exceeds the accuracy of .*remove this key, or use a shorter step")
+
     def test_plan_and_run_agree_on_the_time_step(self):
         make_map(self)
         for engine, medium, more in (("spectral", "layer", []), ("pstd", "layer", []), ("pstd", "body", [BODY]),

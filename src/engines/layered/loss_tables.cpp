@@ -74,7 +74,7 @@ std::vector<Complex> FixedPanels::project(const RadialInterpolant& loss) const {
         for (std::size_t g = 0; g < order; ++g) {
             const double at = k[order - 1 - g];
             const Complex value = values[order - 1 - g] * gauss.weight[g] * half * at *
-                                  low_pass(at, spacing_m_).real() / (two_pi);
+                                  low_pass(at, spacing_m_).real() / two_pi;
             const auto shares = lagrange(2.0 * (at / width() - static_cast<double>(panel)) - 1.0);
             for (std::size_t j = 0; j < order; ++j)
                 sums[panel * order + j] += value * shares[j];

@@ -105,7 +105,7 @@ double thickness_m(const LensFootprint& lens, double phase_rad) {
     const double k_air = two_pi * lens.frequency_Hz / lens.sound_speed_m_s;
     const double k_lens = two_pi * lens.frequency_Hz / lens.material_c_m_s;
     const double phase = k_lens > k_air ? phase_rad : two_pi - phase_rad;
-    const double turns = phase / (two_pi);
+    const double turns = phase / two_pi;
     return lens.base_m + two_pi * (turns - std::floor(turns)) / std::abs(k_lens - k_air);
 }
 

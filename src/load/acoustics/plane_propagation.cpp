@@ -45,7 +45,7 @@ Complex pressure_of_cell(const Sound& sound, const PlanePair& planes, double x_m
             const double r = std::hypot(x_m - half_m * x, y_m - half_m * y, z);
             sum += x_weight * y_weight * z / (r * r) * (1.0 / r - i_k) * std::exp(i_k * r);
         }
-    return half_m * half_m / (two_pi)*sum;
+    return half_m * half_m / two_pi * sum;
 }
 
 } // namespace

@@ -52,7 +52,7 @@ SpongePlan sponge_plan(const Case& c, Lateral medium, double step_s) {
     if (medium == Lateral::varies) return plan;
     const double k_rad_m = bandwidth_rad_m(c.scene().load.footprint, 3e-2);
     const auto points = [&](double extent_m, std::ptrdiff_t all) {
-        const double waves = std::ceil(k_rad_m * extent_m / (two_pi));
+        const double waves = std::ceil(k_rad_m * extent_m / two_pi);
         if (2.0 * waves + 2.0 >= static_cast<double>(all)) return all;
         return std::min(all, good_even_length(2 * std::lround(waves) + 2));
     };

@@ -65,7 +65,7 @@ void find_fastest(const Load& load, Scales& s) {
     else
         s.fastest = fmt::format("limited by {} ({:.3g} mm at {:.3g} m/s, {:.3g} Hz)",
                                 s.omega_rad_s == scan_rad_s ? "the scan" : "shear waves",
-                                wavelength_mm, s.omega_rad_s / s.k_rad_m, s.omega_rad_s / (two_pi));
+                                wavelength_mm, s.omega_rad_s / s.k_rad_m, s.omega_rad_s / two_pi);
 }
 
 Scales scales_of(const Case& c) {
