@@ -6,10 +6,10 @@ Usage: check_layers.py [ROOT] (default: the folder above this script). Prints ea
 and exits 1 if there is one, and 2 if ROOT has no components. Otherwise prints the numbers of components, of their
 dependencies on each other, and of levels.
 
-${SHEARWAKE_ENGINES} stands for the folders of engines, and ${SHEARWAKE_ENGINE_OPTIONS} for their
-subfolders `options`, as in src/CMakeLists.txt. A folder that the registry does not include is an error, as is
-a file outside of an engine's folder that includes one of its headers; the registry and benchmarks may, and
-the component `case` may include options.
+${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt. A folder that the registry does
+not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry and
+benchmarks may. Only an engine and problem/case may include the engine's options, problem/case/solver_options.hpp.
+A folder has at most 25 files, and `app` does not run jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
 cmake/components.cmake. It may include its own headers and those of the folders that it lists:
@@ -53,6 +53,8 @@ STANDARD = set("""
     sys/wait.h linux/magic.h fmt/core.h fmt/format.h fmt/ranges.h fmt/std.h fmt/chrono.h""".split())
 GENERATED = {"git_id.hpp"}  # by the build
 KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
+ENGINES = "${SHEARWAKE_ENGINES}"
+MOST_FILES = 25  # of a folder
 
 
 class Component:
@@ -105,10 +107,9 @@ class Tree:
     def __init__(self, root):
         self.root, self.source = root, root / "src"
         self.components = {}
-        self.engines = {name: sorted(path.parent.relative_to(self.source).as_posix()
-                                     for path in self.source.glob(pattern) if path.parent.name != "registry")
-                        for name, pattern in (("${SHEARWAKE_ENGINES}", "engines/*/CMakeLists.txt"),
-                                              ("${SHEARWAKE_ENGINE_OPTIONS}", "engines/*/options/CMakeLists.txt"))}
+        self.engines = {ENGINES: sorted(path.parent.relative_to(self.source).as_posix()
+                                        for path in self.source.glob("engines/*/CMakeLists.txt")
+                                        if path.parent.name != "registry")}
         for path in sorted(self.source.rglob("CMakeLists.txt")):
             folder = path.parent.relative_to(self.source).as_posix()
             if folder != ".":
@@ -214,8 +215,7 @@ class Tree:
         if ".." in Path(header).parts or where not in self.components or not (self.source / header).is_file():
             return f'"{header}" is not a header of a component; write its path relative to src'
         if component and self.engine_of(where) not in (None, self.engine_of(component.folder)) and \
-                component.folder not in ("engines/registry", "bench") and \
-                not (component.folder == "case" and where.endswith("/options")):
+                component.folder not in ("engines/registry", "bench"):
             return f'"{header}": only the registry and benchmarks may include headers of an engine'
         if component and where != component.folder and not component.may_use(where, path.suffix):
             list_name = "PUBLIC" if path.suffix == ".hpp" else "PUBLIC or PRIVATE"
@@ -224,7 +224,7 @@ class Tree:
 
     def engine_of(self, folder):
         """The engine that a component belongs to, or None."""
-        return next((e for e in self.engines["${SHEARWAKE_ENGINES}"] if folder == e or folder.startswith(e + "/")), None)
+        return next((e for e in self.engines[ENGINES] if folder == e or folder.startswith(e + "/")), None)
 
     def library_header(self, header, path, component):
         found = library(header)

@@ -3,8 +3,8 @@
 
 #include "base/json_document.hpp"
 #include "pipeline/memory.hpp"
-#include "schedule/job_source.hpp"
-#include "schedule/machine_limits.hpp"
+#include "schedule/cost/machine_limits.hpp"
+#include "schedule/run/job_source.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
 #include "reduce/reduce.hpp"
-#include "schedule/run_arguments.hpp"
+#include "schedule/run/run_arguments.hpp"
 
 #include <filesystem>
 #include <string>
@@ -81,10 +81,6 @@ struct ConvergeArguments : schedule::RunArguments {
     std::size_t cases = 3; // without `only`: number of cases to study
 };
 
-/// Arguments of `run`, of which `out` is the folder of the optima (default: out/<job
-/// name>.optimise).
-struct OptimiseArguments : schedule::RunArguments {};
-
 struct StatusArguments {
     std::filesystem::path folder;
     bool verify = false; // read the case files and check their checksums
@@ -119,9 +115,6 @@ ExitCode verify_command(const VerifyArguments& arguments, const Comm& world);
 ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world);
 /// Computes refined cases in the subfolder `converge` and estimates the errors of all columns.
 ExitCode converge_command(const ConvergeArguments& arguments, const Comm& world);
-/// Computes the best envelope of each case of a job with [optimise], an upper bound with its
-/// certificate, and the cases of the result.
-ExitCode optimise_command(const OptimiseArguments& arguments, const Comm& world);
 ExitCode diff_command(const DiffArguments& arguments, const Comm& world);
 ExitCode show_command(const ShowArguments& arguments, const Comm& world);
 /// Draws path, speed and envelope of the job's first case.

@@ -3,7 +3,7 @@
 
 #include "app/commands.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/output_folder.hpp"
+#include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 
 #include <fmt/format.h>

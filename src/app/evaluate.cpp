@@ -4,9 +4,9 @@
 
 #include "base/json_document.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/job_source.hpp"
-#include "schedule/output_folder.hpp"
-#include "schedule/run.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/run.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

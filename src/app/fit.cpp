@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
-#include "app/converted_scan.hpp"
-#include "app/fit_output.hpp"
 #include "app/optional_commands.hpp"
-#include "app/python_script.hpp"
-#include "config/uncertain.hpp"
-#include "laboratory/observed_model.hpp"
+#include "base/python_script.hpp"
+#include "config/sweep/uncertain.hpp"
 #include "parallel/agree.hpp"
 #include "sampling/distribution.hpp"
-#include "schedule/job_source.hpp"
+#include "schedule/run/job_source.hpp"
 #include "storage/files.hpp"
+#include "studies/laboratory/converted_scan.hpp"
+#include "studies/laboratory/fit_output.hpp"
+#include "studies/laboratory/observed_model.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -173,11 +173,11 @@ double chi_squared(const std::vector<double>& predicted, std::span<const double>
 }
 
 /// Repeats the fit with each law that has fewer parameters. On the root.
-std::vector<SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
-                                     const laboratory::FitResult& full,
-                                     std::span<const double> rows, std::size_t samples,
-                                     const laboratory::Model& model) {
-    std::vector<SimplerFit> fits;
+std::vector<laboratory::SimplerFit> simpler_fits(const std::vector<Parameter>& parameters,
+                                                 const laboratory::FitResult& full,
+                                                 std::span<const double> rows, std::size_t samples,
+                                                 const laboratory::Model& model) {
+    std::vector<laboratory::SimplerFit> fits;
     for (std::size_t held = 0; held < parameters.size(); ++held)
         for (const SimplerLaw& law : simpler_laws) {
             if (!parameters[held].key.ends_with(law.ending)) continue;
@@ -224,9 +224,9 @@ ExitCode fit_command(const FitArguments& arguments, const Comm& world) {
     together(world, [&] { parameters = read_parameters(arguments.job); });
     on_root(world, [&] {
         storage::make_directory(folder);
-        nlohmann::ordered_json request = scan_request(c);
+        nlohmann::ordered_json request = laboratory::scan_request(c);
         request["least_quality"] = arguments.least_quality;
-        convert_scan(arguments.data, request, prefix);
+        laboratory::convert_scan(arguments.data, request, prefix);
     });
     laboratory::ConvertedData data;
     together(world, [&] { data = laboratory::read_velocities(prefix); });
@@ -239,9 +239,10 @@ ExitCode fit_command(const FitArguments& arguments, const Comm& world) {
         const laboratory::FitResult result =
             laboratory::fit(parameters, rows, data.points_m.size(), ask);
         const auto simpler = simpler_fits(parameters, result, rows, model.samples(), ask);
-        const FitOutput output{parameters, data, rows, model.samples(), result, simpler};
-        write_fit(folder, arguments.job, output);
-        print_fit(output);
+        const laboratory::FitOutput output{parameters,      data,   rows,
+                                           model.samples(), result, simpler};
+        laboratory::write_fit(folder, arguments.job, output);
+        laboratory::print_fit(output);
         std::error_code none;
         std::filesystem::remove(laboratory::description_file(prefix), none);
         std::filesystem::remove(laboratory::numbers_file(prefix), none);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/declare_commands.hpp"
 
-#include "app/adaptive_run.hpp"
 #include "app/commands.hpp"
-#include "config/key_table.hpp"
-#include "config/schema.hpp"
-#include "schedule/run.hpp"
+#include "config/keys/key_table.hpp"
+#include "config/keys/schema.hpp"
+#include "schedule/run/run.hpp"
+#include "studies/adaptive/adaptive_run.hpp"
 
 #include <fmt/format.h>
 
@@ -89,7 +89,7 @@ void add_run(CLI::App& app, Action& action) {
     command->add_flag("--quiet", arguments->quiet, "print only errors");
     add_json(command, arguments->json);
     command->callback([=, &action] {
-        action = [=](const Comm& world) { return adaptive_run(*arguments, world); };
+        action = [=](const Comm& world) { return adaptive::adaptive_run(*arguments, world); };
     });
 }
 

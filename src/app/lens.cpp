@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
+#include "base/png.hpp"
 #include "base/text.hpp"
-#include "image/png.hpp"
-#include "load/acoustics/lens_design.hpp"
-#include "load/acoustics/lens_mesh.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/job_source.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
+#include "problem/load/acoustics/lens_mesh.hpp"
+#include "schedule/run/job_source.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>

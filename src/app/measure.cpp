@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/constants.hpp"
 #include "app/commands.hpp"
-#include "app/converted_scan.hpp"
 #include "app/python_command.hpp"
 #include "app/reduce_folder.hpp"
-#include "laboratory/converted_data.hpp"
-#include "laboratory/replay_engine.hpp"
+#include "base/constants.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/case_results.hpp"
 #include "pipeline/run_case.hpp"
-#include "schedule/job_source.hpp"
-#include "schedule/output_folder.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/output_folder.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
+#include "studies/laboratory/converted_data.hpp"
+#include "studies/laboratory/converted_scan.hpp"
+#include "studies/laboratory/replay_engine.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +78,7 @@ void refuse_unmeasurable(const Case& c) {
 
 Json request_of(const MeasureArguments& arguments, const MeasuredJob& measured) {
     const Case& c = measured.planned().physics;
-    Json request = scan_request(measured.with_scan.plan.cases.front().physics);
+    Json request = laboratory::scan_request(measured.with_scan.plan.cases.front().physics);
     request["grid"] = {{"nx", c.domain.nx}, {"ny", c.domain.ny}, {"spacing_m", c.domain.spacing_m}};
     Json frames = Json::array();
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
@@ -217,7 +217,7 @@ ExitCode measure_command(const MeasureArguments& arguments, const Comm& world) {
     laboratory::ConvertedData data;
     on_root(world, [&] {
         schedule::prepare_output(folder, measured.job);
-        convert_scan(arguments.data, request_of(arguments, measured), prefix);
+        laboratory::convert_scan(arguments.data, request_of(arguments, measured), prefix);
     });
     together(world, [&] { data = laboratory::read_surface(prefix); });
     std::vector<std::string> notes = {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "parallel/comm.hpp"
-#include "schedule/run_arguments.hpp"
+#include "schedule/run/run_arguments.hpp"
 
 #include <string>
 #include <vector>

@@ -2,9 +2,9 @@
 #include "app/optional_commands.hpp"
 
 #include "base/error.hpp"
-#include "laboratory/least_squares.hpp"
-#include "optimise/best_envelope.hpp"
 #include "pipeline/provenance.hpp"
+#include "studies/laboratory/least_squares.hpp"
+#include "studies/optimise/search/best_envelope.hpp"
 
 #include <array>
 #include <fmt/format.h>

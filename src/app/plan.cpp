@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/constants.hpp"
 #include "app/commands.hpp"
+#include "base/constants.hpp"
 
 #include "base/json_document.hpp"
 #include "base/text.hpp"
-#include "cost/calibration.hpp"
-#include "cost/case_costs.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
-#include "schedule/job_source.hpp"
-#include "schedule/machine_limits.hpp"
-#include "schedule/next_command.hpp"
-#include "schedule/teams.hpp"
+#include "schedule/cost/calibration.hpp"
+#include "schedule/cost/case_costs.hpp"
+#include "schedule/cost/machine_limits.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/next_command.hpp"
+#include "schedule/run/teams.hpp"
 #include "storage/journal/plan_file.hpp"
 
 #include <algorithm>

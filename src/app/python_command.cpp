@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/python_command.hpp"
 
-#include "app/python_script.hpp"
 #include "app/reduce_folder.hpp"
+#include "base/python_script.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/output_folder.hpp"
+#include "schedule/run/output_folder.hpp"
 
 #include <algorithm>
 #include <filesystem>

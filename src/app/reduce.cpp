@@ -5,8 +5,8 @@
 #include "app/reduce_folder.hpp"
 #include "base/json_document.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/next_command.hpp"
-#include "schedule/output_folder.hpp"
+#include "schedule/run/next_command.hpp"
+#include "schedule/run/output_folder.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/reduce_folder.hpp"
 
-#include "app/python_script.hpp"
 #include "base/error.hpp"
+#include "base/python_script.hpp"
 
 #include <algorithm>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "reduce/reduce.hpp"
-#include "schedule/output_folder.hpp"
+#include "schedule/run/output_folder.hpp"
 
 namespace shearwake::app {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
-#include "app/python_script.hpp"
+#include "base/python_script.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/job_source.hpp"
+#include "schedule/run/job_source.hpp"
 
 #include <algorithm>
 #include <cstdio>

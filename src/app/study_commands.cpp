@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "app/optional_commands.hpp"
 #include "app/study_commands.hpp"
+#include "studies/optimise/optimise.hpp"
 
 #include "app/commands.hpp"
 
@@ -48,7 +50,7 @@ void add_converge(CLI::App& app, Action& action) {
 }
 
 void add_optimise(CLI::App& app, Action& action) {
-    auto arguments = std::make_shared<OptimiseArguments>();
+    auto arguments = std::make_shared<schedule::RunArguments>();
     CLI::App* command = app.add_subcommand(
         "optimise", "find the envelope with the largest efficiency for each case of a job with "
                     "[optimise], and prove an upper bound");
@@ -58,7 +60,10 @@ void add_optimise(CLI::App& app, Action& action) {
     add_ranks_per_case(command, arguments->ranks_per_case);
     add_study_options(command, *arguments);
     command->callback([=, &action] {
-        action = [=](const Comm& world) { return optimise_command(*arguments, world); };
+        action = [=](const Comm& world) {
+            require_library(OptionalCommand::optimise);
+            return optimise::optimise_job(*arguments, world);
+        };
     });
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands.hpp"
 #include "base/clock.hpp"
+#include "base/json_document.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/run/output_folder.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "parallel/agree.hpp"
-#include "app/commands.hpp"
-#include "base/json_document.hpp"
-#include "schedule/output_folder.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

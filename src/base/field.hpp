@@ -23,8 +23,8 @@ namespace shearwake {
 //     }
 //
 // Everything else is derived from it: config reads the fields from a job (config/read_fields.hpp),
-// canonical_text writes them and case_id hashes this text (case/text_walk.hpp), `shearwake keys`
-// lists them (config/key_table.hpp), and a test changes each of them. A walk provides
+// canonical_text writes them and case_id hashes this text (problem/case/text_walk.hpp), `shearwake
+// keys` lists them (config/keys/key_table.hpp), and a test changes each of them. A walk provides
 //
 //     walk(field, {...})                a number, word, flag, enumerator, point or list of them
 //     walk.choice(variant, {...}, then) the name of the alternative, then its fields; a text walk

@@ -3,9 +3,9 @@
 
 #include "base/clock.hpp"
 #include "base/error.hpp"
-#include "case/case.hpp"
 #include "bench/output.hpp"
 #include "parallel/comm.hpp"
+#include "problem/case/case.hpp"
 
 #include <algorithm>
 
@@ -55,7 +55,7 @@ Case layered_bench_case();
 Case steady_bench_case();
 
 /// Calibrates the performance model of the machine and keeps it for `plan` and `run`, see
-/// cost/machine.hpp.
+/// schedule/cost/machine.hpp.
 ExitCode bench_machine(const Comm& world, Output& out);
 /// Compares estimated with measured time, memory and disk of a dozen cases of all engines.
 ExitCode bench_estimates(const Comm& world, Output& out);

@@ -3,12 +3,12 @@
 
 #include "base/error.hpp"
 #include "bench/bench_jobs.hpp"
-#include "cost/calibration.hpp"
-#include "cost/case_costs.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/run_case.hpp"
+#include "schedule/cost/calibration.hpp"
+#include "schedule/cost/case_costs.hpp"
 #include "storage/files.hpp"
 
 #include <ctime>

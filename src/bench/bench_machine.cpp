@@ -2,9 +2,9 @@
 #include "bench/bench.hpp"
 
 #include "base/error.hpp"
-#include "cost/calibration.hpp"
 #include "engines/engine.hpp"
 #include "parallel/agree.hpp"
+#include "schedule/cost/calibration.hpp"
 
 #include <filesystem>
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench.hpp"
-#include "cost/machine.hpp"
+#include "schedule/cost/machine.hpp"
 
 #include "base/error.hpp"
 #include "engines/spectral/spectral_estimate.hpp"

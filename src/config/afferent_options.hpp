@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/afferents.hpp"
 #include "config/files/text_loader.hpp"
-#include "config/override.hpp"
+#include "config/sweep/override.hpp"
+#include "problem/case/afferents.hpp"
 
 #include <span>
 #include <string>

@@ -2,13 +2,13 @@
 #include "config/job.hpp"
 
 #include "base/text.hpp"
-#include "config/expand.hpp"
-#include "config/listed_cases.hpp"
 #include "config/sections/read_case.hpp"
 #include "config/sections/read_optimise.hpp"
-#include "config/study_keys.hpp"
+#include "config/sweep/expand.hpp"
+#include "config/sweep/listed_cases.hpp"
+#include "config/sweep/study_keys.hpp"
+#include "config/sweep/uncertain.hpp"
 #include "config/table_options.hpp"
-#include "config/uncertain.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

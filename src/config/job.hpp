@@ -2,12 +2,12 @@
 #pragma once
 
 #include "base/error.hpp"
-#include "case/optimise_options.hpp"
-#include "case/plan.hpp"
-#include "config/adaptive_axes.hpp"
 #include "config/document/diagnostic.hpp"
 #include "config/files/text_loader.hpp"
-#include "config/override.hpp"
+#include "config/sweep/adaptive_axes.hpp"
+#include "config/sweep/override.hpp"
+#include "problem/case/optimise_options.hpp"
+#include "problem/case/plan.hpp"
 
 #include <optional>
 #include <span>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/plan.hpp"
 #include "config/document/reader.hpp"
-#include "config/sweep_axes.hpp"
+#include "config/sweep/sweep_axes.hpp"
+#include "problem/case/plan.hpp"
 
 namespace shearwake::config {
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "base/view.hpp"
-#include "case/case.hpp"
-#include "case/remark.hpp"
 #include "engines/checkpoint.hpp"
 #include "engines/work.hpp"
 #include "parallel/comm.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/remark.hpp"
 
 #include <memory>
 #include <optional>
@@ -150,7 +150,7 @@ double volumes_B(const Case& c, double levels);
 /// Treatment of waves at the edges of the domain in x and y.
 enum class Edges {
     periodic, // they continue at the opposite edge
-    sponge,   // the margin Domain::sponge_m damps them (case/edge_absorption.hpp)
+    sponge,   // the margin Domain::sponge_m damps them (problem/case/edge_absorption.hpp)
     layer,    // an absorbing layer of the engine
     open,     // they leave for good: the plane is infinite
 };

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/work_clock.hpp"
-#include "case/case.hpp"
+#include "problem/case/case.hpp"
 
 #include <map>
 #include <string>

@@ -2,8 +2,8 @@
 #include "fft/row_window.hpp"
 
 #include "base/constants.hpp"
-#include "simd/kernels.hpp"
 #include "fft/reals.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 #include <cmath>

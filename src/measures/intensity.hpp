@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "load/load.hpp"
+#include "problem/load/load.hpp"
 
 namespace shearwake::measures {
 

@@ -4,7 +4,7 @@
 #include "base/constants.hpp"
 #include "base/vec2.hpp"
 #include "base/view.hpp"
-#include "case/case.hpp"
+#include "problem/case/case.hpp"
 
 #include <string>
 

@@ -3,8 +3,8 @@
 
 #include "base/vec2.hpp"
 #include "base/view.hpp"
-#include "case/case.hpp"
 #include "measures/surface_sums.hpp"
+#include "problem/case/case.hpp"
 
 #include <span>
 #include <vector>

@@ -3,7 +3,6 @@
 
 #include "base/constants.hpp"
 #include "base/error.hpp"
-#include "load/drawn_shape.hpp"
 #include "measures/intensity.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/participation.hpp"
@@ -12,6 +11,7 @@
 #include "measures/sharpness.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
+#include "problem/load/drawn_shape.hpp"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "base/vec2.hpp"
-#include "case/case.hpp"
 #include "measures/mach_angle.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"
+#include "problem/case/case.hpp"
 
 #include <optional>
 #include <string>

@@ -3,7 +3,7 @@
 
 #include "base/vec2.hpp"
 #include "base/view.hpp"
-#include "case/case.hpp"
+#include "problem/case/case.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
-#include "case/remark.hpp"
-#include "case/plan.hpp"
-#include "case/point_motion.hpp"
-#include "case/record.hpp"
 #include "measures/summary.hpp"
 #include "neural/repetitions.hpp"
 #include "neural/response.hpp"
 #include "parallel/comm.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/plan.hpp"
+#include "problem/case/point_motion.hpp"
+#include "problem/case/record.hpp"
+#include "problem/case/remark.hpp"
 
 #include <string>
 #include <vector>

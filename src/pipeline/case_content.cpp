@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/case_content.hpp"
 
-#include "load/drawn_shape.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/spectrum.hpp"
 #include "pipeline/provenance.hpp"
+#include "problem/load/drawn_shape.hpp"
 #include "storage/case_file/variable_group.hpp"
 #include "storage/case_file/warnings_text.hpp"
 #include "storage/hdf5/h5.hpp"

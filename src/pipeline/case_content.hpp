@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/plan.hpp"
-#include "case/record.hpp"
 #include "engines/engine.hpp"
 #include "measures/summary.hpp"
+#include "problem/case/plan.hpp"
+#include "problem/case/record.hpp"
 
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/plan.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "problem/case/plan.hpp"
 
 #include <string>
 #include <vector>

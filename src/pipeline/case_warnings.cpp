@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/case_warnings.hpp"
 
-#include "case/image_uplift.hpp"
-#include "check/check.hpp"
+#include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
+#include "problem/case/image_uplift.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/engine.hpp"
 #include "parallel/comm.hpp"
+#include "problem/case/case.hpp"
 
 namespace shearwake::pipeline {
 

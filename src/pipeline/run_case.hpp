@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/plan.hpp"
 #include "engines/engine.hpp"
 #include "pipeline/case_checkpoints.hpp"
+#include "problem/case/plan.hpp"
 
 #include <filesystem>
 #include <functional>

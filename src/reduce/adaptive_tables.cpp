@@ -2,7 +2,7 @@
 #include "reduce/adaptive_tables.hpp"
 
 #include "base/constants.hpp"
-#include "adapt/next_points.hpp"
+#include "sampling/next_points.hpp"
 
 #include <algorithm>
 #include <cmath>

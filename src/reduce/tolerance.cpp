@@ -2,8 +2,8 @@
 #include "reduce/tolerance.hpp"
 
 #include "base/error.hpp"
-#include "measures/measure_table.hpp"
 #include "config/document/tree.hpp"
+#include "measures/measure_table.hpp"
 
 #include <algorithm>
 #include <charconv>

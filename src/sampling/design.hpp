@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/plan.hpp"
+#include "problem/case/plan.hpp"
 #include "sampling/points.hpp"
 
 #include <string>

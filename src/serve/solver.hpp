@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/record.hpp"
 #include "engines/engine.hpp"
+#include "problem/case/record.hpp"
 #include "serve/interrupt.hpp"
 #include "serve/output.hpp"
 

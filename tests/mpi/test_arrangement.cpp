@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All ranks of a run must compute the same cases in the same order on the same teams.
-#include "schedule/arrangement.hpp"
+#include "schedule/run/arrangement.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -3,8 +3,8 @@
 #include "base/error.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
-#include "support/memory_state.hpp"
 #include "support/cases.hpp"
+#include "support/memory_state.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

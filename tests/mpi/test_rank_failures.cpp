@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Failures of one rank while its team computes a case. Replaces operator new, to refuse memory.
 #include "base/error.hpp"
-#include "check/check.hpp"
+#include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/run_case.hpp"

@@ -21,10 +21,10 @@ SPRINGS = Path("src/engines/springs")
 
 # file: (line, the line and the one to add), as in docs/developer/extending.md
 REGISTRATIONS = {
-    "src/case/solver_options.hpp": [
-        ('#include "engines/spectral/options/spectral_options.hpp"\n',
-         '#include "engines/spectral/options/spectral_options.hpp"\n'
-         '#include "engines/springs/options/springs_options.hpp"\n'),
+    "src/problem/case/solver_options.hpp": [
+        ("/// The options of the engine that computes a case.",
+         (ROOT / "docs/developer/springs/springs_options.hpp").read_text(encoding="utf-8")
+         + "\n/// The options of the engine that computes a case."),
         ("SpectralOptions, PstdOptions>", "SpectralOptions, PstdOptions, SpringsOptions>")],
     "src/engines/registry/make_engine.cpp": [
         ('#include "engines/spectral/spectral_engine.hpp"\n',
@@ -79,7 +79,8 @@ class NewEngine(unittest.TestCase):
             shutil.copytree(ROOT / part, cls.tree / part, ignore=shutil.ignore_patterns("__pycache__"))
         for file in ("CMakeLists.txt", "CMakePresets.json"):
             shutil.copy(ROOT / file, cls.tree)
-        shutil.copytree(ROOT / "docs/developer/springs", cls.tree / SPRINGS)
+        shutil.copytree(ROOT / "docs/developer/springs", cls.tree / SPRINGS,
+                        ignore=shutil.ignore_patterns("springs_options.hpp"))
         for name, changes in REGISTRATIONS.items():
             text = (cls.tree / name).read_text(encoding="utf-8")
             for old, new in changes:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/surface_recorder.hpp"
+#include "problem/case/case.hpp"
 #include "support/on_root.hpp"
 
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
+#include "problem/case/case.hpp"
 
 #include <cmath>
 #include <complex>

@@ -10,9 +10,9 @@
 // and Whitt 1995, ORSA Journal on Computing 7, 36), a Fourier series of its own for each time,
 // whose alternating tail is summed by Euler's transformation. It has neither samples of the load
 // nor a highest frequency.
-#include "engines/layered/stack_response.hpp"
-#include "load/breaks.hpp"
-#include "load/footprint.hpp"
+#include "engines/layered/response/stack_response.hpp"
+#include "problem/load/breaks.hpp"
+#include "problem/load/footprint.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

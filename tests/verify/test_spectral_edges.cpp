@@ -2,8 +2,8 @@
 // The absorbing margin of engine "spectral": the energy that it returns, and its stability.
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
-#include "support/memory_state.hpp"
 #include "support/cases.hpp"
+#include "support/memory_state.hpp"
 
 #include <catch2/catch.hpp>
 

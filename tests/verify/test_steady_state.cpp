@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The periodic regime against the last repetition of a long run, and against a closed form.
-#include "engines/layered/stack_response.hpp"
-#include "load/period.hpp"
+#include "engines/layered/response/stack_response.hpp"
+#include "problem/load/period.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -2,8 +2,8 @@
 #include "engines/springs/springs_engine.hpp"
 
 #include "base/view.hpp"
-#include "case/case.hpp"
-#include "load/load.hpp"
+#include "problem/case/case.hpp"
+#include "problem/load/load.hpp"
 #include "parallel/comm.hpp"
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/document/remarks.hpp"
 
-#include "check/check.hpp"
+#include "engines/registry/check.hpp"
 
 #include <cctype>
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
-#include "case/remark.hpp"
 #include "config/document/tree.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/remark.hpp"
 
 #include <map>
 #include <string>

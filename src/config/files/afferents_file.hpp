@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/afferents.hpp"
+#include "problem/case/afferents.hpp"
 
 #include <string>
 #include <string_view>

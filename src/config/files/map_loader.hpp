@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "medium/material_map.hpp"
+#include "problem/medium/material_map.hpp"
 
 #include <functional>
 #include <memory>

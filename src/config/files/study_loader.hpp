@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/study_data.hpp"
+#include "problem/case/study_data.hpp"
 
 #include <functional>
 #include <memory>

@@ -3,7 +3,7 @@
 
 #include "config/files/map_loader.hpp"
 #include "config/files/study_loader.hpp"
-#include "load/acoustics/lens_design.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
 
 #include <functional>
 #include <string>

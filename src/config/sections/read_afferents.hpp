@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "config/document/reader.hpp"
 #include "config/files/text_loader.hpp"
+#include "problem/case/case.hpp"
 
 #include <optional>
 

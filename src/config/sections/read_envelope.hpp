@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/reader.hpp"
-#include "load/envelope.hpp"
+#include "problem/load/envelope.hpp"
 
 namespace shearwake::config {
 

@@ -4,7 +4,7 @@
 #include "base/field.hpp"
 #include "base/vec3.hpp"
 #include "config/document/reader.hpp"
-#include "case/case.hpp"
+#include "problem/case/case.hpp"
 
 #include <map>
 #include <string>

@@ -3,7 +3,7 @@
 
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_lens.hpp"
-#include "load/array_field.hpp"
+#include "problem/load/array_field.hpp"
 
 #include <algorithm>
 #include <array>

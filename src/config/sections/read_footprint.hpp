@@ -3,7 +3,7 @@
 
 #include "config/document/reader.hpp"
 #include "config/files/text_loader.hpp"
-#include "load/footprint.hpp"
+#include "problem/load/footprint.hpp"
 
 #include <optional>
 

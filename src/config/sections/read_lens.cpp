@@ -3,10 +3,10 @@
 
 #include "base/error.hpp"
 #include "base/hash.hpp"
+#include "base/png.hpp"
 #include "config/sections/read_fields.hpp"
-#include "image/png.hpp"
-#include "load/acoustics/air.hpp"
-#include "load/acoustics/lens_design.hpp"
+#include "problem/load/acoustics/air.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include "config/sections/read_envelope.hpp"
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_path.hpp"
-#include "load/motion/course.hpp"
+#include "problem/load/motion/course.hpp"
 
 #include <algorithm>
 #include <array>

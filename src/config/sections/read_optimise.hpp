@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/optimise_options.hpp"
 #include "config/document/reader.hpp"
+#include "problem/case/optimise_options.hpp"
 
 #include <optional>
 

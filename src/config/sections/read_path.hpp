@@ -3,8 +3,8 @@
 
 #include "config/document/reader.hpp"
 #include "config/files/text_loader.hpp"
-#include "load/motion/trajectory.hpp"
-#include "medium/medium.hpp"
+#include "problem/load/motion/trajectory.hpp"
+#include "problem/medium/medium.hpp"
 
 namespace shearwake::config {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/layered/transfer_table.hpp"
+#include "engines/layered/response/transfer_table.hpp"
 #include "parallel/comm.hpp"
 
 #include <complex>

@@ -4,16 +4,16 @@
 #include "base/constants.hpp"
 #include "base/error.hpp"
 #include "engines/layered/energy_balance.hpp"
-#include "engines/layered/jump_tail.hpp"
 #include "engines/layered/layered_keys.hpp"
-#include "engines/layered/load_spectrum.hpp"
-#include "engines/layered/time_step.hpp"
+#include "engines/layered/load/jump_tail.hpp"
+#include "engines/layered/load/load_spectrum.hpp"
+#include "engines/layered/load/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
-#include "engines/layered/open_grid.hpp"
-#include "engines/layered/work_kinds.hpp"
+#include "engines/layered/response/open_grid.hpp"
+#include "engines/layered/response/work_kinds.hpp"
+#include "fft/reals.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
-#include "fft/reals.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/layered/transfer_table.hpp"
+#include "engines/layered/response/transfer_table.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <memory>

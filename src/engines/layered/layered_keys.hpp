@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/layered/transfer_table.hpp"
+#include "engines/layered/response/transfer_table.hpp"
 
 namespace shearwake::layered {
 

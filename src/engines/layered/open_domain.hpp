@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "fft/slab_transform.hpp"
+#include "problem/case/case.hpp"
 
 namespace shearwake::layered {
 

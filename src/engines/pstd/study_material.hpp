@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/study_data.hpp"
 #include "engines/pstd/scheme/material.hpp"
+#include "problem/case/study_data.hpp"
 
 namespace shearwake::pstd {
 

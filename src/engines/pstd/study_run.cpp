@@ -2,10 +2,10 @@
 #include "engines/pstd/study_run.hpp"
 
 #include "base/error.hpp"
-#include "engines/pstd/study_limits.hpp"
-#include "engines/pstd/study_material.hpp"
 #include "engines/pstd/estimate.hpp"
 #include "engines/pstd/pstd_march.hpp"
+#include "engines/pstd/study_limits.hpp"
+#include "engines/pstd/study_material.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/choices.hpp"
 
-#include "case/edge_absorption.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/stepping/step_probe.hpp"
-#include "medium/material_field.hpp"
+#include "problem/case/edge_absorption.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 #include "engines/spectral/spectral_estimate.hpp"
 
 #include "engines/spectral/bodies/lump_bodies.hpp"
+#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/bodies/stress/endless_stress.hpp"
 #include "engines/spectral/bodies/stress/lump_stress.hpp"
-#include "engines/spectral/bodies/slab_bodies.hpp"
 #include "engines/spectral/depth/skyline_matrix.hpp"
 #include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/lateral_sponge.hpp"

@@ -4,7 +4,7 @@
 #include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_engine.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
-#include "medium/body.hpp"
+#include "problem/medium/body.hpp"
 
 #include <fmt/format.h>
 

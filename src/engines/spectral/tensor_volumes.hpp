@@ -5,7 +5,7 @@
 #include "engines/spectral/bodies/inside_bodies.hpp"
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
-#include "medium/material_field.hpp"
+#include "problem/medium/material_field.hpp"
 
 namespace shearwake::spectral {
 

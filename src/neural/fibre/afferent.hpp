@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/vec2.hpp"
-#include "case/afferents.hpp"
+#include "problem/case/afferents.hpp"
 
 #include <cstddef>
 #include <span>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/afferents.hpp"
 #include "neural/fibre/afferent.hpp"
 #include "neural/hand/hand.hpp"
+#include "problem/case/afferents.hpp"
 
 #include <vector>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/afferents.hpp"
 #include "neural/skin/contact.hpp"
+#include "problem/case/afferents.hpp"
 
 namespace shearwake::neural {
 

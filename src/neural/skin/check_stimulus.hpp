@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/remark.hpp"
 #include "neural/hand/polygon.hpp"
 #include "neural/skin/contact.hpp"
+#include "problem/case/remark.hpp"
 
 #include <span>
 #include <vector>

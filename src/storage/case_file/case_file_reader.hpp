@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/record.hpp"
+#include "problem/case/record.hpp"
 
 #include <filesystem>
 #include <map>

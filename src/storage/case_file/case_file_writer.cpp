@@ -2,9 +2,9 @@
 #include "storage/case_file/case_file_writer.hpp"
 
 #include "base/error.hpp"
-#include "storage/checksum/file_checksum.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/variable_group.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5_block.hpp"
 

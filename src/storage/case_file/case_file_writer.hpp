@@ -2,9 +2,9 @@
 #pragma once
 
 #include "base/view.hpp"
-#include "case/case.hpp"
-#include "case/record.hpp"
 #include "parallel/comm.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/record.hpp"
 #include "storage/case_file/volume_group.hpp"
 #include "storage/checksum/part_checksum.hpp"
 #include "storage/hdf5/h5.hpp"

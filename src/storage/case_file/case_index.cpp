@@ -7,8 +7,8 @@
 #include "base/next_line.hpp"
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/warnings_text.hpp"
-#include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include "case/remark.hpp"
+#include "problem/case/remark.hpp"
 #include "storage/checksum/verify_files.hpp"
 
 #include <filesystem>

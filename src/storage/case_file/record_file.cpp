@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/case_file/record_file.hpp"
 
+#include "storage/case_file/variable_group.hpp"
 #include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/case_file/variable_group.hpp"
 
 namespace shearwake::storage {
 

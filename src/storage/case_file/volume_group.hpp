@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
-#include "case/record.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/record.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <string>

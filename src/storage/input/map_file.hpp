@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "medium/material_map.hpp"
 #include "parallel/comm.hpp"
+#include "problem/medium/material_map.hpp"
 
 #include <filesystem>
 

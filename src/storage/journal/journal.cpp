@@ -3,8 +3,8 @@
 
 #include "base/json_line.hpp"
 #include "base/next_line.hpp"
-#include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -4,8 +4,8 @@
 #include "base/error.hpp"
 #include "base/json_line.hpp"
 #include "base/text.hpp"
-#include "storage/files.hpp"
 #include "storage/checksum/sealed_text.hpp"
+#include "storage/files.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Ids are the names of results: those of the jobs in jobs/, and of jobs that between them use every
 // key, must be those of the version that introduced them.
-#include "case/case.hpp"
 #include "config/job.hpp"
+#include "problem/case/case.hpp"
 
 #include <catch2/catch.hpp>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/key_table.hpp"
+#include "config/keys/key_table.hpp"
 
 #include <catch2/catch.hpp>
 

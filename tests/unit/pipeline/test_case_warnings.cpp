@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "case/image_uplift.hpp"
 #include "pipeline/case_warnings.hpp"
+#include "problem/case/image_uplift.hpp"
 #include "storage/case_file/warnings_text.hpp"
 
 #include "support/cases.hpp"

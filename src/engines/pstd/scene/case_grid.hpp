@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/pstd/scheme/material.hpp"
 #include "engines/pstd/scheme/pml.hpp"
+#include "problem/case/case.hpp"
 
 namespace shearwake::pstd {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scene/case_step.hpp"
 
-#include "case/edge_absorption.hpp"
 #include "engines/pstd/scheme/grid.hpp"
-#include "medium/body.hpp"
 #include "parallel/agree.hpp"
+#include "problem/case/edge_absorption.hpp"
+#include "problem/medium/body.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/study_data.hpp"
 #include "engines/engine.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
+#include "problem/case/study_data.hpp"
 
 namespace shearwake::pstd {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/bodies/rigid_bodies.hpp"
 #include "fft/slab_transform.hpp"
+#include "problem/case/case.hpp"
 
 #include <optional>
 #include <vector>

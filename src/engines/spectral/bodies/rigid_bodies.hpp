@@ -3,11 +3,11 @@
 
 #include "base/block.hpp"
 #include "base/vec3.hpp"
-#include "case/case.hpp"
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "parallel/comm.hpp"
 #include "parallel/state.hpp"
+#include "problem/case/case.hpp"
 
 #include <functional>
 #include <vector>

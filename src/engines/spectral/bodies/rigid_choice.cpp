@@ -2,8 +2,8 @@
 #include "engines/spectral/bodies/rigid_choice.hpp"
 
 #include "engines/spectral/bodies/lump_markers.hpp"
-#include "medium/bulk_modulus.hpp"
-#include "medium/material_field.hpp"
+#include "problem/medium/bulk_modulus.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
-#include "case/remark.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/remark.hpp"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 #include "engines/spectral/depth/absorbing_bottom.hpp"
 
 #include "base/constants.hpp"
-#include "case/edge_absorption.hpp"
+#include "problem/case/edge_absorption.hpp"
 
 #include <algorithm>
 #include <cmath>

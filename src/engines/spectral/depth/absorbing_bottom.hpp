@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
+#include "problem/case/case.hpp"
 
 namespace shearwake::spectral {
 

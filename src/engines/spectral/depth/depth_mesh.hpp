@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/depth/absorbing_bottom.hpp"
 #include "engines/spectral/depth/gauss_lobatto.hpp"
+#include "problem/case/case.hpp"
 
 #include <cstddef>
 #include <optional>

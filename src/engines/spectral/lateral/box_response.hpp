@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/kernels/symmetric.hpp"
 #include "engines/spectral/lateral/lateral_field.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
 #include "engines/spectral/lateral/strain_planes.hpp"
 #include "fft/slab_transform.hpp"
+#include "problem/case/case.hpp"
 
 #include <complex>
 #include <functional>

@@ -3,7 +3,7 @@
 
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/lateral/strain_transfer.hpp"
-#include "medium/material_field.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <vector>
 

@@ -2,7 +2,7 @@
 #include "engines/spectral/lateral/lateral_sponge.hpp"
 
 #include "base/constants.hpp"
-#include "case/edge_absorption.hpp"
+#include "problem/case/edge_absorption.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #include "engines/spectral/lateral/moving_load.hpp"
 
 #include "base/constants.hpp"
-#include "simd/kernels.hpp"
 #include "fft/reals.hpp"
+#include "simd/kernels.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/kernels/pencils.hpp"
 #include "fft/slab_transform.hpp"
-#include "load/breaks.hpp"
-#include "load/load_pattern.hpp"
+#include "problem/case/case.hpp"
+#include "problem/load/breaks.hpp"
+#include "problem/load/load_pattern.hpp"
 
 #include <complex>
 #include <vector>
@@ -55,9 +55,9 @@ private:
 /// The spectrum of the moving footprint, averaged over the steps before and after each time with
 /// weights that fall linearly to zero: u+ - 2 u + u- of a free mass is dt^2 times this average of
 /// its acceleration. Where the load is smooth, three samples give f + (dt^2/12) f'', which is of
-/// fourth order. Near a break (load/breaks.hpp), for example the end of a path, Gauss nodes between
-/// the breaks integrate. At the start the average is one-sided, because u(dt) is half of the first
-/// difference. Not collective.
+/// fourth order. Near a break (problem/load/breaks.hpp), for example the end of a path, Gauss nodes
+/// between the breaks integrate. At the start the average is one-sided, because u(dt) is half of
+/// the first difference. Not collective.
 class MovingLoad {
 public:
     MovingLoad(const Case& c, const WaveVectors& vectors, double step_s);

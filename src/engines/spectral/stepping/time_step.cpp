@@ -5,7 +5,7 @@
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/stepping/step_probe.hpp"
-#include "medium/material_field.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "case/case.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
+#include "problem/case/case.hpp"
 
 #include <cstddef>
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "load/array_field.hpp"
+#include "problem/load/array_field.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "image/png.hpp"
-#include "load/acoustics/lens_design.hpp"
+#include "base/png.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <cmath>

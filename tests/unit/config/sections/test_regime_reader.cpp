@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Open edges, the periodic regime and the measured region.
-#include "check/check.hpp"
+#include "engines/registry/check.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <fmt/format.h>

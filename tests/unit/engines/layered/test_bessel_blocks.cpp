@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/layered/bessel_blocks.hpp"
+#include "engines/layered/response/bessel_blocks.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

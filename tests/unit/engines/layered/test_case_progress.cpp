@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/layered/case_progress.hpp"
+#include "engines/layered/response/case_progress.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

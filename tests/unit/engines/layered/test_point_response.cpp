@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/layered/point_response.hpp"
-#include "engines/layered/stack_response.hpp"
+#include "engines/layered/response/point_response.hpp"
+#include "engines/layered/response/stack_response.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

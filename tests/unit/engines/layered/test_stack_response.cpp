@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/layered/stack_response.hpp"
+#include "engines/layered/response/stack_response.hpp"
 
 #include "support/cases.hpp"
 

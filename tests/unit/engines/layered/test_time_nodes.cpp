@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Quadrature in time of loads with jumps and kinks, and the response to them above the highest
 // frequency of the transform, against closed forms.
-#include "engines/layered/jump_tail.hpp"
-#include "engines/layered/time_nodes.hpp"
+#include "engines/layered/load/jump_tail.hpp"
+#include "engines/layered/load/time_nodes.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

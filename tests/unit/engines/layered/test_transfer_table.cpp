@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/layered/transfer_table.hpp"
+#include "engines/layered/response/transfer_table.hpp"
 
 #include "base/error.hpp"
-#include "engines/layered/load_spectrum.hpp"
-#include "engines/layered/time_step.hpp"
-#include "engines/layered/stack_response.hpp"
+#include "engines/layered/load/load_spectrum.hpp"
+#include "engines/layered/load/time_step.hpp"
+#include "engines/layered/response/stack_response.hpp"
 #include "support/cases.hpp"
 #include "support/worst.hpp"
 

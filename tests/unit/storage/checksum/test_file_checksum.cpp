@@ -5,9 +5,9 @@
 #include "storage/case_file/case_file_reader.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/case_file/case_index.hpp"
+#include "storage/checksum/sealed_text.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
-#include "storage/checksum/sealed_text.hpp"
 #include "support/temporary_folder.hpp"
 
 #include <catch2/catch.hpp>

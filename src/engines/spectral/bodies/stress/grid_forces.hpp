@@ -3,7 +3,7 @@
 
 #include "engines/spectral/bodies/stress/static_response.hpp"
 #include "engines/spectral/kernels/transfer.hpp"
-#include "medium/material_field.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <array>
 #include <vector>

@@ -3,7 +3,7 @@
 
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/bodies/stress/surface_patches.hpp"
-#include "medium/medium.hpp"
+#include "problem/medium/medium.hpp"
 
 #include <functional>
 #include <vector>

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/keys/key_table.hpp"
+
+#include "base/field.hpp"
+#include "base/units.hpp"
+#include "config/keys/key_types.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/optimise_options.hpp"
+
+#include <array>
+#include <cmath>
+#include <deque>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+namespace {
+
+/// One table of the key reference.
+struct Section {
+    std::string name; // name of the table in the job, such as "solver.pstd"
+    std::string heading;
+    std::string prefix; // prefix of its keys, such as "footprint."
+    std::string rows;
+};
+
+/// A key of a shape of paths that exists only in job files: config makes arcs and polylines of
+/// them.
+struct ShapeKey {
+    const char *shape, *key, *values, *fallback, *meaning;
+};
+constexpr std::array shape_keys = {
+    ShapeKey{"circle", "center_mm", "", "[0, 0]", "centre"},
+    ShapeKey{"circle", "radius_mm", "between 0.001 and 10000", "required",
+             "radius; as the pattern of STP, a circle may also have the radius 0"},
+    ShapeKey{"circle", "start_deg", "", "0", "angle of the starting point, from x towards y"},
+    ShapeKey{"circle", "clockwise", "true or false", "false", "direction of the motion"},
+    ShapeKey{"polygon", "corners_mm", "", "none",
+             "corners `[[x, y], ...]`, at least three; the last one is connected with the first. "
+             "The other keys of this table define a regular polygon instead"},
+    ShapeKey{"polygon", "sides", "between 3 and 1000", "required without `corners_mm`",
+             "number of sides of a regular polygon"},
+    ShapeKey{"polygon", "side_mm", "between 0.001 and 10000", "or `radius_mm`", "length of a side"},
+    ShapeKey{"polygon", "radius_mm", "between 0.001 and 10000", "or `side_mm`",
+             "distance of the corners from the centre"},
+    ShapeKey{"polygon", "center_mm", "", "[0, 0]", "centre"},
+    ShapeKey{"polygon", "start_deg", "", "the polygon stands on a side",
+             "angle of the first corner, from x towards y"},
+    ShapeKey{"csv", "file", "", "required",
+             "CSV file of points; its path is relative to the job file. It has the header "
+             "`x_mm,y_mm` and one point per line"},
+    ShapeKey{"csv", "closed", "true or false", "false",
+             "whether the path returns to its first point"},
+};
+
+/// A walk that lists keys. Alternatives and list elements get their own sections, which follow the
+/// section that selects them.
+class KeyTable {
+public:
+    KeyTable() { section("medium"); }
+
+    template <class T>
+    void operator()(const T& value, const Field& field) {
+        if (*field.key) row(field, allowed(value, field), fallback(value, field));
+    }
+
+    void key(const Field& field) {
+        row(field, words_or_range(field),
+            field.given == Given::required ? "required"
+            : field.given == Given::preset ? "required without a preset"
+                                           : field.fallback);
+    }
+
+    template <class... T>
+    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
+        if (*field.key) {
+            std::string names;
+            const auto add = [&](const char* name) {
+                names += fmt::format("{}`\"{}\"`", names.empty() ? "" : ", ", name);
+            };
+            if (*field.type)
+                names = words_or_range(field);
+            else
+                (add(name_in_jobs<T>()), ...);
+            const std::string first = fmt::format(
+                "`\"{}\"`",
+                std::visit([](const auto& a) { return name_in_jobs<std::decay_t<decltype(a)>>(); },
+                           value));
+            row(field, names, *field.fallback ? field.fallback : first);
+        }
+        const std::string key = field.key;
+        for_each_alternative(
+            std::type_identity<std::variant<T...>>{}, [&](const auto& alternative) {
+                using Alternative = std::decay_t<decltype(alternative)>;
+                if (key.empty()) return walk_fields(*this, alternative);
+                const Section before = sections_[at_];
+                const std::string name = name_in_jobs<Alternative>();
+                if (field.own_tables)
+                    open({.name = before.name + "." + name,
+                          .heading = fmt::format("`[{}.{}]`", before.name, name)});
+                else
+                    open({.name = before.name,
+                          .heading = fmt::format("{} {} `{}{} = \"{}\"`", before.heading,
+                                                 before.heading.ends_with("]`") ? "with" : "and",
+                                                 before.prefix, key, name),
+                          .prefix = before.prefix + key.substr(0, key.rfind('.') + 1)});
+                walk_fields(*this, alternative);
+                close();
+            });
+        if (key == "path.shape") list_shapes(sections_[at_].heading);
+    }
+
+    template <class T>
+    void each(const char* table, const std::vector<T>&, const Field& field) {
+        open({.name = table, .heading = fmt::format("`[[{}]]`", table)});
+        const T example = Example<T>::make();
+        if constexpr (requires { example.valueless_by_exception(); })
+            choice(example, field);
+        else
+            walk_fields(*this, example);
+        close();
+    }
+
+    template <class T>
+    void maybe(const char* table, const std::optional<T>&) {
+        section(table);
+        const T example = Example<T>::make();
+        walk_fields(*this, example);
+    }
+
+    void section(const char* table) {
+        sections_.push_back({.name = table, .heading = fmt::format("`[{}]`", table)});
+        at_ = sections_.size() - 1;
+    }
+
+    std::string markdown() const {
+        std::string text;
+        for (const Section& section : sections_)
+            if (!section.rows.empty())
+                text += fmt::format("\n## {}\n\n| key | values | default | meaning |\n"
+                                    "|---|---|---|---|\n{}",
+                                    section.heading, section.rows);
+        return text;
+    }
+
+private:
+    void list_shapes(const std::string& heading) {
+        std::string_view shape;
+        for (const ShapeKey& key : shape_keys) {
+            if (shape != key.shape)
+                sections_.push_back(
+                    {.heading = fmt::format("{} and `path.shape = \"{}\"`", heading, key.shape)});
+            shape = key.shape;
+            sections_.back().rows += fmt::format("| `path.{}` | {} | {} | {} |\n", key.key,
+                                                 key.values, key.fallback, key.meaning);
+        }
+    }
+    void open(Section section) {
+        opened_.push_back(at_);
+        sections_.push_back(std::move(section));
+        at_ = sections_.size() - 1;
+    }
+    void close() {
+        at_ = opened_.back();
+        opened_.pop_back();
+    }
+    void row(const Field& field, const std::string& values, const std::string& fallback) {
+        const std::string only =
+            *field.only_with ? fmt::format("with `{}`: ", field.only_with) : "";
+        std::string meaning;
+        for (const char c : only + field.meaning)
+            meaning += c == '|' ? std::string("\\|") : std::string(1, c);
+        sections_[at_].rows += fmt::format("| `{}{}` | {} | {} | {} |\n", sections_[at_].prefix,
+                                           field.key, values, fallback, meaning);
+    }
+
+    template <class T>
+    static std::string allowed(const T&, const Field& field) {
+        if (!words_of(field).empty()) return words_or_range(field);
+        if (field.type == std::string_view("boolean")) return "true or false";
+        if constexpr (Named<T>) return list_of(names_of(std::type_identity<T>{}));
+        if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>)
+            return *field.text ? "" : "true or false";
+        if constexpr (requires(T list) { requires Named<typename T::value_type>; })
+            return list_of(names_of(std::type_identity<typename T::value_type>{}));
+        return words_or_range(field);
+    }
+    static std::string words_or_range(const Field& field) {
+        if (const auto words = words_of(field); !words.empty())
+            return (std::string_view(field.type).starts_with("point") ? "`[x, y]`, " : "") +
+                   list_of(words);
+        const std::string range = field.range.words();
+        return range == Range{}.words() ? "" : range;
+    }
+    static std::string list_of(const auto& names) {
+        std::string list;
+        for (const auto& name : names)
+            list += fmt::format("{}`\"{}\"`", list.empty() ? "" : ", ", name);
+        return list;
+    }
+
+    template <class T>
+    static std::string fallback(const T& value, const Field& field) {
+        if (*field.fallback) return field.fallback;
+        if (field.given == Given::required) return "required";
+        if (field.given == Given::preset) return "required without a preset";
+        return shown(value, field.key);
+    }
+    /// The value as a job file would contain it, in the unit of its key.
+    static std::string shown(double value, const char* key) {
+        const auto unit = unit_of(key);
+        return fmt::format("{:.6g}", unit ? value / unit->to_SI : value);
+    }
+    static std::string shown(const std::integral auto& value, const char*) {
+        return fmt::format("{}", value);
+    }
+    static std::string shown(bool value, const char*) { return value ? "true" : "false"; }
+    static std::string shown(Switch value, const char* key) {
+        return shown(value == Switch::on, key);
+    }
+    static std::string shown(Vec2 v, const char* key) {
+        return fmt::format("[{}, {}]", shown(v.x, key), shown(v.y, key));
+    }
+    static std::string shown(const std::string& word, const char*) {
+        return fmt::format("`\"{}\"`", word);
+    }
+    template <Named E>
+    static std::string shown(const E& value, const char*) {
+        return fmt::format("`\"{}\"`", name_in_text(value));
+    }
+    template <class T>
+    static std::string shown(const std::optional<T>& value, const char* key) {
+        return value ? shown(*value, key) : "none";
+    }
+    template <class T>
+    static std::string shown(const std::vector<T>& values, const char* key) {
+        if constexpr (Named<T>) return values.empty() ? "none" : "all";
+        std::string list;
+        if constexpr (requires(T value) { shown(value, key); })
+            for (const T& value : values)
+                list += (list.empty() ? "" : ", ") + shown(value, key);
+        return "[" + list + "]";
+    }
+    template <class T>
+    static std::string shown(const T&, const char*) {
+        return "";
+    }
+
+    std::deque<Section> sections_;
+    std::size_t at_ = 0;
+    std::vector<std::size_t> opened_;
+};
+
+} // namespace
+
+std::string key_reference() {
+    constexpr const char* preface =
+        "# The keys of a job\n\n"
+        "`shearwake keys` prints this reference. Values and defaults are in the unit of the key;\n"
+        "[job-file.md](job-file.md) has the tables `[job]`, `[sweep]`, `[uncertain]` and "
+        "`[table]`, examples and\n"
+        "explanations.\n";
+    KeyTable table;
+    const Case defaults;
+    walk_fields(table, defaults);
+    const OptimiseOptions optimise;
+    walk_fields(table, optimise);
+    return preface + table.markdown();
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/keys/schema.hpp"
+
+#include "base/field.hpp"
+#include "base/units.hpp"
+#include "base/vec3.hpp"
+#include "config/keys/key_types.hpp"
+#include "config/keys/uncertain_schema.hpp"
+#include "config/sections/read_case.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/optimise_options.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::config {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The member in which a table under construction lists the keys that are required in a job without
+/// a sweep. In a job with a sweep, the sweep may give them instead.
+constexpr const char* required_keys = "required without a sweep";
+
+Json object() {
+    return {{"type", "object"}, {"properties", Json::object()}, {"unevaluatedProperties", false}};
+}
+
+/// The table of a dotted key, created if necessary, and the last part of the key.
+std::pair<Json*, std::string> place_of(Json& table, const std::string& key) {
+    const std::size_t dot = key.find('.');
+    if (dot == std::string::npos) return {&table, key};
+    Json& below = table["properties"][key.substr(0, dot)];
+    if (below.is_null()) below = object();
+    return place_of(below, key.substr(dot + 1));
+}
+
+Json number(const Range& range, bool whole = false) {
+    Json type = {{"type", whole ? "integer" : "number"}};
+    if (std::isfinite(range.least))
+        type[range.least_excluded ? "exclusiveMinimum" : "minimum"] = range.least;
+    if (std::isfinite(range.most))
+        type[range.most_excluded ? "exclusiveMaximum" : "maximum"] = range.most;
+    return type;
+}
+
+Json list_of(const Json& item, std::size_t least = 0, std::size_t most = 0) {
+    Json type = {{"type", "array"}, {"items", item}};
+    if (least > 0) type["minItems"] = least;
+    if (most > 0) type["maxItems"] = most;
+    return type;
+}
+
+Json one_of(const std::vector<std::string>& words) {
+    return {{"enum", words}};
+}
+
+/// The schema of a type name in a description, see Field::type.
+Json named_type(const Field& field) {
+    const std::string type = field.type;
+    Json point = list_of(number(field.range), 2, 2);
+    if (type.starts_with("word:")) return one_of(words_of(field));
+    if (type.starts_with("point or word:")) return {{"anyOf", {point, one_of(words_of(field))}}};
+    if (type == "word" || type == "file") return {{"type", "string"}};
+    if (type == "number") return number(field.range);
+    if (type == "integer") return number(field.range, true);
+    if (type == "boolean") return {{"type", "boolean"}};
+    if (type == "point") return point;
+    if (type == "point or triple") return list_of(number(field.range), 2, 3);
+    if (type == "points") return list_of(point);
+    if (type == "path") return {{"$ref", "#/$defs/path"}};
+    return Json::object();
+}
+
+template <class T>
+Json type_of(const T&, const Field& field) {
+    if constexpr (Named<T>) {
+        const auto names = names_of(std::type_identity<T>{});
+        return one_of({names.begin(), names.end()});
+    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, Switch>) {
+        return {{"type", "boolean"}};
+    } else if constexpr (std::is_floating_point_v<T>) {
+        return number(field.range);
+    } else if constexpr (std::is_integral_v<T>) {
+        return number(field.range, true);
+    } else if constexpr (std::is_same_v<T, Vec2>) {
+        return list_of(number(field.range), 2, 2);
+    } else if constexpr (std::is_same_v<T, Vec3>) {
+        return list_of(number(field.range), 3, 3);
+    } else {
+        return {{"type", "string"}}; // words, and names of files
+    }
+}
+template <class T>
+Json type_of(const std::optional<T>&, const Field& field) {
+    return type_of(T{}, field);
+}
+template <class T>
+Json type_of(const std::vector<T>&, const Field& field) {
+    if constexpr (std::is_same_v<T, ListedAfferent>)
+        return {{"type", "string"}};
+    else
+        return list_of(type_of(T{}, field));
+}
+
+/// The default in the unit of the key; null where there is none that can be stated.
+Json shown(double value, const char* key) {
+    const auto unit = unit_of(key);
+    const double given = unit ? value / unit->to_SI : value;
+    return std::isfinite(given) ? Json(std::stod(fmt::format("{:.6g}", given))) : Json();
+}
+Json shown(bool value, const char*) {
+    return value;
+}
+Json shown(Switch value, const char*) {
+    return value == Switch::on;
+}
+Json shown(const std::integral auto& value, const char*) {
+    return value;
+}
+Json shown(const std::string& word, const char*) {
+    return word;
+}
+Json shown(Vec2 at, const char* key) {
+    return {shown(at.x, key), shown(at.y, key)};
+}
+template <Named E>
+Json shown(const E& value, const char*) {
+    return name_in_text(value);
+}
+template <class T>
+Json shown(const T&, const char*) {
+    return {};
+}
+
+/// A walk that describes the keys of the current table.
+class SchemaWalk {
+public:
+    explicit SchemaWalk(Json& root) : root_(root), table_(&root) {}
+
+    template <class T>
+    void operator()(const T& value, const Field& field) {
+        if (!*field.key) return;
+        Json type = *field.type ? named_type(field) : type_of(value, field);
+        if (field.given == Given::automatic) type = {{"anyOf", {type, {{"const", "auto"}}}}};
+        if (field.given == Given::optional && !*field.fallback)
+            if (Json fallback = shown(value, field.key); !fallback.is_null())
+                type["default"] = std::move(fallback);
+        put(field, std::move(type));
+    }
+
+    void key(const Field& field) { put(field, named_type(field)); }
+
+    template <class... T>
+    void choice(const std::variant<T...>& value, const Field& field, const auto&...) {
+        const std::string key = field.key;
+        const auto each_of = [&](const auto& use) {
+            for_each_alternative(std::type_identity<std::variant<T...>>{}, use);
+        };
+        if (key.empty()) return each_of([&](const auto& a) { walk_optional(a); });
+        std::vector<std::string> names = words_of(field);
+        if (names.empty()) names = {name_in_jobs<T>()...};
+        const auto place = place_of(*table_, key); // a lambda may not capture structured bindings
+        Json type = one_of(names);
+        std::string first = names.front();
+        if (!*field.fallback && field.given == Given::optional) {
+            std::visit([&](const auto& a) { first = name_in_jobs<std::decay_t<decltype(a)>>(); },
+                       value);
+            type["default"] = first;
+        }
+        put(field, std::move(type));
+        each_of([&](const auto& a) { alternative(*place.first, place.second, first, a, field); });
+    }
+
+    template <class T>
+    void each(const char* table, const std::vector<T>&, const Field& field) {
+        Json item = object();
+        SchemaWalk walk(item);
+        const T example = Example<T>::make();
+        if constexpr (requires { example.valueless_by_exception(); })
+            walk.choice(example, field);
+        else
+            walk_fields(walk, example);
+        const auto [owner, name] = place_of(root_, table);
+        (*owner)["properties"][name] = list_of(item, 0);
+    }
+
+    template <class T>
+    void maybe(const char* table, const std::optional<T>&) {
+        section(table);
+        const T example = Example<T>::make();
+        walk_fields(*this, example);
+    }
+
+    void section(const char* table) {
+        const auto [owner, name] = place_of(root_, table);
+        Json& made = (*owner)["properties"][name];
+        if (made.is_null()) made = object();
+        table_ = &made;
+    }
+
+private:
+    void put(const Field& field, Json type) {
+        const auto [table, name] = place_of(*table_, field.key);
+        std::string meaning = field.meaning;
+        if (const auto unit = unit_of(field.key))
+            meaning += fmt::format(" [{}]", unit->suffix.substr(1));
+        if (*field.only_with) meaning = fmt::format("with {}: {}", field.only_with, meaning);
+        type["description"] = meaning;
+        (*table)["properties"][name] = std::move(type);
+        const bool required = field.given == Given::required || field.given == Given::preset;
+        if (required && field.applies && !optional_) (*table)[required_keys].push_back(name);
+    }
+
+    template <class Alternative>
+    void walk_optional(const Alternative& a) {
+        const bool before = optional_;
+        optional_ = true;
+        walk_fields(*this, a);
+        optional_ = before;
+    }
+
+    /// The keys of one alternative: in a table with its name, or allowed if `key` selects it.
+    template <class Alternative>
+    void alternative(Json& table, const std::string& key, const std::string& first,
+                     const Alternative& a, const Field& field) {
+        const std::string name = name_in_jobs<Alternative>();
+        Json keys = {{"properties", Json::object()}};
+        Json* const before = table_;
+        table_ = &keys;
+        walk_fields(*this, a);
+        table_ = before;
+        if (keys["properties"].empty()) return;
+        if (field.own_tables) {
+            keys["type"] = "object";
+            keys["unevaluatedProperties"] = false;
+            table["properties"][name] = std::move(keys);
+            return;
+        }
+        Json when = {{"properties", {{key, {{"const", name}}}}}};
+        if (name != first) when["required"] = Json::array({key});
+        table["allOf"].push_back({{"if", std::move(when)}, {"then", std::move(keys)}});
+    }
+
+    Json& root_;
+    Json* table_;
+    bool optional_ = false;
+};
+
+/// The part of a schema that applies only to jobs without a sweep; removes the lists from `schema`.
+Json take_requirements(Json& schema) {
+    Json rules = Json::object();
+    if (const auto list = schema.find(required_keys); list != schema.end()) {
+        const bool has_preset =
+            schema.contains("properties") && schema["properties"].contains("preset");
+        if (has_preset)
+            rules["anyOf"] = {{{"required", {"preset"}}}, {{"required", *list}}};
+        else
+            rules["required"] = *list;
+        schema.erase(required_keys);
+    }
+    if (schema.contains("properties"))
+        for (auto& [key, below] : schema["properties"].items())
+            if (Json found = take_requirements(below); !found.empty())
+                rules["properties"][key] = std::move(found);
+    if (schema.contains("items"))
+        if (Json found = take_requirements(schema["items"]); !found.empty())
+            rules["items"] = std::move(found);
+    for (const char* list : {"allOf", "anyOf"})
+        if (schema.contains(list))
+            for (Json& part : schema[list]) {
+                Json& below = part.contains("then") ? part["then"] : part;
+                Json found = take_requirements(below);
+                if (found.empty()) continue;
+                if (part.contains("if"))
+                    rules["allOf"].push_back({{"if", part["if"]}, {"then", std::move(found)}});
+                else
+                    rules["allOf"].push_back(
+                        {{"if", {{"type", "object"}}}, {"then", std::move(found)}});
+            }
+    return rules;
+}
+
+/// Shapes that exist only in job files and are converted to polylines and arcs.
+void add_shapes(Json& path) {
+    const Json point = list_of(number({}), 2, 2);
+    const Json positive = number(Range::above(0.0));
+    const auto add = [&](const char* shape, Json properties,
+                         const std::vector<std::string>& required) {
+        Json keys = {{"properties", std::move(properties)}};
+        if (!required.empty()) keys[required_keys] = required;
+        path["allOf"].push_back(
+            {{"if", {{"properties", {{"shape", {{"const", shape}}}}}, {"required", {"shape"}}}},
+             {"then", std::move(keys)}});
+    };
+    add("circle",
+        {{"center_mm", point},
+         {"radius_mm", number(Range::at_least(0.0))},
+         {"start_deg", number({})},
+         {"clockwise", {{"type", "boolean"}}}},
+        {"radius_mm"});
+    add("polygon",
+        {{"corners_mm", list_of(point, 3)},
+         {"center_mm", point},
+         {"sides", number(Range::between(3, 1000), true)},
+         {"radius_mm", positive},
+         {"side_mm", positive},
+         {"start_deg", number({})}},
+        {});
+    add("csv", {{"file", {{"type", "string"}}}, {"closed", {{"type", "boolean"}}}}, {"file"});
+}
+
+/// The tables of a job in addition to those of a case.
+void add_job_tables(Json& root) {
+    const Json text = {{"type", "string"}};
+    Json& tables = root["properties"];
+    tables["schema"] = {{"const", 1}, {"description", "version of the format of job files"}};
+    Json job = object();
+    job["properties"]["name"] = {{"type", "string"},
+                                 {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"},
+                                 {"description", "name of the output folder"}};
+    job["properties"]["title"] = {{"type", "string"},
+                                  {"description", "title of tables and figures"}};
+    job["required"] = {"name"};
+    tables["job"] = std::move(job);
+    std::string names;
+    for (const std::string_view name : case_tables())
+        names += fmt::format("{}{}", names.empty() ? "" : "|", name);
+    tables["sweep"] = {{"type", "object"},
+                       {"propertyNames",
+                        {{"pattern", fmt::format("^(zip|exclude|list|({})([.\\[].*)?)$", names)}}},
+                       {"properties",
+                        {{"zip", list_of({{"type", "object"}})},
+                         {"exclude", list_of({{"type", "object"}})},
+                         {"list", {{"type", "string"}}}}},
+                       {"additionalProperties", {{"type", {"array", "object"}}}},
+                       {"description",
+                        "keys in full, each with a list of values or one of linspace, logspace, "
+                        "range, refine and find"}};
+    Json table = object();
+    table["properties"] = {
+        {"x", text}, {"series", list_of(text)}, {"reference", {{"type", "object"}}}};
+    tables["table"] = std::move(table);
+    tables["uncertain"] = uncertain_schema();
+}
+
+} // namespace
+
+std::string job_schema() {
+    Json root = object();
+    root["required"] = {"schema", "job"};
+    root[required_keys] = {"medium", "load", "domain", "time"};
+    add_job_tables(root);
+    SchemaWalk walk(root);
+    const Case defaults;
+    walk_fields(walk, defaults);
+    const OptimiseOptions optimise;
+    walk_fields(walk, optimise);
+
+    Json& layer = root["properties"]["medium"]["properties"]["layer"]["items"];
+    Json& loss = layer["properties"]["loss"];
+    loss = {{"anyOf", {{{"const", "none"}}, Json(loss)}}};
+
+    // A path is described once and used in two places of the modulations.
+    Json& modulation = root["properties"]["load"]["properties"]["modulation"]["properties"];
+    Json path, travel;
+    for (Json& part : modulation["trajectory"]["items"]["allOf"])
+        if (Json& keys = part["then"]["properties"]; keys.contains("path")) {
+            path = keys["path"];
+            keys["path"] = {{"$ref", "#/$defs/path"}};
+            travel = keys;
+        }
+    for (const auto& [key, type] : travel.items()) // of speed and corners
+        if (!modulation.contains(key)) modulation[key] = type;
+    add_shapes(path);
+
+    Json rules = take_requirements(root);
+    Json path_rules = take_requirements(path);
+    if (!path_rules.empty()) path["allOf"].push_back(std::move(path_rules));
+    Json schema = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                   {"title", "Job file of shearwake"}};
+    schema.update(root);
+    schema["if"] = {{"anyOf", {{{"required", {"sweep"}}}, {{"required", {"uncertain"}}}}}};
+    schema["then"] = Json::object();
+    schema["else"] = {{"$ref", "#/$defs/complete"}};
+    schema["$defs"] = {{"path", std::move(path)}, {"complete", std::move(rules)}};
+    return schema.dump(2) + "\n";
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sweep/expand.hpp"
+
+#include "config/document/presets.hpp"
+#include "config/document/remarks.hpp"
+#include "config/sections/read_case.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace shearwake::config {
+namespace {
+
+constexpr std::string_view modulation_prefix = "load.modulation.";
+
+/// After this number of invalid cases, further cases are not read.
+constexpr std::size_t most_bad_cases = 1000;
+/// Samples of a distribution are invalid for the same reason.
+constexpr std::size_t most_bad_samples = 2;
+
+/// The index of the value on each axis; the last one changes fastest.
+class Odometer {
+public:
+    explicit Odometer(const Sweep& sweep) : sweep_(sweep), at_(sweep.axes.size(), 0) {}
+    std::size_t operator[](std::size_t axis) const { return at_[axis]; }
+    bool advance() {
+        for (std::size_t axis = at_.size(); axis-- > 0;) {
+            if (++at_[axis] < sweep_.axes[axis].size()) return true;
+            at_[axis] = 0;
+        }
+        return false;
+    }
+
+private:
+    const Sweep& sweep_;
+    std::vector<std::size_t> at_;
+};
+
+Setting setting(const std::string& key, const Node& node) {
+    if (const auto* integer = std::get_if<std::int64_t>(&node.value))
+        return {key, static_cast<double>(*integer)};
+    if (const auto* number = std::get_if<double>(&node.value)) return {key, *number};
+    if (const auto* word = std::get_if<std::string>(&node.value)) return {key, *word};
+    return {key, render(node)};
+}
+
+std::string words(const std::vector<Setting>& settings) {
+    std::string out;
+    for (const Setting& s : settings)
+        out += fmt::format("{}{} = {}", out.empty() ? "" : ", ", s.key,
+                           std::visit([](const auto& v) { return fmt::format("{}", v); }, s.value));
+    return out;
+}
+
+class Expander {
+public:
+    Expander(const Sweep& sweep, const NodePtr& reference, const FileLoaders& files,
+             DiagnosticList& diagnostics)
+        : sweep_(sweep), reference_(reference), files_(files), diagnostics_(diagnostics),
+          excluded_(sweep.exclusions.size(), 0) {}
+
+    void add(const NodePtr& base, const Odometer& wheel) {
+        if (is_excluded(wheel)) return;
+        const std::size_t before = diagnostics_.errors();
+        const NodePtr root = chosen(base, wheel);
+        if (!root) {
+            ++bad_cases_;
+            return;
+        }
+        const auto c =
+            read_case(root, sweep_.varies_kind ? OtherKinds::ignored : OtherKinds::refused, files_,
+                      diagnostics_);
+        if (!c || diagnostics_.errors() != before) {
+            ++bad_cases_;
+            return;
+        }
+        remarks_.add(*c, root);
+        PlannedCase planned{.id = case_id(*c), .physics = *c, .settings = settings(wheel)};
+        if (sweep_.sampled_axis) planned.sample = wheel[*sweep_.sampled_axis];
+        if (reference_) planned.reference_id = add_reference(root, planned.settings);
+        note_twin(planned);
+        cases_.push_back(std::move(planned));
+    }
+
+    bool gives_up() const {
+        return bad_cases_ > (sweep_.sampled_axis ? most_bad_samples : most_bad_cases);
+    }
+
+    std::vector<PlannedCase> finish(bool complete) {
+        remarks_.report(diagnostics_);
+        if (twins_ > 1) twin_message_ += fmt::format(" (and {} more such pairs)", twins_ - 1);
+        if (twins_ > 0) diagnostics_.error(sweep_.at, twin_message_);
+        for (std::size_t i = 0; complete && i < excluded_.size(); ++i)
+            if (excluded_[i] == 0)
+                diagnostics_.warning(sweep_.exclusions[i].at,
+                                     "sweep.exclude: this entry matches no case and has no effect");
+        if (bad_cases_ > 0 && sweep_.sampled_axis)
+            diagnostics_.error(sweep_.axes[*sweep_.sampled_axis].keys.front().at,
+                               "uncertain: no case is possible with some of the samples; if the "
+                               "reason is the value of an uncertain key, truncate its "
+                               "distribution with min and max");
+        if (complete && cases_.empty() && bad_cases_ == 0)
+            diagnostics_.error(sweep_.at, "sweep.exclude removes all cases");
+        for (PlannedCase& reference : references_)
+            if (!ordinary_.contains(reference.id)) cases_.push_back(std::move(reference));
+        return std::move(cases_);
+    }
+
+private:
+    bool is_excluded(const Odometer& wheel) {
+        bool any = false;
+        for (std::size_t i = 0; i < sweep_.exclusions.size(); ++i) {
+            const auto& values = sweep_.exclusions[i].values;
+            const bool all = std::all_of(values.begin(), values.end(), [&](const auto& wanted) {
+                const NodePtr value = value_of(wanted.first, wheel);
+                return value && same_value(*value, *wanted.second);
+            });
+            if (all) ++excluded_[i];
+            any = any || all;
+        }
+        return any;
+    }
+
+    NodePtr value_of(const std::string& name, const Odometer& wheel) const {
+        for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis)
+            for (const SweptKey& key : sweep_.axes[axis].keys)
+                if (key.key == name) return key.values[wheel[axis]];
+        return nullptr;
+    }
+
+    /// The job with this combination of values applied, or null and a diagnostic.
+    NodePtr chosen(const NodePtr& base, const Odometer& wheel) {
+        NodePtr root = base;
+        for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis) {
+            for (const SweptKey& key : sweep_.axes[axis].keys) {
+                std::string problem;
+                root = with(root, key.path, key.values[wheel[axis]], key.at, problem);
+                if (root) continue;
+                diagnostics_.error(key.at,
+                                   fmt::format("sweep: {} does not exist: {}", key.key, problem));
+                return nullptr;
+            }
+        }
+        return root;
+    }
+
+    std::vector<Setting> settings(const Odometer& wheel) const {
+        std::vector<Setting> out;
+        for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis)
+            for (const SweptKey& key : sweep_.axes[axis].keys)
+                out.push_back(setting(key.key, *key.values[wheel[axis]]));
+        return out;
+    }
+
+    /// Whether the reference is independent of this swept key.
+    bool is_idle_in_reference(const std::string& key, const std::string& kind) const {
+        if (!key.starts_with(modulation_prefix)) return false;
+        const std::string_view name = std::string_view(key).substr(modulation_prefix.size());
+        // A key in the reference also replaces all keys below it.
+        const std::string_view whole = name.substr(0, name.find_first_of(".["));
+        return key == kind_key || std::get<TableNode>(reference_->value).find(whole) ||
+               !has_meaning(name, kind);
+    }
+
+    /// The id of the case that `root` is compared with; empty after an error.
+    std::string add_reference(NodePtr root, std::vector<Setting> settings) {
+        for (const Entry& entry : std::get<TableNode>(reference_->value).entries) {
+            std::string problem;
+            root = with(root, {{"load"}, {"modulation"}, {entry.key}}, entry.value, entry.key_at,
+                        problem);
+        }
+        const NodePtr kind = find(root, {{"load"}, {"modulation"}, {"kind"}});
+        const auto* word = kind ? std::get_if<std::string>(&kind->value) : nullptr;
+        std::erase_if(settings, [&](const Setting& s) {
+            return is_idle_in_reference(s.key, word ? *word : "");
+        });
+        const auto [known, is_new] = reference_ids_.try_emplace(words(settings), "");
+        if (!is_new) return known->second;
+        const auto c = read_case(root, OtherKinds::ignored, files_, diagnostics_);
+        if (!c) {
+            ++bad_cases_;
+            return "";
+        }
+        known->second = case_id(*c);
+        if (!seen_references_.insert(known->second).second) return known->second;
+        remarks_.add(*c, root);
+        references_.push_back({.id = known->second,
+                               .physics = *c,
+                               .settings = std::move(settings),
+                               .is_reference = true});
+        return known->second;
+    }
+
+    void note_twin(const PlannedCase& planned) {
+        const auto [twin, is_new] = ordinary_.try_emplace(planned.id, cases_.size());
+        if (is_new) return;
+        if (twins_++ == 0)
+            twin_message_ =
+                fmt::format("sweep: two combinations of values describe the same case: {{ {} }} "
+                            "and {{ {} }}; exclude one of them",
+                            words(cases_[twin->second].settings), words(planned.settings));
+    }
+
+    const Sweep& sweep_;
+    NodePtr reference_;
+    const FileLoaders& files_;
+    DiagnosticList& diagnostics_;
+    std::vector<std::size_t> excluded_; // number of cases that each exclusion has matched
+    Remarks remarks_;
+    std::vector<PlannedCase> cases_, references_;
+    std::unordered_map<std::string, std::size_t> ordinary_;      // by id
+    std::unordered_map<std::string, std::string> reference_ids_; // by settings
+    std::unordered_set<std::string> seen_references_;            // ids
+    std::size_t bad_cases_ = 0, twins_ = 0;
+    std::string twin_message_;
+};
+
+} // namespace
+
+std::vector<PlannedCase> expand(const NodePtr& job, const Sweep& sweep, const NodePtr& reference,
+                                const FileLoaders& files, DiagnosticList& diagnostics) {
+    // Presets are expanded first, so that a sweep can change the layers of a preset.
+    const NodePtr base = sweep.holds("medium.preset") ? job : with_medium_preset(job);
+    Expander expander(sweep, reference, files, diagnostics);
+    Odometer wheel(sweep);
+    do {
+        expander.add(base, wheel);
+    } while (sweep.sound && !expander.gives_up() && wheel.advance());
+    return expander.finish(sweep.sound && !expander.gives_up());
+}
+
+} // namespace shearwake::config

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "config/sweep/override.hpp"
+
+#include "base/text.hpp"
+#include "config/keys/key_names.hpp"
+#include "config/sections/read_case.hpp"
+#include "config/sweep/sweep_axes.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace shearwake::config {
+namespace {
+
+bool is_bare_word(std::string_view text) {
+    const auto is_letter = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.' ||
+               c == ' ' || c == '/';
+    };
+    return !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) &&
+           std::all_of(text.begin(), text.end(), is_letter);
+}
+
+/// Whether the value is a list of numbers without brackets: "60,60" for a key with a list, or more
+/// than two numbers.
+bool is_bare_list(const std::string& value, const NodePtr& before) {
+    const auto commas = std::ranges::count(value, ',');
+    const bool has_list = before && std::holds_alternative<ListNode>(before->value);
+    DiagnosticList trial;
+    return (commas > 1 || (commas == 1 && has_list)) &&
+           parse_toml("value = [" + value + "]", "", trial) && trial.errors() == 0;
+}
+
+/// `before`: the value that the override replaces, or null.
+NodePtr parse_value(const std::string& value, const NodePtr& before, const Place& at,
+                    DiagnosticList& diagnostics) {
+    DiagnosticList trial;
+    const NodePtr document = parse_toml("value = " + value, *at.file, trial);
+    const auto* table = document ? std::get_if<TableNode>(&document->value) : nullptr;
+    if (table && table->entries.size() == 1 && trial.errors() == 0)
+        return moved_to(table->entries.front().value, at);
+    if (is_bare_word(value)) return make_node(value, at);
+    if (is_bare_list(value, before)) {
+        diagnostics.error(
+            at, fmt::format("write lists in brackets: [{0}] instead of {0}", excerpt(value)));
+        return nullptr;
+    }
+    if (const auto number = with_decimal_point(value)) {
+        diagnostics.error(at, fmt::format("write decimal numbers with a point: {} instead of {}{}",
+                                          excerpt(*number), excerpt(value),
+                                          before ? "" : "; lists are written in brackets"));
+        return nullptr;
+    }
+    diagnostics.error(
+        at, fmt::format("\"{}\" is not a valid TOML value, such as 0.5, [1, 2] or \"word\"",
+                        excerpt(value)));
+    return nullptr;
+}
+
+/// A swept key is a single key of [sweep], whether or not its dots were quoted. A key below one
+/// that `root` has, such as the tolerance of an adaptive axis, is not joined with it.
+Path joined_below_sweep(const NodePtr& root, const Path& path, std::string_view text) {
+    if (path.size() <= 2 || (path.front().key != "sweep" && path.front().key != "uncertain") ||
+        find(root, {path[0], path[1]}))
+        return path;
+    return {path.front(), {std::string(text.substr(text.find('.') + 1))}};
+}
+
+/// The first value of a list.
+NodePtr first_of(const NodePtr& list) {
+    const auto* values = list ? std::get_if<ListNode>(&list->value) : nullptr;
+    return values && !values->empty() ? values->front() : nullptr;
+}
+
+bool is_number(const Node& node) {
+    return std::holds_alternative<double>(node.value) ||
+           std::holds_alternative<std::int64_t>(node.value);
+}
+
+/// Warns of an override of a swept key, and rejects a value of another type than those of the
+/// sweep.
+void check_if_swept(const NodePtr& root, const Override& override, const Node& value,
+                    const Place& at, DiagnosticList& diagnostics) {
+    const NodePtr sweep = find(root, {{"sweep"}});
+    const auto* table = sweep ? std::get_if<TableNode>(&sweep->value) : nullptr;
+    if (!table) return;
+    const auto values_in = [&](const TableNode& keys) {
+        const Entry* entry = keys.find(override.key);
+        return entry ? entry->value : nullptr;
+    };
+    NodePtr values = values_in(*table);
+    const bool has_own_axis = values != nullptr;
+    const Entry* zip = table->find("zip");
+    const auto* zipped = zip ? std::get_if<ListNode>(&zip->value->value) : nullptr;
+    for (std::size_t i = 0; zipped && i < zipped->size(); ++i) {
+        const NodePtr flat = flattened_sweep((*zipped)[i]);
+        const auto* keys = std::get_if<TableNode>(&flat->value);
+        if (!values && keys) values = values_in(*keys);
+    }
+    if (!values) return;
+    const NodePtr swept = first_of(values);
+    if (swept && is_number(*swept) && !is_number(value))
+        return diagnostics.error(
+            at, fmt::format("{} must be a number, like the values of its sweep, but is {}",
+                            override.key, excerpt(render(value))));
+    diagnostics.warning(
+        at, fmt::format("{} is swept, so this override has no effect; {}", override.key,
+                        has_own_axis
+                            ? fmt::format("to compute only this value, use -S 'sweep.\"{}\"=[{}]'",
+                                          override.key, excerpt(render(value)))
+                            : "change its values in sweep.zip of the job file"));
+}
+
+/// Whether the key begins with the name of a table or key of a job.
+bool is_full(const Path& path) {
+    const auto tables = case_tables();
+    const std::string& first = path.front().key;
+    return first == "schema" || first == "job" || first == "sweep" || first == "uncertain" ||
+           first == "table" || first == "optimise" ||
+           std::ranges::find(tables, first) != tables.end();
+}
+
+} // namespace
+
+Place place_of(const Override& override) {
+    return {std::make_shared<const std::string>("-S " + excerpt(override.key)), 0, 0};
+}
+
+NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics) {
+    const Place at = place_of(override);
+    const auto path = split_path(override.key);
+    if (!path) {
+        diagnostics.error(at,
+                          "this is not a valid key; give it in full, as in -S load.peak_Pa=200");
+        return root;
+    }
+    if (const std::string meant = is_full(*path) ? "" : full_key_hint(override.key);
+        !meant.empty()) {
+        diagnostics.error(at, fmt::format("{} is unknown; {}", excerpt(override.key), meant));
+        return root;
+    }
+    const NodePtr value = parse_value(override.value, find(root, *path), at, diagnostics);
+    if (!value) return root;
+    check_if_swept(root, override, *value, at, diagnostics);
+    std::string problem;
+    const NodePtr changed =
+        with(root, joined_below_sweep(root, *path, override.key), value, at, problem);
+    if (!changed) diagnostics.error(at, problem);
+    return changed ? changed : root;
+}
+
+} // namespace shearwake::config

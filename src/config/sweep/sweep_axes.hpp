@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "config/document/tree.hpp"
+#include "config/sweep/adaptive_axes.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace shearwake::config {
+
+inline constexpr std::string_view kind_key = "load.modulation.kind";
+
+/// A key that takes several values.
+struct SweptKey {
+    std::string key; // as written in the job
+    Path path;
+    Place at;
+    std::vector<NodePtr> values;
+};
+
+/// Keys that change together: value i of each at the same time.
+struct Axis {
+    std::vector<SweptKey> keys;
+    std::size_t size() const { return keys.front().values.size(); }
+};
+
+/// A combination of values that is excluded.
+struct Exclusion {
+    Place at;
+    std::vector<std::pair<std::string, NodePtr>> values; // of swept keys
+};
+
+/// [sweep]: all combinations of the axes, with the first axis slowest.
+struct Sweep {
+    Place at;
+    bool sound = true; // no error was found
+    std::vector<Axis> axes;
+    std::vector<Exclusion> exclusions;
+    std::vector<AdaptiveAxis> adaptive = {};
+    std::optional<std::size_t> sampled_axis = std::nullopt; // the axis of [uncertain]
+    // Whether the file sweeps the kind of modulation, even if an override replaces the sweep. Keys
+    // of other kinds are then ignored.
+    bool varies_kind = false;
+
+    std::vector<std::string> keys() const; // in the order of the job
+    bool holds(std::string_view key) const;
+};
+
+/// `table` with one entry per full key, in the order of the file: tables are joined with dots down
+/// to those that `is_leaf` accepts.
+NodePtr flattened(const NodePtr& table,
+                  const std::function<bool(const std::string& key, const Node&)>& is_leaf);
+
+/// The path of a full key of a case in the table `where` of a job; nothing after an error.
+std::optional<Path> case_path(const Entry& entry, std::string_view where,
+                              DiagnosticList& diagnostics);
+
+/// [sweep] with one entry per swept key, independent of how its dots were written: `"a.b" = [1]`,
+/// `a.b = [1]` and `[sweep.a]` with `b = [1]` give the same result.
+NodePtr flattened_sweep(const NodePtr& sweep);
+
+/// Reports axes that contain a combination of values twice, and a sweep with too many cases.
+void check_sweep(Sweep& sweep, DiagnosticList& diagnostics);
+
+/// Reads a flattened [sweep], except its entry `list`. Adaptive axes have the values `points`, or
+/// those of the first round if these do not have the key.
+Sweep read_sweep(const NodePtr& sweep, const AxisPoints& points, DiagnosticList& diagnostics);
+
+} // namespace shearwake::config

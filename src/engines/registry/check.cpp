@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/registry/check.hpp"
+
+#include "base/constants.hpp"
+#include "base/units.hpp"
+#include "engines/engine.hpp"
+#include "engines/registry/check_variation.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "problem/case/edge_absorption.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+/// Minimum number of points per width: with fewer, the grid does not represent the footprint.
+constexpr double least_points_per_fwhm = 1.5;
+constexpr double good_points_per_fwhm = 3.0;
+/// The allowed value of the spectrum, relative to its peak, at the largest wave number of the grid.
+constexpr double aliased_share = 1e-3;
+/// The spectrum of the moving load is considered to end at this fraction of its peak.
+constexpr double spectrum_end = 1e-2;
+/// A layer thinner than this does not guide shear waves across the domain.
+constexpr double thin_layer_m = 1e-3;
+/// Maximum number of samples along the path: a fraction of a per mille of its length is sufficient.
+constexpr double most_samples = 4000.0;
+/// The share of a wave's energy that a sponge may give back, and the sponge's width that does it,
+/// in wavelengths (case/edge_absorption).
+constexpr double tolerated_return = 0.01;
+double width_for(double wavelength_m) {
+    return wavelength_m / 1.65;
+}
+
+/// Collects remarks, with lengths in mm and times in ms as in the job.
+struct Notes {
+    std::vector<Remark> remarks;
+
+    template <class... Args>
+    void add(Severity severity, const char* key, fmt::format_string<Args...> format,
+             Args&&... args) {
+        remarks.push_back({severity, key, fmt::format(format, std::forward<Args>(args)...)});
+    }
+};
+
+/// The duration for which the load acts within the run.
+double loaded_s(const Case& c) {
+    return std::min(c.time.duration_s(), off_time_s(c.scene().load.modulation.trajectory));
+}
+
+/// Calls f(t, focus) for every focus along the path while the load is on, both ends included.
+template <class F>
+void along_path(const Case& c, F f) {
+    const double end_s = loaded_s(c);
+    const double step_s = std::max(c.time.interval_s, end_s / most_samples);
+    const auto at = [&](double t_s) {
+        for (const Vec2& focus : foci(c.scene().load.modulation, t_s))
+            f(t_s, focus);
+    };
+    for (double n = 0.0; n * step_s < end_s; ++n)
+        at(n * step_s);
+    at(end_s);
+}
+
+void check_focus_resolution(const Case& c, Notes& notes) {
+    const double width_m = fwhm_m(c.scene().load.footprint), spacing_m = c.domain.spacing_m;
+    const double points = width_m / spacing_m;
+    const double share = spectrum(c.scene().load.footprint, std::numbers::pi / spacing_m, 0.0) /
+                         spectrum(c.scene().load.footprint, 0.0, 0.0);
+    const double wanted_mm = milli(width_m) / good_points_per_fwhm;
+    if (points < least_points_per_fwhm)
+        notes.add(Severity::error, "domain.spacing_mm",
+                  "the focus is {:.3g} mm wide (FWHM) and the spacing is {:.3g} mm, which gives "
+                  "{:.2g} points per width: the grid does not resolve the focus; use a spacing of "
+                  "at most {:.3g} mm",
+                  milli(width_m), milli(spacing_m), points, wanted_mm);
+    else if (points < good_points_per_fwhm * (1.0 - 1e-9) || share > aliased_share)
+        notes.add(Severity::warning, "domain.spacing_mm",
+                  "the focus is {:.3g} mm wide (FWHM) and the spacing is {:.3g} mm, which gives "
+                  "{:.2g} points per width: the spectrum of the focus still has {:.2g} of its peak "
+                  "at the shortest shear wave that the grid represents; use {:.3g} mm",
+                  milli(width_m), milli(spacing_m), points, share, wanted_mm);
+}
+
+/// Frames must not be further apart than half of the shortest period of the load.
+void check_sampling(const Case& c, Notes& notes) {
+    const Modulation& modulation = c.scene().load.modulation;
+    const double interval_s = c.time.interval_s;
+    const double passing_Hz = bandwidth_rad_m(c.scene().load.footprint, spectrum_end) *
+                              greatest_speed_m_s(modulation.trajectory) / two_pi;
+    const double fastest_Hz = passing_Hz + greatest_envelope_frequency_Hz(modulation.envelope);
+    if (fastest_Hz * interval_s > 0.5)
+        notes.add(Severity::warning, "time.output_interval_us",
+                  "the load contains frequencies up to {:.4g} Hz, but frames every {:.4g} us "
+                  "represent it only up to {:.4g} Hz, so frames alias; use {:.3g} us",
+                  fastest_Hz, 1e6 * interval_s, 0.5 / interval_s, 1e6 * 0.5 / fastest_Hz);
+    const auto frequency_Hz = modulation_frequency_Hz(modulation);
+    if (frequency_Hz && *frequency_Hz * interval_s > 0.25)
+        notes.add(Severity::warning, "time.output_interval_us",
+                  "the modulation of {:.4g} Hz has fewer than four frames per period of {:.4g} us; "
+                  "use {:.3g} us",
+                  *frequency_Hz, 1e6 / *frequency_Hz, 1e6 * 0.25 / *frequency_Hz);
+}
+
+void check_focus_in_domain(const Case& c, Notes& notes) {
+    const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
+    double room_m = std::min(half_x_m, half_y_m), when_s = 0.0;
+    Vec2 nearest;
+    along_path(c, [&](double t_s, Vec2 focus) {
+        const double room = std::min(half_x_m - std::abs(focus.x), half_y_m - std::abs(focus.y));
+        if (room >= room_m) return;
+        room_m = room;
+        when_s = t_s;
+        nearest = focus;
+    });
+    const double margin_m = c.domain.sponge_m + 2.0 * fwhm_m(c.scene().load.footprint);
+    if (room_m < 0.0)
+        notes.add(Severity::error, "domain.extent_mm",
+                  "the focus leaves the domain: at {:.4g} ms it is at [{:.4g}, {:.4g}] mm, but the "
+                  "domain ends at {:.4g} and {:.4g} mm",
+                  milli(when_s), milli(nearest.x), milli(nearest.y), milli(half_x_m),
+                  milli(half_y_m));
+    else if (room_m < margin_m)
+        notes.add(
+            Severity::warning, "domain.extent_mm",
+            "at {:.4g} ms the focus is at [{:.4g}, {:.4g}] mm, {:.4g} mm from the edge, which is "
+            "less than the sponge plus two focus widths, {:.4g} mm: the wake is truncated",
+            milli(when_s), milli(nearest.x), milli(nearest.y), milli(room_m), milli(margin_m));
+    const auto reach = reach_m(c.scene().load.footprint);
+    if (reach && c.domain.edges == DomainEdges::periodic && room_m >= margin_m && room_m < *reach)
+        notes.add(
+            Severity::warning, "load.footprint",
+            "the focus comes within {:.4g} mm of the edge, but side lobes of the footprint are "
+            "computed up to {:.4g} mm from the focus: they also act on the opposite side of "
+            "the domain; use a larger domain or reach_mm = {:.0f}",
+            milli(room_m), milli(*reach), std::floor(milli(room_m)));
+}
+
+/// Shear waves cross the domain about as fast as in the fastest layer that is not a thin film.
+double wave_speed_m_s(const Medium& medium) {
+    double speed_m_s = 0.0;
+    for (std::size_t i = 0; i < medium.layers.size(); ++i) {
+        const Layer& layer = medium.layers[i];
+        const bool endless = medium.base == Base::half_space && i + 1 == medium.layers.size();
+        if (endless || medium.layers.size() == 1 || layer.thickness_m > thin_layer_m)
+            speed_m_s = std::max(speed_m_s, layer.c_s_m_s);
+    }
+    return speed_m_s;
+}
+
+/// The domain is periodic: a wave that leaves at one edge enters at the opposite one, unless a
+/// sponge absorbs it. check_sponge reports the energy that passes a sponge.
+void check_wrap_around(const Case& c, engines::Edges edges, Notes& notes) {
+    if (edges != engines::Edges::periodic) return;
+    const double speed_m_s = wave_speed_m_s(c.scene().medium), end_s = c.time.duration_s();
+    if (!(speed_m_s > 0.0)) return;
+    const double half_x_m = 0.5 * c.domain.extent_x_m(), half_y_m = 0.5 * c.domain.extent_y_m();
+    double back_s = end_s, needed_x_m = 0.0, needed_y_m = 0.0;
+    along_path(c, [&](double t_s, Vec2 focus) {
+        // The margin is not measured, so a wave must also cross it on the far side.
+        const double edge_m = std::min(half_x_m - std::abs(focus.x), half_y_m - std::abs(focus.y));
+        back_s = std::min(back_s, t_s + (edge_m + c.domain.sponge_m) / speed_m_s);
+        const double reach_m = speed_m_s * (end_s - t_s) - c.domain.sponge_m;
+        needed_x_m = std::max(needed_x_m, 2.0 * (std::abs(focus.x) + reach_m));
+        needed_y_m = std::max(needed_y_m, 2.0 * (std::abs(focus.y) + reach_m));
+    });
+    const double out_s = back_s - c.domain.sponge_m / speed_m_s;
+    const bool starts_outside = out_s < 0.0; // reported elsewhere
+    if (starts_outside || back_s >= end_s * (1.0 - 1e-9)) return;
+    notes.add(Severity::warning, "domain.extent_mm",
+              "waves of {:.4g} m/s leave through one edge and return through the opposite one into "
+              "the measured region at {:.3g} ms, before the run ends at {:.4g} ms; a domain of "
+              "{:.0f} x {:.0f} mm would prevent this{}",
+              speed_m_s, milli(back_s), milli(end_s),
+              std::ceil(milli(std::max(needed_x_m, c.domain.extent_x_m())) - 1e-6),
+              std::ceil(milli(std::max(needed_y_m, c.domain.extent_y_m())) - 1e-6),
+              std::holds_alternative<LayeredOptions>(c.solver)
+                  ? ", and so would domain.edges = \"open\""
+                  : "");
+}
+
+void check_sponge(const Case& c, engines::Edges edges, Notes& notes) {
+    const double width_m = c.domain.sponge_m;
+    if (!(width_m > 0.0) || edges == engines::Edges::layer || edges == engines::Edges::open) return;
+    if (edges == engines::Edges::periodic) {
+        notes.add(Severity::warning, "domain.sponge_mm",
+                  "the edges of the engine \"{}\" are periodic and absorb nothing: the margin of "
+                  "{:.4g} mm is only excluded from the measures",
+                  engine_name(c.solver), milli(width_m));
+        return;
+    }
+    const double wave_m = longest_wave_m(c.scene().load, edge_speed_m_s(c.scene().medium, width_m));
+    const double share = returned_energy(wave_m, width_m);
+    if (share > tolerated_return)
+        notes.add(Severity::warning, "domain.sponge_mm",
+                  "a margin of {:.4g} mm returns {:.2g} % of the energy of the longest waves "
+                  "(wavelength {:.3g} mm); {:.3g} mm would keep this below 1 %",
+                  milli(width_m), 100.0 * share, milli(wave_m), milli(width_for(wave_m)));
+}
+
+void check_measured_times(const Case& c, Notes& notes) {
+    if (c.time.regime == Regime::periodic) return; // the window is the period
+    const double off_s = off_time_s(c.scene().load.modulation.trajectory);
+    if (off_s + c.time.interval_s < c.measure.at_s)
+        notes.add(Severity::warning, "measure.at_ms",
+                  "the path ends at {:.4g} ms, so there is no load at {:.4g} ms", milli(off_s),
+                  milli(c.measure.at_s));
+    const auto frequency_Hz = modulation_frequency_Hz(c.scene().load.modulation);
+    const double window_s = c.measure.at_s - c.measure.settled_after_s;
+    if (frequency_Hz && *frequency_Hz * window_s < 1.0 - 1e-9)
+        notes.add(Severity::warning, "measure.settled_after_ms",
+                  "a period of the modulation lasts {:.4g} ms and does not fit between {:.4g} and "
+                  "{:.4g} ms: the period columns will be empty; reduce measure.settled_after_ms, "
+                  "or increase time.duration_ms and measure.at_ms",
+                  1e3 / *frequency_Hz, milli(c.measure.settled_after_s), milli(c.measure.at_s));
+}
+
+void check_focal_disc(const Case& c, Notes& notes) {
+    const double radius_m = c.measure.focal_radius_m;
+    const double shorter_m = std::min(c.domain.extent_x_m(), c.domain.extent_y_m());
+    if (radius_m < c.domain.spacing_m)
+        notes.add(Severity::warning, "measure.focal_radius_mm",
+                  "the radius of the focal disc, {:.3g} mm, is below the spacing of {:.3g} mm: the "
+                  "disc contains only one or two samples",
+                  milli(radius_m), milli(c.domain.spacing_m));
+    else if (radius_m > 0.25 * shorter_m)
+        notes.add(Severity::warning, "measure.focal_radius_mm",
+                  "the radius of the focal disc, {:.4g} mm, is more than a quarter of the shorter "
+                  "side of the domain, {:.4g} mm: eta is not informative",
+                  milli(radius_m), milli(shorter_m));
+}
+
+/// The afferents sense the motion of the skin only through the pins.
+void check_pins(const Case& c, Notes& notes) {
+    if (!c.afferents || !std::holds_alternative<PinInput>(c.afferents->input)) return;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    along_path(c, [&](double, Vec2 focus) {
+        for (const Vec2 pin_m : c.afferents->pins_m)
+            nearest_m = std::min(nearest_m, norm(focus - pin_m));
+    });
+    const double width_m = fwhm_m(c.scene().load.footprint);
+    if (nearest_m > width_m)
+        notes.add(Severity::warning, "afferents.pins_mm",
+                  "no pin is near the focus: the smallest distance between them is {:.4g} mm, "
+                  "and the focus is {:.4g} mm wide (FWHM), so that the afferents sense only the "
+                  "waves around "
+                  "it; move the pins, or omit afferents.pins_mm to place them on the path",
+                  milli(nearest_m), milli(width_m));
+}
+
+void check_line_of_sight(const Case& c, Notes& notes) {
+    if (wants_tangential(c) && (!std::holds_alternative<LayeredOptions>(c.solver) ||
+                                c.domain.edges != DomainEdges::periodic))
+        notes.add(Severity::error, "vibrometer.tilt_deg",
+                  "a tilted line of sight needs the tangential displacement, which only the engine "
+                  "\"layered\" with domain.edges = \"periodic\" computes; use them, or tilt_deg = "
+                  "0");
+}
+
+} // namespace
+
+std::vector<Remark> check(const Case& c) {
+    const auto engine = engines::make_engine(c.solver);
+    Notes notes;
+    const auto add = [&](const std::vector<Remark>& remarks) {
+        notes.remarks.insert(notes.remarks.end(), remarks.begin(), remarks.end());
+    };
+    check_line_of_sight(c, notes);
+    if (c.study()) {
+        add(engine->limits(c));
+        check_focal_disc(c, notes);
+        return notes.remarks;
+    }
+    check_focus_resolution(c, notes);
+    check_sampling(c, notes);
+    check_focus_in_domain(c, notes);
+    check_wrap_around(c, engine->edges(c), notes);
+    check_sponge(c, engine->edges(c), notes);
+    add(engine->limits(c));
+    check_measured_times(c, notes);
+    check_focal_disc(c, notes);
+    check_pins(c, notes);
+    add(check_variation(c));
+    return notes.remarks;
+}
+
+} // namespace shearwake

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "problem/case/case.hpp"
+#include "problem/case/remark.hpp"
+
+#include <vector>
+
+namespace shearwake {
+
+/// Everything about the physics of a case that is doubtful (warning) or makes the result
+/// meaningless (error): resolution of the focus and of the shear wave, a focus that leaves the
+/// domain, waves that wrap around within the run, periods that do not fit, times off the run, and
+/// the limits of the engine. Not collective.
+std::vector<Remark> check(const Case& c);
+
+} // namespace shearwake

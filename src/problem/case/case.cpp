@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/case/case.hpp"
+
+#include "base/hash.hpp"
+#include "problem/case/text_walk.hpp"
+
+namespace shearwake {
+bool wants_tangential(const Case& c) {
+    return c.vibrometer && c.vibrometer->is_tilted();
+}
+
+std::vector<double> stress_depths_m(const Case& c) {
+    std::vector<double> depths_m;
+    if (c.afferents && std::holds_alternative<StressInput>(c.afferents->input))
+        for (const AfferentClass kind : all_classes) // ascending
+            depths_m.push_back(properties(kind).depth_m);
+    return depths_m;
+}
+
+std::string engine_name(const SolverOptions& solver) {
+    return std::visit([](const auto& options) { return options.name; }, solver);
+}
+
+std::vector<std::string> engine_names() {
+    return []<std::size_t... i>(std::index_sequence<i...>) {
+        return std::vector{engine_name(std::variant_alternative_t<i, SolverOptions>{})...};
+    }
+    (std::make_index_sequence<std::variant_size_v<SolverOptions>>());
+}
+
+std::ptrdiff_t good_even_length(std::ptrdiff_t n) {
+    for (std::ptrdiff_t length = n + n % 2;; length += 2) {
+        std::ptrdiff_t rest = length;
+        for (const std::ptrdiff_t prime : {2, 3, 5, 7})
+            while (rest > 1 && rest % prime == 0)
+                rest /= prime;
+        if (rest <= 1) return length;
+    }
+}
+
+std::string canonical_text(const Case& c) {
+    TextWalk text;
+    walk_fields(text, c);
+    return text.take();
+}
+
+std::string case_id(const Case& c) {
+    return hex(stable_hash(canonical_text(c)));
+}
+
+} // namespace shearwake

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/load/envelope.hpp"
+
+#include "base/constants.hpp"
+#include "base/overloaded.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace shearwake {
+namespace {
+
+/// Rises from 0 at time 0 to 1 at `duration_s`.
+double risen(double since_s, double duration_s) {
+    if (since_s >= duration_s) return 1.0;
+    if (since_s <= 0.0) return 0.0;
+    return std::pow(std::sin(0.25 * two_pi * since_s / duration_s), 2);
+}
+
+double drive(const SineGain& g, double t_s) {
+    return 1.0 - 0.5 * g.depth * (1.0 + std::cos(two_pi * g.frequency_Hz * t_s + g.phase_rad));
+}
+
+double drive(const RampGain& g, double t_s) {
+    return g.from + (g.to - g.from) * risen(t_s - g.start_s, g.duration_s);
+}
+
+double drive(const SquareGain& g, double t_s) {
+    const double periods = g.frequency_Hz * t_s + g.phase_rad / two_pi;
+    const double since_rise_s = (periods - std::floor(periods)) / g.frequency_Hz;
+    const double high_s = g.duty / g.frequency_Hz;
+    const double up = since_rise_s < high_s ? risen(since_rise_s, g.edge_s)
+                                            : 1.0 - risen(since_rise_s - high_s, g.edge_s);
+    return 1.0 - g.depth * (1.0 - up);
+}
+
+double drive(const WindowGain& g, double t_s) {
+    if (t_s < g.from_s || t_s > g.to_s) return 0.0;
+    return std::min(risen(t_s - g.from_s, g.edge_s), risen(g.to_s - t_s, g.edge_s));
+}
+
+double drive(const SampledGain& g, double t_s) {
+    const auto count = static_cast<std::ptrdiff_t>(g.values.size());
+    if (count == 0) return 1.0;
+    const auto value = [&](std::ptrdiff_t n) { return g.values[static_cast<std::size_t>(n)]; };
+    double at = t_s / g.interval_s;
+    if (g.repeat) {
+        at -= std::floor(at / static_cast<double>(count)) * static_cast<double>(count);
+    } else {
+        if (at <= 0.0) return g.values.front();
+        if (at >= static_cast<double>(count - 1)) return g.values.back();
+    }
+    const auto before = std::min(static_cast<std::ptrdiff_t>(at), count - 1);
+    const double share = at - static_cast<double>(before);
+    return (1.0 - share) * value(before) + share * value((before + 1) % count);
+}
+
+/// Before, within or after an interval.
+double part_of(double t_s, double from_s, double to_s) {
+    return t_s < from_s ? 0.0 : t_s < to_s ? 1.0 : 2.0;
+}
+
+double smooth_piece(const SineGain&, double) {
+    return 0.0;
+}
+double smooth_piece(const RampGain& g, double t_s) {
+    return part_of(t_s, g.start_s, g.start_s + g.duration_s);
+}
+double smooth_piece(const SquareGain& g, double t_s) {
+    const double periods = g.frequency_Hz * t_s + g.phase_rad / two_pi;
+    const double since_rise_s = (periods - std::floor(periods)) / g.frequency_Hz;
+    const double high_s = g.duty / g.frequency_Hz;
+    return 6.0 * std::floor(periods) + part_of(since_rise_s, 0.0, g.edge_s) +
+           (since_rise_s < high_s ? 0.0 : part_of(since_rise_s, high_s, high_s + g.edge_s) + 2.0);
+}
+double smooth_piece(const WindowGain& g, double t_s) {
+    return part_of(t_s, g.from_s, g.from_s + g.edge_s) +
+           3.0 * part_of(t_s, g.to_s - g.edge_s, g.to_s);
+}
+double smooth_piece(const SampledGain& g, double t_s) {
+    const double at = std::floor(t_s / g.interval_s), last = static_cast<double>(g.values.size());
+    return g.repeat ? at : std::clamp(at, -1.0, last - 1.0);
+}
+
+/// The highest frequency of an edge of this duration; a jump has none and is ignored.
+double edge_frequency_Hz(double edge_s) {
+    return edge_s > 0.0 ? 2.0 / edge_s : 0.0;
+}
+
+double greatest_frequency_Hz(const SineGain& g) {
+    return g.depth > 0.0 ? g.frequency_Hz : 0.0;
+}
+double greatest_frequency_Hz(const RampGain& g) {
+    return edge_frequency_Hz(g.duration_s);
+}
+double greatest_frequency_Hz(const SquareGain& g) {
+    return g.depth > 0.0 ? std::max(g.frequency_Hz, edge_frequency_Hz(g.edge_s)) : 0.0;
+}
+double greatest_frequency_Hz(const WindowGain& g) {
+    return edge_frequency_Hz(g.edge_s);
+}
+/// The highest frequency that the samples represent.
+double greatest_frequency_Hz(const SampledGain& g) {
+    return g.interval_s > 0.0 ? 0.5 / g.interval_s : 0.0;
+}
+
+/// The frequency with which the gain repeats; 0: it is steady or does not repeat.
+double repetition_Hz(const SineGain& g) {
+    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
+}
+double repetition_Hz(const RampGain&) {
+    return 0.0;
+}
+double repetition_Hz(const SquareGain& g) {
+    return g.depth != 0.0 ? g.frequency_Hz : 0.0;
+}
+double repetition_Hz(const WindowGain&) {
+    return 0.0;
+}
+double repetition_Hz(const SampledGain& g) {
+    return g.repeat ? 1.0 / g.period_s() : 0.0;
+}
+
+} // namespace
+
+double gain(const Envelope& envelope, double t_s) {
+    double product = 1.0;
+    for (const Gain& factor : envelope.gains)
+        product *= std::visit(
+            [&](const auto& g) {
+                const double driven = drive(g, t_s);
+                return g.on == GainOn::pressure ? driven * driven : driven;
+            },
+            factor);
+    return product;
+}
+
+void add_smooth_pieces(const Envelope& envelope, double t_s, std::vector<double>& numbers) {
+    for (const Gain& factor : envelope.gains)
+        numbers.push_back(std::visit([&](const auto& g) { return smooth_piece(g, t_s); }, factor));
+}
+
+double gain_frequency_Hz(const Envelope& envelope) {
+    for (const Gain& factor : envelope.gains) {
+        const double frequency_Hz =
+            std::visit([](const auto& g) { return repetition_Hz(g); }, factor);
+        if (frequency_Hz > 0.0) return frequency_Hz;
+    }
+    return 0.0;
+}
+
+double greatest_envelope_frequency_Hz(const Envelope& envelope) {
+    double sum = 0.0;
+    for (const Gain& factor : envelope.gains)
+        sum += std::visit(
+            [](const auto& g) {
+                return (g.on == GainOn::pressure ? 2.0 : 1.0) * greatest_frequency_Hz(g);
+            },
+            factor);
+    return sum;
+}
+
+} // namespace shearwake

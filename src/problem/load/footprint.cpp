@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/load/footprint.hpp"
+
+#include "base/constants.hpp"
+#include "base/overloaded.hpp"
+#include "problem/load/acoustics/lens_design.hpp"
+#include "problem/load/array_field.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace shearwake {
+namespace {
+
+using Complex = std::complex<double>;
+
+double sigma_m(const GaussianFootprint& g) {
+    return g.fwhm_m / (2.0 * std::sqrt(2.0 * std::numbers::ln2));
+}
+
+/// The pattern straight below the middle.
+Patch central_pattern(const ArrayFootprint& array) {
+    const Vec2 focus = array.center_m;
+    return ArrayField(array, 0.0).pattern(focus, {&focus, 1});
+}
+
+/// Where |p|^2 falls to a half, along a direction from the focus.
+double half_width_m(const ArrayFootprint& array, Vec2 along) {
+    const auto at = [&](double r) { return pressure_below(array, r * along.x, r * along.y); };
+    double low = 0.0, high = 0.1 * array.sound_speed_m_s / array.frequency_Hz;
+    while (at(high) > 0.5) {
+        low = high;
+        high += 0.1 * array.sound_speed_m_s / array.frequency_Hz;
+    }
+    for (int i = 0; i < 50; ++i) {
+        const double middle = 0.5 * (low + high);
+        (at(middle) > 0.5 ? low : high) = middle;
+    }
+    return low;
+}
+
+double bandwidth_of(const Patch& patch, double fraction) {
+    constexpr int steps = 400;
+    const double band = patch.band_rad_m();
+    const double least = fraction * std::abs(transform(patch, 0.0, 0.0));
+    for (int i = steps; i > 0; --i) {
+        const double k = band * i / steps, slanted = k * std::sqrt(0.5);
+        for (const Vec2 at : {Vec2{k, 0.0}, Vec2{0.0, k}, Vec2{slanted, slanted}})
+            if (std::abs(transform(patch, at.x, at.y)) >= least) return k;
+    }
+    return band / steps;
+}
+
+} // namespace
+
+double pressure(const Footprint& footprint, double x_m, double y_m) {
+    return std::visit(overloaded{
+                          [&](const GaussianFootprint& g) {
+                              const double s = sigma_m(g);
+                              return std::exp(-(x_m * x_m + y_m * y_m) / (2.0 * s * s));
+                          },
+                          [&](const ArrayFootprint& array) {
+                              return pressure_below(array, x_m, y_m) *
+                                     fading(array.reach_m, std::hypot(x_m, y_m));
+                          },
+                          [&](const LensFootprint& lens) {
+                              return value_at(design_of(lens)->pattern, {x_m, y_m});
+                          },
+                      },
+                      footprint);
+}
+
+double spectrum(const Footprint& footprint, double kx_rad_m, double ky_rad_m) {
+    return std::visit(
+        overloaded{
+            [&](const GaussianFootprint& g) {
+                const double s2 = sigma_m(g) * sigma_m(g);
+                const double k2 = kx_rad_m * kx_rad_m + ky_rad_m * ky_rad_m;
+                return two_pi * s2 * std::exp(-0.5 * k2 * s2);
+            },
+            [&](const ArrayFootprint& array) {
+                return std::abs(transform(central_pattern(array), kx_rad_m, ky_rad_m));
+            },
+            [&](const LensFootprint& lens) {
+                return std::abs(transform(design_of(lens)->pattern, kx_rad_m, ky_rad_m));
+            },
+        },
+        footprint);
+}
+
+double fwhm_m(const Footprint& footprint) {
+    return std::visit(overloaded{
+                          [](const GaussianFootprint& g) { return g.fwhm_m; },
+                          [](const ArrayFootprint& array) {
+                              return 2.0 * std::sqrt(half_width_m(array, {1.0, 0.0}) *
+                                                     half_width_m(array, {0.0, 1.0}));
+                          },
+                          [](const LensFootprint& lens) { return design_of(lens)->width_m; },
+                      },
+                      footprint);
+}
+
+std::optional<double> reach_m(const Footprint& footprint) {
+    return std::visit(
+        overloaded{
+            [](const GaussianFootprint&) -> std::optional<double> { return std::nullopt; },
+            [](const auto& faded) -> std::optional<double> { return faded.reach_m; },
+        },
+        footprint);
+}
+
+double bandwidth_rad_m(const Footprint& footprint, double fraction) {
+    return std::visit(overloaded{
+                          [&](const GaussianFootprint& g) {
+                              return std::sqrt(-2.0 * std::log(fraction)) / sigma_m(g);
+                          },
+                          [&](const ArrayFootprint& array) {
+                              return bandwidth_of(central_pattern(array), fraction);
+                          },
+                          [&](const LensFootprint& lens) {
+                              return bandwidth_of(design_of(lens)->pattern, fraction);
+                          },
+                      },
+                      footprint);
+}
+
+} // namespace shearwake

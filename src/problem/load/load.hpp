@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "problem/load/footprint.hpp"
+#include "problem/load/modulation.hpp"
+
+#include <limits>
+#include <span>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// The cycle-averaged pressure acts: c(t) = 1.
+struct AveragedCarrier {
+    static constexpr const char* name = "averaged";
+    bool operator==(const AveragedCarrier&) const = default;
+};
+/// c(t) = 1 + cos(2 pi f t): mean 1, never negative.
+struct ResolvedCarrier {
+    static constexpr const char* name = "resolved";
+    double frequency_Hz = 40e3;
+    bool operator==(const ResolvedCarrier&) const = default;
+};
+template <class Walk, Is<AveragedCarrier> C>
+void walk_fields(Walk&, C&) {}
+template <class Walk, Is<ResolvedCarrier> C>
+void walk_fields(Walk& walk, C& carrier) {
+    walk(carrier.frequency_Hz, {.key = "carrier_kHz",
+                                .range = Range::between(1.0, 1000.0),
+                                .meaning = "f_c, the frequency of the ultrasound"});
+}
+using Carrier = std::variant<AveragedCarrier, ResolvedCarrier>;
+
+/// Normal traction p(x, y, t) = peak G(x - x_f(t), y - y_f(t)) e(t) c(t) [Pa], positive into the
+/// tissue, from t = 0 to off_time_s. With n simultaneous foci, each has 1/n of the peak. G of an
+/// array depends on its focus, and the peak refers to a single focus directly below the centre.
+struct Load {
+    double peak_Pa = 0.0;
+    Footprint footprint;
+    Carrier carrier;
+    Modulation modulation;
+    bool operator==(const Load&) const = default;
+};
+
+template <class Walk, Is<Load> L>
+void walk_fields(Walk& walk, L& load) {
+    walk.section("load");
+    walk(load.peak_Pa, {.key = "peak_Pa",
+                        .range = Range::above(0.0),
+                        .given = Given::by_hand,
+                        .fallback = "required",
+                        .meaning = "radiation pressure at the centre of the focus; for an array: "
+                                   "when it focuses on the point below its centre"});
+    walk.choice(load.footprint, {.key = "footprint.shape",
+                                 .text = "footprint",
+                                 .meaning = "shape of the pressure distribution"});
+    walk.choice(load.carrier,
+                {.key = "carrier",
+                 .text = "carrier",
+                 .meaning = "`\"averaged\"`: the force is averaged over the cycle of the "
+                            "ultrasound; `\"resolved\"`: it is multiplied by 1 + cos(2 pi f_c t)"});
+    walk.section("load.modulation");
+    walk_fields(walk, load.modulation);
+}
+
+/// e(t) c(t) at time t, also after the end of the path.
+double amplitude(const Load& load, double t_s);
+
+/// e(t) c(t) while the load is on, 0 before t = 0 and after the path has ended.
+double strength(const Load& load, double t_s);
+
+/// The time at which the focus that is active at t was selected [s]: an array updates it at its
+/// update rate, other sources at all times.
+double held_s(const Load& load, double t_s);
+
+/// Force divided by peak_Pa and by e(t) c(t), at each of these ascending times [m^2]. That of a
+/// steered array is interpolated between positions of its focus, with an error of 1e-5 or less.
+/// With rounded phases or an iterated hologram it fluctuates from one position to the next, and is
+/// computed at `most_rough` of the times.
+std::vector<double>
+force_areas_m2(const Load& load, std::span<const double> times_s,
+               std::size_t most_rough = std::numeric_limits<std::size_t>::max());
+
+/// The force of the whole footprint at these ascending times [N]; 0 before t = 0 and after the path
+/// has ended.
+std::vector<double> forces_N(const Load& load, std::span<const double> times_s);
+
+} // namespace shearwake

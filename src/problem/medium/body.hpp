@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/field.hpp"
+#include "base/vec3.hpp"
+#include "problem/medium/orientation.hpp"
+
+#include <optional>
+#include <string>
+#include <variant>
+
+namespace shearwake {
+
+struct Ellipsoid {
+    static constexpr const char* name = "ellipsoid";
+    Vec3 semi_axes_m;
+    Orientation orientation = {};
+    bool operator==(const Ellipsoid&) const = default;
+};
+
+template <class Walk, Is<Ellipsoid> Shape>
+void walk_fields(Walk& walk, Shape& shape) {
+    walk(shape.semi_axes_m, {.key = "semi_axes_mm",
+                             .range = Range::above(0.0),
+                             .given = Given::required,
+                             .meaning = "semi-axes `[x, y, z]` along the body's own axes"});
+    walk_fields(walk, shape.orientation);
+}
+
+/// Bone or vessel. An axis that is not vertical has an azimuth, from x towards y, and an
+/// inclination, downwards; CylinderAxis::vertical has neither. Length 0 or infinity: the cylinder
+/// crosses the whole domain, and its axis has no inclination.
+enum class CylinderAxis { horizontal, vertical };
+constexpr auto names_of(std::type_identity<CylinderAxis>) {
+    return std::array{"horizontal", "vertical"};
+}
+struct Cylinder {
+    static constexpr const char* name = "cylinder";
+    double radius_m = 0.0;
+    double length_m = 0.0;
+    double azimuth_deg = 0.0;
+    CylinderAxis axis = CylinderAxis::horizontal;
+    double inclination_deg = 0.0;
+    bool operator==(const Cylinder&) const = default;
+
+    bool is_endless() const;
+};
+
+template <class Walk, Is<Cylinder> Shape>
+void walk_fields(Walk& walk, Shape& shape) {
+    walk(shape.axis, {.key = "axis",
+                      .given = Given::by_hand,
+                      .type = "word:x|y|z",
+                      .fallback = "required, or `azimuth_deg`",
+                      .meaning = "direction of the axis: `\"x\"`, `\"y\"` or `\"z\"` (vertical)"});
+    walk(shape.radius_m, {.key = "radius_mm",
+                          .range = Range::above(0.0),
+                          .given = Given::required,
+                          .meaning = "radius"});
+    walk(shape.length_m,
+         {.key = "length_mm",
+          .range = Range::above(0.0),
+          .zero_in_text = shape.is_endless(),
+          .fallback = "infinite",
+          .meaning = "length; without it, the cylinder crosses the whole domain. `check` warns if "
+                     "an infinitely long cylinder is not parallel to x or y, since its ends at the "
+                     "periodic edges do not match"});
+    walk(shape.azimuth_deg,
+         {.key = "azimuth_deg",
+          .text = "azimuth_deg",
+          .range = Range::between(-360.0, 360.0),
+          .given = Given::by_hand,
+          .zero_in_text = shape.axis == CylinderAxis::vertical,
+          .meaning = "direction of the axis along the surface, as an angle from x towards y"});
+    walk(shape.inclination_deg,
+         {.key = "inclination_deg",
+          .text = "inclination_deg",
+          .range = inclination_range,
+          .given = Given::by_hand,
+          .in_text = shape.inclination_deg != 0.0,
+          .meaning = "tilt of the axis out of the horizontal plane, downwards. Requires "
+                     "`azimuth_deg` and `length_mm`"});
+}
+
+/// Edges along its own axes.
+struct Box {
+    static constexpr const char* name = "box";
+    Vec3 size_m;
+    Orientation orientation = {};
+    bool operator==(const Box&) const = default;
+};
+
+template <class Walk, Is<Box> Shape>
+void walk_fields(Walk& walk, Shape& shape) {
+    walk(shape.size_m, {.key = "size_mm",
+                        .range = Range::above(0.0),
+                        .given = Given::required,
+                        .meaning = "lengths `[x, y, z]` of the edges along the body's own axes"});
+    walk_fields(walk, shape.orientation);
+}
+
+/// A region in the layers that has a different material.
+struct Body {
+    std::string name;
+    std::variant<Ellipsoid, Cylinder, Box> shape;
+    Vec3 centre_m;
+    double edge_m = 0.0; // width of the smooth transition; 0: a sharp face, averaged over each cell
+    // Properties that are not given are those of the surrounding layer.
+    std::optional<double> density_kg_m3, c_p_m_s, c_s_m_s, viscosity_Pa_s; // c_s 0: a fluid
+    bool rigid = false; // does not deform: only the density of its material matters
+    bool fixed = false; // and does not move
+    bool operator==(const Body&) const = default;
+};
+
+template <class Walk, Is<Body> B>
+void walk_rigidity(Walk& walk, B& body) {
+    walk(body.rigid,
+         {.key = "rigid",
+          .in_text = body.rigid,
+          .meaning = "whether the body is rigid; only the density of its material matters then. It "
+                     "costs one additional solve per step, whatever its stiffness. Requires the "
+                     "engine `\"spectral\"`"});
+    walk(body.fixed, {.key = "fixed",
+                      .applies = body.rigid,
+                      .only_with = "rigid = true",
+                      .in_text = body.rigid && body.fixed,
+                      .meaning = "whether the rigid body is held in place; otherwise it moves and "
+                                 "turns with its mass. A body that reaches the rigid base is "
+                                 "always held"});
+}
+
+template <class Walk, Is<Body> B>
+void walk_fields(Walk& walk, B& body) {
+    walk.key({.key = "preset",
+              .type = "word",
+              .fallback = "none",
+              .meaning =
+                  "name of a preset that supplies the properties that are not given: "
+                  "`\"cortical-bone\"` (rho 1900 kg/m3, c_p 3517 m/s, c_s 1619 m/s, no loss; the "
+                  "isotropic mean of the stiffness of the tibia in Hoffmeister 2000)"});
+    walk(body.name,
+         {.key = "name", .fallback = "body 1 ...", .meaning = "name in messages and notes"});
+    walk.choice(body.shape, {.key = "shape", .text = "shape", .meaning = "shape of the body"});
+    walk(body.centre_m, {.key = "center_mm",
+                         .text = "centre_m",
+                         .given = Given::by_hand,
+                         .type = "point or triple",
+                         .fallback = "required",
+                         .meaning = "centre `[x, y, z]`, where z is the depth; or `[x, y]` "
+                                    "together with `depth_mm`, which can be swept as a number"});
+    walk.key({.key = "depth_mm",
+              .type = "number",
+              .fallback = "none",
+              .meaning = "z of the centre, where `center_mm` is `[x, y]`"});
+    walk(body.edge_m,
+         {.key = "edge_mm",
+          .range = Range::at_least(0.0),
+          .meaning =
+              "width of a smooth transition to the surroundings, half of it inside and half "
+              "outside the body; all derivatives are continuous. It must not exceed the smallest "
+              "width of the body. 0: a sharp surface, averaged over each cell of the grid"});
+    walk(body.density_kg_m3,
+         {.key = "density_kg_m3",
+          .range = Range::above(0.0),
+          .fallback = "that of the surrounding layer or map",
+          .meaning = "density; at least one of this and the three keys below must be given"});
+    walk(body.c_p_m_s, {.key = "c_p_m_s",
+                        .range = Range::above(0.0),
+                        .fallback = "that of the surrounding layer or map",
+                        .meaning = "speed of compressional waves"});
+    walk(body.c_s_m_s, {.key = "c_s_m_s",
+                        .range = Range::at_least(0.0),
+                        .fallback = "that of the surrounding layer or map",
+                        .meaning = "speed of shear waves; 0 is a fluid, which requires the engine "
+                                   "`\"pstd\"` and a value of `viscosity_Pa_s`, which may be 0"});
+    walk(body.viscosity_Pa_s, {.key = "viscosity_Pa_s",
+                               .range = Range::at_least(0.0),
+                               .fallback = "that of the surrounding layer or map",
+                               .meaning = "viscosity"});
+    walk_rigidity(walk, body);
+}
+
+inline bool is_fluid(const Body& body) {
+    return body.c_s_m_s == 0.0;
+}
+
+/// The axes of a body. The axis of a cylinder is x, or z if it is CylinderAxis::vertical.
+BodyAxes axes_of(const Body& body);
+/// Whether it is an ellipsoid or a box with an orientation, or an inclined cylinder.
+bool is_turned(const Body& body);
+/// The body without its orientation: a turned cylinder lies along x. Bodies that are not turned
+/// remain as they are.
+Body aligned(Body body);
+
+/// Fraction of the cell that the body fills, from 0 to 1, averaged over sub-samples that are
+/// symmetric about the centre of the cell: mirrored bodies give mirrored fractions up to rounding.
+/// A cell may have size 0 along an axis. For a sharp face, each sub-sample contributes its fraction
+/// behind the tangent plane. An edge is a C-infinity profile of the signed distance (exact for
+/// boxes and cylinders, approximate for ellipsoids), which is 1/2 at the face and exactly 0 and 1
+/// at half the edge width from it. An edge of width w increases the volume of curved bodies: of a
+/// cylinder by 0.036 (w/R)^2, of a sphere by 0.109 (w/R)^2.
+double volume_fraction(const Body& body, Vec3 centre_m, Vec3 size_m);
+
+/// The box outside of which the fraction is exactly 0, including the edge; infinite along an
+/// infinite cylinder.
+struct Bounds {
+    Vec3 low_m, high_m;
+    bool operator==(const Bounds&) const = default;
+};
+Bounds bounds(const Body& body);
+
+/// The smallest width of the body, an upper limit of the edge width.
+double thickness_m(const Body& body);
+/// The smallest width in the x-y plane, which the lateral grid must resolve.
+double lateral_thickness_m(const Body& body);
+
+} // namespace shearwake

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/field.hpp"
+#include "problem/medium/body.hpp"
+#include "problem/medium/material_map.hpp"
+
+#include <complex>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace shearwake {
+
+/// Shear-loss laws mu(omega) with mu0 = rho c_s^2, for the time convention e^{+i omega t}.
+struct Lossless {
+    static constexpr const char* name = "none";
+    bool operator==(const Lossless&) const = default;
+};
+/// mu0 + i omega viscosity.
+struct KelvinVoigt {
+    static constexpr const char* name = "kelvin-voigt";
+    double viscosity_Pa_s = 0.0;
+    bool operator==(const KelvinVoigt&) const = default;
+};
+/// mu0 (1 + (i omega tau)^exponent), 0 < exponent < 1: a spring in parallel with a "spring-pot".
+struct FractionalKelvinVoigt {
+    static constexpr const char* name = "fractional";
+    double tau_s = 0.0;
+    double exponent = 0.5;
+    bool operator==(const FractionalKelvinVoigt&) const = default;
+};
+/// mu0 (1 + strength i omega tau / (1 + i omega tau)): relaxed modulus mu0, unrelaxed
+/// mu0 (1 + strength).
+struct StandardLinearSolid {
+    static constexpr const char* name = "standard-linear";
+    double tau_s = 0.0;
+    double strength = 0.0;
+    bool operator==(const StandardLinearSolid&) const = default;
+};
+template <class Walk, Is<Lossless> Loss>
+void walk_fields(Walk&, Loss&) {}
+template <class Walk, Is<KelvinVoigt> Loss>
+void walk_fields(Walk& walk, Loss& loss) {
+    walk(loss.viscosity_Pa_s, {.key = "viscosity_Pa_s",
+                               .range = Range::at_least(0.0),
+                               .given = Given::required,
+                               .meaning = "viscosity in mu = rho c_s^2 + i omega viscosity"});
+}
+template <class Walk, Is<FractionalKelvinVoigt> Loss>
+void walk_fields(Walk& walk, Loss& loss) {
+    walk(loss.tau_s,
+         {.key = "tau_us",
+          .range = Range::above(0.0),
+          .given = Given::required,
+          .meaning = "relaxation time tau in the shear modulus mu0 (1 + (i omega tau)^n)"});
+    walk(loss.exponent, {.key = "exponent",
+                         .range = Range::inside(0.0, 1.0),
+                         .given = Given::required,
+                         .meaning = "exponent n in the same formula"});
+}
+template <class Walk, Is<StandardLinearSolid> Loss>
+void walk_fields(Walk& walk, Loss& loss) {
+    walk(loss.tau_s, {.key = "tau_us",
+                      .range = Range::above(0.0),
+                      .given = Given::required,
+                      .meaning = "relaxation time tau in the shear modulus mu0 (1 + strength i "
+                                 "omega tau / (1 + i omega tau))"});
+    walk(loss.strength, {.key = "strength",
+                         .range = Range::above(0.0),
+                         .given = Given::required,
+                         .meaning = "strength in the same formula: the high-frequency limit of mu, "
+                                    "divided by mu0, minus 1"});
+}
+using ShearLoss = std::variant<Lossless, KelvinVoigt, FractionalKelvinVoigt, StandardLinearSolid>;
+
+/// One homogeneous layer. The last layer over a half-space has no thickness (0).
+struct Layer {
+    std::string name;
+    double thickness_m = 0.0;
+    double density_kg_m3 = 0.0;
+    double c_p_m_s = 0.0;
+    double c_s_m_s = 0.0;
+    ShearLoss loss = Lossless{};
+    bool operator==(const Layer&) const = default;
+};
+
+template <class Walk, Is<Layer> L>
+void walk_fields(Walk& walk, L& layer) {
+    walk.key(
+        {.key = "preset",
+         .type = "word",
+         .fallback = "none",
+         .meaning = "name of a preset that supplies the keys of the layer that are not given"});
+    walk(layer.name,
+         {.key = "name", .fallback = "layer 1 ...", .meaning = "name in messages and notes"});
+    walk(layer.thickness_m, {.key = "thickness_mm",
+                             .range = Range::above(0.0),
+                             .given = Given::by_hand,
+                             .fallback = "required; none for the last layer of a half-space",
+                             .meaning = "thickness"});
+    walk(layer.density_kg_m3, {.key = "density_kg_m3",
+                               .range = Range::above(0.0),
+                               .given = Given::required,
+                               .meaning = "density"});
+    walk(layer.c_p_m_s, {.key = "c_p_m_s",
+                         .range = Range::above(0.0),
+                         .given = Given::required,
+                         .meaning = "speed of compressional waves"});
+    walk(layer.c_s_m_s, {.key = "c_s_m_s",
+                         .range = Range::above(0.0),
+                         .given = Given::required,
+                         .meaning = "speed of shear waves"});
+    walk.choice(layer.loss,
+                {.key = "loss.law",
+                 .text = "loss",
+                 .meaning = "loss model of the layer, for example `{ law = \"fractional\", tau_us "
+                            "= 260.0, exponent = 0.27 }`, or "
+                            "`\"none\"`; a Kelvin-Voigt layer can give `viscosity_Pa_s` instead"});
+    walk.key({.key = "viscosity_Pa_s",
+              .range = Range::at_least(0.0),
+              .type = "number",
+              .fallback = "none",
+              .meaning = "instead of `loss`: `{ law = \"kelvin-voigt\", viscosity_Pa_s = ... }`"});
+}
+
+enum class Base { rigid, half_space };
+constexpr auto names_of(std::type_identity<Base>) {
+    return std::array{"rigid", "half-space"};
+}
+
+/// Layers from the surface z = 0 downward, on a rigid base or ending in a half-space, and their
+/// inclusions: first a map, then bodies, each of which replaces the material before it
+/// (problem/medium/material_field.hpp).
+struct Medium {
+    std::vector<Layer> layers;
+    Base base = Base::rigid;
+    std::vector<Body> bodies;
+    std::shared_ptr<const MaterialMap> map; // shared by the cases of a sweep, since it may be large
+
+    /// Maps are compared by their content.
+    friend bool operator==(const Medium& a, const Medium& b);
+};
+
+template <class Walk, Is<Medium> M>
+void walk_fields(Walk& walk, M& medium) {
+    walk.section("medium");
+    walk.key({.key = "preset",
+              .type = "word",
+              .fallback = "none",
+              .meaning = "name of a complete medium, instead of layers: `thesis-tissue`, "
+                         "`ecoflex`, `forearm`, `three-layer-skin`"});
+    walk(medium.base,
+         {.key = "base",
+          .given = Given::required,
+          .meaning =
+              "`\"rigid\"`: the last layer is bonded to a rigid base; `\"half-space\"`: the last "
+              "layer extends to infinity; omit its `thickness_mm`. Engine `\"layered\"` computes "
+              "this exactly; `\"spectral\"` and `\"pstd\"` end the layer with an absorber"});
+    walk(medium.map,
+         {.key = "map",
+          .given = Given::by_hand,
+          .fallback = "none",
+          .meaning = "HDF5 file of material properties; its path is relative to the job file"});
+    walk.each("medium.layer", medium.layers, {.meaning = "layers, from the surface downward"});
+    walk.each("medium.body", medium.bodies,
+              {.meaning = "bodies; where they overlap, the later one replaces the earlier one"});
+}
+
+/// mu(omega) [Pa]; omega [rad/s] may be complex with Im omega <= 0.
+std::complex<double> shear_modulus(const Layer& layer, std::complex<double> omega_rad_s);
+
+/// Re mu at omega = 0 [Pa].
+double static_shear_modulus(const Layer& layer);
+
+/// lambda + 2 mu with lambda of the lossless layer, which does not depend on viscosity [Pa].
+std::complex<double> p_wave_modulus(const Layer& layer, std::complex<double> omega_rad_s);
+
+/// Poisson's ratio of the lossless layer.
+double poisson_ratio(const Layer& layer);
+
+/// Speed of the Rayleigh wave over a lossless half-space of this layer [m/s]: the root of the
+/// Rayleigh equation below c_s. Throws Error when there is none.
+double rayleigh_speed_m_s(const Layer& layer);
+
+/// The layer that determines surface waves under a footprint of that width: the first one thicker
+/// than a quarter of the width, or the last. A thinner film follows the layer below.
+const Layer& surface_wave_layer(const Medium& medium, double width_m);
+
+/// Whether bodies or a map make the medium vary along x and y.
+bool varies_laterally(const Medium& medium);
+
+} // namespace shearwake

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/deadline.hpp"
+
+#include "base/clock.hpp"
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace shearwake::schedule {
+namespace {
+
+constexpr double never = std::numeric_limits<double>::infinity();
+
+/// Seconds of a time in the format [days-][[hours:]minutes:]seconds, which Slurm uses as well.
+std::optional<double> seconds_in(const std::string& text) {
+    std::size_t at = 0;
+    const auto number = [&]() -> std::optional<double> {
+        const std::size_t begin = at;
+        while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at])) != 0)
+            ++at;
+        if (at == begin || at - begin > 9) return std::nullopt;
+        return std::stod(text.substr(begin, at - begin));
+    };
+    double days = 0.0;
+    std::vector<double> parts;
+    do {
+        const auto part = number();
+        if (!part) return std::nullopt;
+        if (at < text.size() && text[at] == '-' && parts.empty() && days == 0.0)
+            days = *part;
+        else
+            parts.push_back(*part);
+    } while (at < text.size() && (text[at] == ':' || text[at] == '-') && ++at > 0);
+    if (at != text.size() || parts.empty() || parts.size() > 3) return std::nullopt;
+    if (days > 0.0 && parts.size() != 3) return std::nullopt;
+    double seconds = 0.0;
+    for (const double part : parts)
+        seconds = 60.0 * seconds + part;
+    return 86400.0 * days + seconds;
+}
+
+/// The first line of the output of a command; empty if it cannot be run.
+std::string first_line_of(const std::string& command) {
+    struct Close {
+        void operator()(std::FILE* pipe) const { ::pclose(pipe); }
+    };
+    const std::unique_ptr<std::FILE, Close> pipe(::popen(command.c_str(), "r"));
+    std::array<char, 256> line{};
+    if (!pipe || !std::fgets(line.data(), line.size(), pipe.get())) return "";
+    const std::string text = line.data();
+    return text.substr(0, text.find_last_not_of(" \n") + 1);
+}
+
+double remaining_in_slurm_s() {
+    if (const char* end = std::getenv("SLURM_JOB_END_TIME")) {
+        const double now =
+            std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch())
+                .count();
+        const double left = std::strtod(end, nullptr) - now;
+        // An end that is in the past or years away is not plausible.
+        return left > -60.0 && left < 3.2e8 ? std::max(left, 0.0) : never;
+    }
+    const char* job = std::getenv("SLURM_JOB_ID");
+    if (!job || std::string(job).find_first_not_of("0123456789") != std::string::npos) return never;
+    return seconds_in(first_line_of(std::string("squeue -h -o %L -j ") + job + " 2>/dev/null"))
+        .value_or(never); // UNLIMITED, or no squeue
+}
+
+} // namespace
+
+double parse_walltime(const std::string& text) {
+    const auto seconds = seconds_in(text);
+    if (!seconds || *seconds <= 0.0)
+        throw UsageError("--walltime " + text +
+                         ": must be seconds or days-hours:minutes:seconds, for example 5400, "
+                         "1:30:00 or 2-00:00:00");
+    return *seconds;
+}
+
+Deadline::Deadline(const std::string& walltime, const Comm& world) {
+    const double given_s = walltime.empty() ? never : parse_walltime(walltime);
+    const double slurm_s = world.is_root() ? remaining_in_slurm_s() : 0.0;
+    limit_s_ = std::min(given_s, world.max(slurm_s));
+}
+
+bool Deadline::lets_begin(double needed_s, double left_s) const {
+    if (needed_s <= left_s) return true;
+    return needed_s > 0.9 * limit_s_ && left_s > 0.8 * limit_s_;
+}
+
+double Deadline::left_s() const {
+    const double kept_s = std::min(60.0, 0.05 * limit_s_);
+    return limit_s_ - kept_s - seconds_since(began_);
+}
+
+} // namespace shearwake::schedule

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/job_source.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "measures/measure_table.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/afferent_result.hpp"
+#include "schedule/run/next_command.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "storage/files.hpp"
+#include "storage/hdf5/h5.hpp"
+#include "storage/input/map_file.hpp"
+#include "storage/input/study_file.hpp"
+
+#include <fmt/format.h>
+#include <map>
+#include <set>
+
+namespace shearwake::schedule {
+namespace {
+
+/// Upper limit of the memory for the planes and series of rank 0, beyond that of any machine.
+constexpr double largest_planes_B = 1e12;
+/// The names, positions and numbers of more traces would not fit into the text of a case.
+constexpr std::size_t most_records = 10000;
+
+/// Loads maps from files relative to the job, each only once. Collective: every rank parses the
+/// same job and so requests the same file at the same time.
+config::MapLoader maps_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::shared_ptr<const MaterialMap>>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        auto& map = (*known)[file];
+        if (!map)
+            map = std::make_shared<const MaterialMap>(storage::read_map_file(folder / file, world));
+        return map;
+    };
+}
+
+/// Loads grid studies in the same way. Collective.
+config::StudyLoader studies_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::shared_ptr<const StudyData>>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        auto& study = (*known)[file];
+        if (!study)
+            study =
+                std::make_shared<const StudyData>(storage::read_study_file(folder / file, world));
+        return study;
+    };
+}
+
+/// Loads texts from files relative to the job, each only once. Collective.
+config::TextLoader texts_beside(const std::filesystem::path& job, const Comm& world) {
+    using Known = std::map<std::string, std::string>;
+    return [folder = job.parent_path(), world,
+            known = std::make_shared<Known>()](const std::string& file) {
+        const auto held = known->find(file);
+        if (held != known->end()) return held->second;
+        std::string text;
+        on_root(world,
+                [&] { text = storage::read_file(folder / file, storage::largest_user_text_B); });
+        return known->emplace(file, world.broadcast(std::move(text))).first->second;
+    };
+}
+
+/// Checks the pins of each case with the model of the hand. Each distinct message is added once.
+/// Throws BadJob.
+void check_pins(config::Job& job, const std::string& file) {
+    bool is_bad = false;
+    std::set<std::string> known;
+    const Case* last = nullptr; // cases of a sweep mostly share them
+    for (const PlannedCase& planned : job.plan.cases) {
+        const auto& afferents = planned.physics.afferents;
+        if (!afferents ||
+            (last && last->afferents == afferents && last->domain == planned.physics.domain))
+            continue;
+        last = &planned.physics;
+        for (const Remark& remark : pipeline::check_afferents(planned.physics)) {
+            const std::string message = "afferents." + remark.key + ": " + remark.message;
+            if (!known.insert(message).second) continue;
+            is_bad = is_bad || remark.severity == Severity::error;
+            job.diagnostics.push_back(
+                {.severity = remark.severity, .file = file, .message = message});
+        }
+    }
+    if (is_bad) throw config::BadJob(std::move(job.diagnostics));
+}
+
+/// Rejects texts that do not fit into case files, and grids that exceed the memory of any machine,
+/// before memory of such a size is allocated.
+void check_sizes(const config::Job& job, const std::string& file) {
+    std::vector<config::Diagnostic> diagnostics;
+    const auto refuse = [&](const std::string& message) {
+        diagnostics.push_back({.severity = Severity::error, .file = file, .message = message});
+    };
+    if (job.text.size() > h5::largest_text)
+        refuse(fmt::format("the job has {} kB, but case files can store at most {} kB of its text; "
+                           "move points and traces to separate files",
+                           job.text.size() / 1000, h5::largest_text / 1000));
+    std::set<std::string> known;
+    for (const PlannedCase& planned : job.plan.cases) {
+        const Case& c = planned.physics;
+        std::string message;
+        const double points = static_cast<double>(c.domain.nx) * static_cast<double>(c.domain.ny);
+        const double numbers = points + static_cast<double>(c.time.frames) *
+                                            (1.0 + static_cast<double>(c.record.traces_m.size()));
+        if (8.0 * numbers > largest_planes_B)
+            message = fmt::format("domain and time: a plane of {} x {} points, {} frames and {} "
+                                  "traces require {:.3g} GB on one rank; at most {:.3g} GB are "
+                                  "possible",
+                                  c.domain.nx, c.domain.ny, c.time.frames, c.record.traces_m.size(),
+                                  8e-9 * numbers, 1e-9 * largest_planes_B);
+        else if (c.record.traces_m.size() > most_records)
+            message = fmt::format("record.traces_mm: has {} traces; at most {} are possible",
+                                  c.record.traces_m.size(), most_records);
+        else if (const std::size_t length = canonical_text(c).size(); length > h5::largest_text)
+            message =
+                fmt::format("the description of a case has {} kB, but case files can store at "
+                            "most {} kB; use fewer traces, bands, foci or points",
+                            length / 1000, h5::largest_text / 1000);
+        if (!message.empty() && known.insert(message).second && known.size() < 10) refuse(message);
+    }
+    if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
+}
+
+/// Rejects columns that no table has, before any case is computed.
+void check_columns(const config::Job& job, const std::string& file) {
+    std::vector<std::string> names;
+    for (const measures::Measure& measure : measures::all_measures())
+        names.emplace_back(measure.name);
+    std::vector<config::Diagnostic> diagnostics;
+    const auto check = [&](const std::string& key, const std::string& column) {
+        if (measures::find_measure(column)) return;
+        const auto meant = column.size() < 100 ? nearest(column, names) : std::nullopt;
+        diagnostics.push_back(
+            {.severity = Severity::error,
+             .file = file,
+             .message =
+                 fmt::format("{}: tables have no column \"{}\"{}", key, config::excerpt(column),
+                             meant ? fmt::format("; did you mean \"{}\"?", *meant) : "")});
+    };
+    for (const AdaptiveAxis& axis : job.plan.adaptive)
+        check(fmt::format("sweep.\"{}\".column", axis.key), axis.column);
+    if (job.plan.uncertain)
+        for (const Threshold& threshold : job.plan.uncertain->exceedance)
+            check("uncertain.exceedance", threshold.column);
+    if (!diagnostics.empty()) throw config::BadJob(std::move(diagnostics));
+}
+
+/// Throws UsageError for a folder, with the job file of an output folder. Not collective.
+void refuse_folder(const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (!std::filesystem::is_directory(path, unknown)) return;
+    const OutputFolder folder{path};
+    if (!std::filesystem::exists(folder.job(), unknown))
+        throw UsageError(fmt::format("{} is a folder; give a job file (TOML)", path.string()));
+    throw UsageError(fmt::format("{} is an output folder; give a job file, such as the job of this "
+                                 "folder: {}",
+                                 path.string(), run_command_line(folder.job(), {}, path)));
+}
+
+} // namespace
+
+config::Override parse_override(const std::string& text) {
+    const auto equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw UsageError("-S \"" + text + "\": must be KEY=VALUE, for example -S load.peak_Pa=200");
+    return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+config::Job load_job(const std::filesystem::path& path, const std::vector<std::string>& overrides,
+                     const Comm& world, const config::AxisPoints& points) {
+    std::vector<config::Override> parsed;
+    for (const std::string& text : overrides)
+        parsed.push_back(parse_override(text));
+    std::string text;
+    on_root(world, [&] {
+        refuse_folder(path);
+        text = storage::read_file(path, storage::largest_user_text_B);
+    });
+    config::Job job = config::read_job(world.broadcast(std::move(text)), path.string(), parsed,
+                                       maps_beside(path, world), texts_beside(path, world),
+                                       studies_beside(path, world), points);
+    check_columns(job, path.string());
+    check_sizes(job, path.string());
+    check_pins(job, path.string());
+    return job;
+}
+
+} // namespace shearwake::schedule

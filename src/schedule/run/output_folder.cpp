@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/output_folder.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "config/document/tree.hpp"
+#include "pipeline/case_checkpoints.hpp"
+#include "pipeline/provenance.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
+#include "storage/journal/run_lock.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fmt/format.h>
+#include <set>
+
+namespace shearwake::schedule {
+namespace {
+
+/// Whether a run creates files or folders of this name.
+bool is_ours(const std::string& name) {
+    constexpr std::array names = {"cases",     "job.toml", "plan.json",        "STOP",
+                                  "slurm",     "failed",   "checkpoints",      "locks",
+                                  "tables",    "converge", "converge.json",    "converge.md",
+                                  "basis",     "optimise", "robustness",       "uncertainty.json",
+                                  "scan.json", "scan.f64", "scan-request.json"};
+    if (std::ranges::find(names, name) != names.end() || name.ends_with(".part")) return true;
+    if (name.starts_with("progress.") && name.ends_with(".json")) return true;
+    return (name.starts_with("journal.") || name.starts_with("index.")) && name.ends_with(".jsonl");
+}
+
+/// Whether a folder without a plan contains files that no run creates.
+bool holds_foreign_files(const OutputFolder& folder) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder.root))
+        if (!is_ours(entry.path().filename().string())) return true;
+    return false;
+}
+
+/// A damaged plan may be rewritten only if all results in the folder belong to cases of this job.
+void must_be_of(const Plan& plan, const OutputFolder& folder) {
+    std::set<std::string> ids;
+    for (const PlannedCase& c : plan.cases)
+        ids.insert(c.id);
+    std::error_code missing;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.cases(), missing)) {
+        const std::filesystem::path name = entry.path().filename();
+        if (name.extension() != ".h5" || ids.contains(name.stem().string())) continue;
+        throw UsageError(fmt::format("{} is damaged, and {} does not belong to a case of this job; "
+                                     "run the job of this folder, or choose another folder with "
+                                     "--out",
+                                     folder.plan().string(), name.string()),
+                         ExitCode::environment);
+    }
+}
+
+/// Removes temporary files `<name>.<process>.part`, which a killed program has left. Files younger
+/// than a minute may belong to a concurrent run.
+void remove_left_over(const std::filesystem::path& place, storage::RunLock::Sharing beside) {
+    namespace fs = std::filesystem;
+    std::error_code missing; // the folder does not exist yet, or another run has removed the file
+    for (const auto& entry : fs::directory_iterator(place, missing)) {
+        const fs::path& path = entry.path();
+        if (path.extension() != ".part" || path.stem().extension() == ".h5") continue;
+        const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path, missing);
+        if (beside == storage::RunLock::Sharing::alone || age > std::chrono::minutes(1))
+            fs::remove(path, missing);
+    }
+}
+
+} // namespace
+
+std::filesystem::path OutputFolder::journal(const std::string& part,
+                                            const std::string& host) const {
+    return root / storage::journal_name(part, host);
+}
+
+std::filesystem::path OutputFolder::index(const std::string& part, const std::string& host) const {
+    return root / storage::index_name(storage::journal_name(part, host));
+}
+
+bool OutputFolder::has_lost_plan() const {
+    std::error_code trouble;
+    return !std::filesystem::exists(plan(), trouble) && !trouble;
+}
+
+OutputFolder folder_of_results(const std::filesystem::path& path) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(path, unknown)) return {path};
+    if (path.extension() != ".toml")
+        throw UsageError(fmt::format("{} is a file; give the output folder of a run, for example "
+                                     "out/quickstart",
+                                     path.string()));
+    config::DiagnosticList ignored;
+    const config::NodePtr job = config::parse_toml(
+        storage::read_file(path, storage::largest_user_text_B), path.string(), ignored);
+    const config::NodePtr name = job ? config::find(job, {{"job"}, {"name"}}) : nullptr;
+    const auto* word = name ? std::get_if<std::string>(&name->value) : nullptr;
+    throw UsageError(fmt::format(
+        "{} is a job file; give the output folder of its run, by default {}", path.string(),
+        word && is_file_name(*word) ? "out/" + *word : "out/<job name>"));
+}
+
+std::string prepare_output(const OutputFolder& folder, const config::Job& job) {
+    namespace fs = std::filesystem;
+    const std::string text = storage::plan_text(job.plan);
+    std::string warning;
+    if (fs::exists(folder.plan())) {
+        const storage::PlanMatch match =
+            storage::compare_plan(storage::read_file(folder.plan()), job.plan);
+        if (match == storage::PlanMatch::damaged) {
+            must_be_of(job.plan, folder);
+            storage::write_file(folder.plan(), text);
+            warning = fmt::format("{} was damaged and has been rewritten from this job",
+                                  folder.plan().string());
+        }
+        if (match == storage::PlanMatch::extended) {
+            storage::make_directory(folder.run_lock().parent_path());
+            // Cases have other numbers in the larger plan, so no other run may be active.
+            const storage::RunLock alone(folder.run_lock(), storage::RunLock::Sharing::alone);
+            storage::write_file(folder.job(), job.text);
+            storage::write_file(folder.plan(), text);
+        }
+        if (match == storage::PlanMatch::another)
+            throw UsageError(
+                fmt::format("{} contains the results of another plan (its plan.json differs "
+                            "from that of this job); choose another folder with --out, or "
+                            "remove this one",
+                            folder.root.string()));
+    } else if (fs::exists(folder.root) && holds_foreign_files(folder)) {
+        throw UsageError(fmt::format("{} is not empty and contains no plan of shearwake; choose "
+                                     "another folder with --out",
+                                     folder.root.string()));
+    }
+    storage::make_directory(folder.cases());
+    storage::make_directory(folder.run_lock().parent_path());
+    if (!fs::exists(folder.plan())) storage::write_file(folder.job(), job.text);
+    // The plan is written last, since a folder without a plan counts as new.
+    if (!fs::exists(folder.plan())) storage::write_file(folder.plan(), text);
+    return warning;
+}
+
+void clear_half_written(const OutputFolder& folder, const Plan& plan,
+                        const std::vector<std::size_t>& work, storage::CaseIndex& index,
+                        storage::RunLock::Sharing beside) {
+    const storage::CaseClaims claims(folder.claims());
+    for (const std::size_t number : work) {
+        const std::string& id = plan.cases[number].id;
+        const std::filesystem::path part = folder.case_file(id).string() + ".part";
+        if (!std::filesystem::exists(part) || !claims.claim(number)) continue;
+        if (!pipeline::has_checkpoint(folder.checkpoints(id), {id, pipeline::program_git_id()}))
+            std::filesystem::remove(part);
+        claims.release(number);
+    }
+    for (const auto& place :
+         {folder.root, folder.cases(), folder.tables(), folder.failure("").parent_path()})
+        remove_left_over(place, beside);
+    if (!std::filesystem::exists(folder.root / "checkpoints")) return;
+    for (const PlannedCase& c : plan.cases)
+        if (index.is_whole(c.id)) pipeline::remove_checkpoints(folder.checkpoints(c.id));
+}
+
+std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& plan,
+                                        const std::vector<std::size_t>& work,
+                                        storage::CaseIndex& index) {
+    const storage::CaseClaims claims(folder.claims());
+    std::vector<SetAside> moved;
+    for (const std::size_t number : work) {
+        const std::string& id = plan.cases[number].id;
+        const storage::CaseDigest* digest = index.find(id);
+        if (!digest || !digest->is_lost || !claims.claim(number)) continue;
+        const std::filesystem::path place = folder.damaged_file(id);
+        storage::make_directory(place.parent_path());
+        std::error_code trouble;
+        std::filesystem::rename(folder.case_file(id), place, trouble);
+        claims.release(number);
+        if (!trouble)
+            moved.push_back({id, digest->damage, place});
+        else if (trouble != std::errc::no_such_file_or_directory) // another run has
+            throw UsageError(fmt::format("cannot move the damaged case file {} to {}: {}",
+                                         folder.case_file(id).string(), place.string(),
+                                         trouble.message()),
+                             ExitCode::environment);
+    }
+    return moved;
+}
+
+} // namespace shearwake::schedule

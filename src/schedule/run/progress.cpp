@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/progress.hpp"
+
+#include "base/clock.hpp"
+#include "base/json_line.hpp"
+#include "base/text.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/journal.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fstream>
+#include <unistd.h>
+
+namespace shearwake::schedule {
+namespace {
+
+/// The interval at which files are updated.
+constexpr auto between_records = std::chrono::seconds(10);
+/// After this time the state is recorded for the first time.
+constexpr auto shortest_recorded = std::chrono::seconds(2);
+
+/// Under mpirun, stderr is a pipe to mpirun, whose stderr may be the terminal of the user.
+bool user_sees_a_terminal() {
+    if (::isatty(STDERR_FILENO)) return true;
+    if (!std::getenv("OMPI_COMM_WORLD_SIZE")) return false;
+    std::error_code error;
+    const auto target = std::filesystem::read_symlink(
+        fmt::format("/proc/{}/fd/{}", ::getppid(), STDERR_FILENO), error);
+    return !error &&
+           (target.string().starts_with("/dev/pts/") || target.string().starts_with("/dev/tty"));
+}
+
+/// "[######              ]  30 % "
+std::string bar(double share) {
+    constexpr int width = 20;
+    const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
+    return fmt::format("[{:#<{}}{:{}}] {:3.0f} % ", "", full, "", width - full, 100.0 * share);
+}
+
+} // namespace
+
+Progress::Progress(Style style, Log log)
+    : quiet_(style == Style::quiet), live_(!quiet_ && user_sees_a_terminal()), log_(std::move(log)),
+      began_(Clock::now()), last_(began_) {}
+
+void Progress::start() {
+    began_ = last_ = Clock::now();
+    recorded_ = began_ + shortest_recorded - between_records; // short runs record no state
+}
+
+/// Updates the files every ten seconds; finish() appends the last line.
+void Progress::log(const SweepCounts& counts) {
+    counts_ = counts;
+    const auto now = Clock::now();
+    if (!log_.lines.empty()) {
+        has_unlogged_ = true;
+        if (now - logged_ >= between_records) write_log();
+    }
+    if (!log_.state.empty() && now - recorded_ >= between_records) {
+        recorded_ = now;
+        write_state();
+    }
+}
+
+/// docs/reference/json-output.md describes the members.
+std::string Progress::json() const {
+    const double elapsed_s = seconds_since(began_);
+    JsonLine line;
+    line.add("schema", 1).add("command", "run").add("folder", log_.folder).add("part", log_.part);
+    line.add("time", storage::timestamp()).add("elapsed_s", elapsed_s);
+    line.add("total", counts_.total).add("done", counts_.done).add("failed", counts_.failed);
+    line.add("running", counts_.running).add("partial", counts_.partial);
+    return line.add("left_s", counts_.left_s).text();
+}
+
+void Progress::write_log() {
+    logged_ = Clock::now();
+    has_unlogged_ = false;
+    storage::append_line(log_.lines, json());
+}
+
+/// Under a temporary name, then renamed. An error is ignored, since only `status` reads the file.
+void Progress::write_state() const {
+    std::filesystem::path part = log_.state;
+    part += ".part";
+    std::ofstream file(part);
+    file << json() << '\n';
+    file.close();
+    std::error_code none;
+    if (file)
+        std::filesystem::rename(part, log_.state, none);
+    else
+        std::filesystem::remove(part, none);
+}
+
+void Progress::update(const SweepCounts& counts) {
+    if (!log_.lines.empty() || !log_.state.empty()) log(counts);
+    if (quiet_ || counts.total == 0) return;
+    const auto now = Clock::now();
+    const double since = seconds_between(last_, now);
+    const long ended = counts.done + counts.failed;
+    const bool due = live_ ? since > 0.25 || ended == counts.total
+                           : since > 60.0 || (ended == counts.total && !ended_);
+    if (!due) return;
+    last_ = now;
+    ended_ = ended == counts.total;
+    if (live_) {
+        fmt::print(stderr, "\r\x1b[K{}", line(counts));
+        drawn_ = true;
+    } else {
+        fmt::print(stderr, "{}\n", line(counts));
+    }
+    std::fflush(stderr);
+}
+
+std::string Progress::line(const SweepCounts& counts) const {
+    const double elapsed = seconds_since(began_);
+    const long ended = counts.done + counts.failed;
+    // A team may end a case before it resets its share.
+    const double complete = std::min(1.0, (static_cast<double>(ended) + counts.partial) /
+                                              static_cast<double>(counts.total));
+    std::string text = live_ ? bar(complete) : "";
+    text += fmt::format("{}/{} cases done, {} running", counts.done, counts.total, counts.running);
+    if (counts.running > 0 && counts.partial > 0.0)
+        text += fmt::format(" ({:.0f} % complete)",
+                            100.0 * counts.partial / static_cast<double>(counts.running));
+    text += fmt::format(", {} failed", counts.failed);
+    if (ended > 0) text += fmt::format(", {:.3g} cases/s", static_cast<double>(ended) / elapsed);
+    if (ended < counts.total) text += fmt::format(", {} remaining", duration_text(counts.left_s));
+    return text;
+}
+
+void Progress::say(const std::string& text) {
+    if (drawn_) fmt::print(stderr, "\r\x1b[K");
+    drawn_ = false;
+    fmt::print(stderr, "{}\n", text);
+    std::fflush(stderr);
+}
+
+void Progress::finish() {
+    if (!log_.lines.empty() && has_unlogged_) write_log();
+    std::error_code none;
+    if (!log_.state.empty()) std::filesystem::remove(log_.state, none);
+    if (drawn_) fmt::print(stderr, "\n");
+    drawn_ = false;
+}
+
+} // namespace shearwake::schedule

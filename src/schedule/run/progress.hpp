@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/clock.hpp"
+#include "schedule/run/output_folder.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace shearwake::schedule {
+
+/// The progress of a sweep.
+struct SweepCounts {
+    long total = 0; // cases to be computed in this run
+    long done = 0;
+    long failed = 0;
+    long running = 0;
+    double partial = 0.0; // sum of the complete shares of the running cases
+    double left_s = 0.0;  // estimated time until the teams have ended
+};
+
+/// What the active runs of an output folder have recorded.
+struct RecordedProgress {
+    long left = 0;        // cases that these runs still compute
+    double partial = 0.0; // sum of the complete shares of the running cases
+    double left_s = 0.0;  // until the last of them ends
+};
+/// The progress of the runs that hold their locks; nothing if none has recorded any. Not
+/// collective.
+std::optional<RecordedProgress> recorded_progress(const OutputFolder& folder);
+
+/// Prints the progress on rank 0: a bar that is redrawn on a terminal, elsewhere a line per minute
+/// and at the end. Not collective.
+class Progress {
+public:
+    enum class Style { automatic, quiet };
+    /// Where the progress is recorded as JSON; an empty path: nowhere.
+    struct Log {
+        std::filesystem::path lines; // a line is appended every ten seconds
+        std::filesystem::path state; // contains the latest progress while the run is at work
+        std::string folder, part;    // of the run; an empty part: the complete sweep
+    };
+    Progress(Style style, Log log);
+
+    /// Starts the clock from which the rate is computed.
+    void start();
+    /// Prints the progress if a line is due. Cheap, may be called often.
+    void update(const SweepCounts& counts);
+    /// Prints a separate line.
+    void say(const std::string& line);
+    void finish();
+
+private:
+    void log(const SweepCounts& counts);
+    void write_log();
+    void write_state() const;
+    std::string json() const;
+    std::string line(const SweepCounts& counts) const;
+
+    bool quiet_, live_;
+    Log log_;
+    Clock::time_point logged_, recorded_; // lines and state
+    SweepCounts counts_;                  // the latest ones
+    bool has_unlogged_ = false;           // whether they are not in the log
+    bool drawn_ = false, ended_ = false;  // ended_: the last line is printed
+    Clock::time_point began_, last_;
+};
+
+} // namespace shearwake::schedule

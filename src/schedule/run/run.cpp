@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/run.hpp"
+
+#include "base/json_document.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/memory.hpp"
+#include "pipeline/provenance.hpp"
+#include "schedule/cost/calibration.hpp"
+#include "schedule/cost/machine_limits.hpp"
+#include "schedule/run/arrangement.hpp"
+#include "schedule/run/closing_message.hpp"
+#include "schedule/run/deadline.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/progress.hpp"
+#include "schedule/run/select_cases.hpp"
+#include "schedule/run/stop_signal.hpp"
+#include "schedule/run/worker.hpp"
+#include "simd/instruction_set.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/run_lock.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fmt/format.h>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+namespace shearwake::schedule {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string warnings_of(const config::Job& job) {
+    std::string all;
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        all += config::text(diagnostic) + "\n";
+    return all;
+}
+
+/// The state of the sweep at the start of the run.
+struct Beginning {
+    Selection selection;
+    storage::JournalContents journal;
+    std::vector<SetAside> damaged; // on rank 0 only, like the warning
+    std::string warning;
+};
+
+/// Whether the folder contains complete cases of another version of the program. Throws UsageError
+/// if this is not allowed.
+bool is_mixed(const Plan& plan, storage::CaseIndex& index, const RunArguments& arguments) {
+    for (const PlannedCase& c : plan.cases) {
+        const storage::CaseDigest* digest = index.find(c.id);
+        if (!digest || !digest->whole() || digest->git_id == pipeline::program_git_id()) continue;
+        if (arguments.allow_mixed) return true;
+        throw UsageError(fmt::format(
+            "case {} was computed by another version of this program, {}; this one is {}. Choose "
+            "another folder with --out, or use --allow-mixed to mix the results; case files and "
+            "the journal record the versions",
+            digest->id, digest->git_id, pipeline::program_git_id()));
+    }
+    return false;
+}
+
+/// Locks the folder and reads its state, on rank 0. `locks` must exist until the end of the run.
+Beginning begin_run(const config::Job& job, const OutputFolder& folder,
+                    const RunArguments& arguments,
+                    std::vector<std::unique_ptr<storage::RunLock>>& locks,
+                    storage::RunStart& start) {
+    const std::string warning = prepare_output(folder, job);
+    const std::string part = part_name(arguments);
+    const auto sharing =
+        part.empty() ? storage::RunLock::Sharing::alone : storage::RunLock::Sharing::with_others;
+    // Each run acquires its own lock before it looks for those of others.
+    if (!part.empty())
+        locks.push_back(std::make_unique<storage::RunLock>(folder.part_lock(part),
+                                                           storage::RunLock::Sharing::alone));
+    locks.push_back(std::make_unique<storage::RunLock>(folder.run_lock(), sharing));
+    if (part.empty()) storage::refuse_beside_parts(folder.run_lock().parent_path());
+    storage::CaseIndex index(folder.root);
+    Beginning beginning{.selection = {},
+                        .journal = storage::read_journals(folder.root),
+                        .damaged = {},
+                        .warning = warning};
+    beginning.selection = select_cases(job.plan, beginning.journal, index, arguments);
+    start.allow_mixed = is_mixed(job.plan, index, arguments);
+    beginning.damaged = set_damaged_aside(folder, job.plan, beginning.selection.work, index);
+    clear_half_written(folder, job.plan, beginning.selection.work, index, sharing);
+    index.save();
+    return beginning;
+}
+
+/// Throws UsageError if the folder or case files have been removed during the run, so that the
+/// sweep is not reported as complete. Not collective.
+void must_be_there(const OutputFolder& folder, const Plan& plan,
+                   const std::vector<std::size_t>& there, const WorkResult& result) {
+    if (result.folder_gone || folder.has_lost_plan())
+        throw UsageError(
+            fmt::format("the output folder {} was removed during the run (plan.json is "
+                        "missing): the run has stopped; rerun the command to start "
+                        "from scratch",
+                        folder.root.string()),
+            ExitCode::environment);
+    std::vector<std::string> lost;
+    for (const auto* numbers : {&there, &result.computed})
+        for (const std::size_t number : *numbers) {
+            const std::string& id = plan.cases[number].id;
+            std::error_code trouble;
+            const bool is_there = std::filesystem::exists(folder.case_file(id), trouble);
+            if (!is_there && !trouble) lost.push_back(id);
+        }
+    if (lost.empty()) return;
+    throw UsageError(fmt::format("{} case files were removed from {} during the run, the first is "
+                                 "{}.h5; rerun the command to compute them again",
+                                 lost.size(), folder.cases().string(), lost.front()),
+                     ExitCode::environment);
+}
+
+/// Whether the remaining cases are left for a later run. A requested stop has priority over
+/// failures; otherwise failures of files and --fail-fast determine the exit code.
+bool was_stopped(const WorkResult& result) {
+    if (result.asked_to_stop) return true;
+    if (result.given_up) return false;
+    return result.put_off > 0 || (result.elsewhere > 0 && result.failed_files == 0);
+}
+
+bool is_stopped(const WorkResult& result, const Selection& selection) {
+    const bool all_ended = result.failed + result.done == static_cast<long>(selection.work.size());
+    return !all_ended && was_stopped(result);
+}
+
+ExitCode code_of(const WorkResult& result, const Selection& selection) {
+    if (is_stopped(result, selection)) return ExitCode::stopped_early;
+    if (result.failed_files > 0) return ExitCode::environment;
+    return result.failed + selection.failed_before > 0 ? ExitCode::some_cases_failed
+                                                       : ExitCode::done;
+}
+
+/// Records the end of the run, prints the closing message or document on rank 0, unless `document`
+/// stores it, and returns the exit code.
+/// Collective.
+ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Selection& selection,
+                   const WorkResult& result, const RunArguments& arguments, const Comm& world,
+                   Json* document) {
+    const ExitCode code = code_of(result, selection);
+    const char* how = code == ExitCode::stopped_early ? "stopped"
+                      : result.failed > 0             ? "with failures"
+                                                      : "done";
+    const Ending ending = code == ExitCode::stopped_early ? Ending::stopped : Ending::regular;
+    on_root(world, [&] {
+        storage::Journal(folder.journal(part_name(arguments))).run_ended(how, result.times);
+        if (arguments.json) {
+            const Json members =
+                closing_document(folder, job, selection, result, ending, arguments);
+            if (document)
+                *document = members;
+            else
+                fmt::print("{}", json_document("run", members));
+        } else if (!arguments.quiet || code != ExitCode::done)
+            fmt::print(arguments.quiet ? stderr : stdout, "{}\n",
+                       closing_message(folder, job.plan, selection, result, ending, arguments));
+    });
+    return code;
+}
+
+void say_beginning(const Beginning& beginning, const RunArguments& arguments, Progress& progress) {
+    if (!beginning.warning.empty() && !arguments.quiet)
+        progress.say("warning: " + beginning.warning);
+    for (const SetAside& damaged : beginning.damaged)
+        progress.say(
+            fmt::format("case {} is damaged ({}): its file was moved to {}, and the case is "
+                        "computed again",
+                        damaged.id, damaged.reason, damaged.place.string()));
+}
+
+void note_beginning(const storage::RunStart& start, const Beginning& beginning,
+                    const storage::Journal& journal) {
+    journal.run_started(start);
+    for (const SetAside& damaged : beginning.damaged)
+        journal.damaged(damaged.id, damaged.reason);
+}
+
+/// Throws UsageError if the cases to be computed need more memory or disk space than there is,
+/// before anything is written. Not collective.
+void must_fit(const config::Job& job, const OutputFolder& folder, const RunArguments& arguments,
+              int ranks, double memory_B) {
+    storage::CaseIndex index(folder.root);
+    const Selection selection = select_cases(job.plan, {}, index, arguments);
+    std::vector<const PlannedCase*> cases;
+    for (const std::size_t number : selection.work)
+        cases.push_back(&job.plan.cases[number]);
+    const int together =
+        arguments.ranks_per_case > 0 ? std::min(arguments.ranks_per_case, ranks) : ranks;
+    const std::string error =
+        excess(least_demand(cases, together), memory_B, folder.root, run_by_force);
+    if (!error.empty()) throw UsageError("error: " + error, ExitCode::environment);
+}
+
+std::string layout_text(const std::string& name, std::size_t cases, const TeamLayout& layout,
+                        int ranks, const OutputFolder& folder) {
+    return fmt::format("{}: {} case{} to compute on {} team{} of {} rank{}{}, into {}", name, cases,
+                       cases == 1 ? "" : "s", layout.teams, layout.teams == 1 ? "" : "s",
+                       layout.ranks_per_case, layout.ranks_per_case == 1 ? "" : "s",
+                       cases > 0 ? idle_ranks_text(layout, ranks, cases) : "",
+                       folder.root.string());
+}
+
+/// Thrown on all ranks together.
+struct StoppedBeforeCases {};
+
+/// What the choice of time steps reports, and when it ends early: on a signal, at the time limit,
+/// or for a STOP file.
+struct Preparation {
+    const OutputFolder& folder;
+    const Deadline& deadline;
+    const Comm& world;
+    storage::Journal journal;
+    const storage::RunStart& start;
+    std::function<void(const std::string&)> say;
+    std::chrono::steady_clock::time_point said = {};
+
+    /// Before the time step of a case is chosen. Collective.
+    void before(const PlannedCase& planned, std::size_t number, std::size_t count) {
+        std::error_code none;
+        const bool stop = stop_requested() || deadline.left_s() <= 0.0 ||
+                          (world.is_root() && std::filesystem::exists(folder.stop_file(), none));
+        if (world.any(stop)) throw StoppedBeforeCases{};
+        if (number == 1) on_root(world, [&] { journal.run_prepares(start); });
+        // Most choices take a tenth of a second; a line for each would hide the others.
+        const auto now = std::chrono::steady_clock::now();
+        if (number > 1 && now - said < std::chrono::seconds(2)) return;
+        said = now;
+        say(fmt::format("choosing the time step of case {} ({} of {})", planned.id, number, count));
+    }
+};
+
+/// The performance model of the cases; nothing if a stop was requested before all time steps were
+/// chosen. Collective.
+std::optional<cost::CaseCosts> costs_of(const std::vector<const PlannedCase*>& cases,
+                                        Preparation preparation) {
+    try {
+        return cost::CaseCosts(
+            cases, {}, [&](const PlannedCase& planned, std::size_t number, std::size_t count) {
+                preparation.before(planned, number, count);
+            });
+    } catch (const StoppedBeforeCases&) {
+        return std::nullopt;
+    }
+}
+
+storage::RunStart start_of(const RunArguments& arguments, int ranks) {
+    return {.ranks = ranks,
+            .overrides = arguments.overrides,
+            .git_id = pipeline::program_git_id(),
+            .kernels = std::string(simd::name_of(simd::instruction_set())),
+            .resumed_by = arguments.resumed_by};
+}
+
+/// Prints what is doubtful about the job and the arguments, on rank 0.
+void say_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
+                  Progress& progress) {
+    if (!job.diagnostics.empty()) fmt::print(stderr, "{}", warnings_of(job));
+    const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
+    if (!excess.empty()) progress.say("warning: " + excess);
+}
+
+/// The cases to compute with their number of teams, and those that resume from checkpoints.
+std::string work_text(const config::Job& job, const Selection& selection, const TeamLayout& layout,
+                      int ranks, const OutputFolder& folder) {
+    const std::string text =
+        layout_text(job.plan.name, selection.work.size(), layout, ranks, folder);
+    const std::string resumed = resumable_cases(folder, job.plan, selection.work);
+    return resumed.empty() ? text : text + "\nresumed from checkpoints: " + resumed;
+}
+
+} // namespace
+
+ExitCode run_sweep(const RunArguments& arguments, const Comm& world) {
+    return run_job(load_job(arguments.job, arguments.overrides, world), arguments, world);
+}
+
+ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Comm& world,
+                 Json* document) {
+    watch_for_stop_signals();
+    const std::string part = part_name(arguments); // usage errors precede warnings
+    const Deadline deadline(arguments.walltime, world);
+    const OutputFolder folder{arguments.out.empty() ? std::filesystem::path("out") / job.plan.name
+                                                    : arguments.out};
+    Progress progress(arguments.quiet || !world.is_root() ? Progress::Style::quiet
+                                                          : Progress::Style::automatic,
+                      {.lines = world.is_root() ? arguments.log_json : "",
+                       .state = world.is_root() ? folder.progress(part) : "",
+                       .folder = folder.root.string(),
+                       .part = part});
+    const auto say = [&](const std::string& text) {
+        if (world.is_root() && !arguments.quiet) progress.say(text);
+    };
+    const double memory_B = pipeline::memory_per_rank_B(world);
+    if (!arguments.force)
+        on_root(world, [&] { must_fit(job, folder, arguments, world.size(), memory_B); });
+    if (world.is_root() && !arguments.quiet) say_warnings(job, arguments, world.size(), progress);
+    Beginning beginning;
+    std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run
+    storage::RunStart start = start_of(arguments, world.size());
+    on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
+    say_beginning(beginning, arguments, progress);
+    Selection selection = share(beginning.selection, world);
+    selection.others = beginning.selection.others;
+    std::vector<const PlannedCase*> cases;
+    for (const std::size_t index : selection.work)
+        cases.push_back(&job.plan.cases[index]);
+    const storage::Journal journal(folder.journal(part));
+    std::optional<cost::CaseCosts> costs =
+        costs_of(cases, {folder, deadline, world, journal, start, say});
+    if (!costs) {
+        WorkResult none;
+        none.asked_to_stop = true;
+        return concluded(folder, job, selection, none, arguments, world, document);
+    }
+    calibrate_for(*costs, world.size(), world, say, stop_requested);
+    const Arrangement work =
+        arrange(job.plan, selection.work, arguments.ranks_per_case, memory_B, *costs, world);
+    const TeamLayout& layout = work.layout;
+    on_root(world, [&] { say(work_text(job, selection, layout, world.size(), folder)); });
+    start.teams = layout.teams;
+    start.cases_left = work.cases.size();
+    on_root(world, [&] { note_beginning(start, beginning, journal); });
+
+    const Comm team = world.split(layout.team_of(world.rank()));
+    const pipeline::JobFacts facts{job.plan.title, job.text,
+                                   fmt::format("{}", fmt::join(arguments.overrides, "\n")),
+                                   memory_B};
+    const WorkList list{
+        work.cases, work.numbers, work.bundles,         facts, folder, part, arguments, *costs,
+        deadline,   layout.teams, layout.ranks_per_case};
+    progress.start();
+    Worker worker(list, beginning.journal, world, team, progress);
+    worker.work();
+    const WorkResult result = worker.wait_for_others();
+    progress.finish();
+
+    on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
+    return concluded(folder, job, selection, result, arguments, world, document);
+}
+
+} // namespace shearwake::schedule

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/comm.hpp"
+#include "problem/case/plan.hpp"
+#include "schedule/run/run_arguments.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/journal/journal.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// The cases that a run has to compute.
+struct Selection {
+    std::vector<std::size_t> work;   // positions in Plan::cases
+    std::vector<std::size_t> there;  // positions of the complete cases; on rank 0 only
+    std::vector<std::size_t> others; // positions of the cases that are not selected; on rank 0 only
+    std::size_t total = 0;
+    std::size_t whole = 0;        // cases with a complete file
+    long failed_before = 0;       // that are not retried
+    std::size_t not_selected = 0; // by --only or --shard
+};
+
+/// Cases that failed because of files or disks are retried; cases with errors of their own only
+/// with
+/// --retry-failed. Throws UsageError for an unknown id or an invalid shard. Not collective.
+Selection select_cases(const Plan& plan, const storage::JournalContents& journal,
+                       storage::CaseIndex& index, const RunArguments& arguments);
+
+/// Name of the selected part of the sweep in the names of its journal and lock: empty for the
+/// complete sweep, "2-of-8" for a shard, "only-<id>" with the first selected case. Throws
+/// UsageError for an invalid shard. Not collective.
+std::string part_name(const RunArguments& arguments);
+
+/// Broadcasts the selection of rank 0. Collective.
+Selection share(const Selection& selection, const Comm& world);
+
+} // namespace shearwake::schedule

@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "schedule/run/worker.hpp"
+
+#include "engines/registry/make_engine.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/provenance.hpp"
+#include "schedule/run/expected_cases.hpp"
+#include "schedule/run/next_command.hpp"
+#include "schedule/run/stop_signal.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <thread>
+
+namespace shearwake::schedule {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Factor on the estimated time of a case, so that no case is started that cannot finish in time.
+constexpr double allowance = 1.2;
+/// Waiting times before a case that failed because of a file is tried again.
+constexpr std::array waits_for_files = {1s, 5s};
+/// After this number of consecutive file errors, further cases would probably fail as well.
+constexpr int most_file_failures_in_a_row = 3;
+
+struct CaseError {
+    std::string reason;
+    storage::Blame blame = storage::Blame::case_itself;
+    Trouble trouble = Trouble::lasting;
+};
+
+/// The error that ends `work`, if any. The errors of a case do not end the run.
+template <class Work>
+std::optional<CaseError> error_of(const Work& work) {
+    try {
+        try {
+            work();
+        } catch (const FileFailure& failure) {
+            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+        } catch (const CaseFailure& failure) {
+            return CaseError{failure.what()};
+        } catch (const UsageError& failure) { // of the file system
+            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+        }
+    } catch (const std::bad_alloc&) {
+        return CaseError{"out of memory"};
+    }
+    return {};
+}
+
+/// The name of this host if it differs from that of rank 0, otherwise empty. Collective.
+std::string further_host(const Comm& world) {
+    const std::string mine = storage::host_name();
+    return world.broadcast(mine) == mine ? "" : mine;
+}
+
+} // namespace
+
+Worker::Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
+               const Comm& team, Progress& progress)
+    : list_(list), world_(world), team_(team), progress_(progress), host_(further_host(world)),
+      journal_(list.folder.journal(list.part, host_)), counters_(world, shared_count),
+      times_(expected_cases(list.cases, list.bundles, list.ranks_per_case, list.teams, list.costs),
+             world, {list.teams, std::min(world.rank() / list.ranks_per_case, list.teams - 1)}) {
+    together(world, [&] {
+        if (team_.is_root()) claims_.emplace(list_.folder.claims());
+    });
+    computed_.reserve(list_.cases.size());
+    if (world.is_root()) times_.recall(learned);
+}
+
+void Worker::work() {
+    const auto began = std::chrono::steady_clock::now();
+    while (true) {
+        long index = -1;
+        if (team_.is_root()) index = next();
+        index = team_.broadcast(index);
+        if (index < 0) break;
+        const std::size_t number = list_.numbers[static_cast<std::size_t>(index)];
+        at_ = static_cast<std::size_t>(index);
+        if (team_.is_root()) times_.begin(at_);
+        const bool is_done = one_case(*list_.cases[at_]);
+        if (!team_.is_root()) continue;
+        times_.end(at_);
+        claims_->release(number);
+        if (is_done) computed_.push_back(static_cast<double>(number));
+    }
+    worked_us_ =
+        std::chrono::round<std::chrono::microseconds>(std::chrono::steady_clock::now() - began)
+            .count();
+    if (!team_.is_root()) return;
+    counters_.fetch_add(teams_us, worked_us_);
+    counters_.fetch_add(teams_ended, 1);
+}
+
+/// The next case for this team; -1 if there is none. Called on the root of the team.
+long Worker::next() {
+    while (true) {
+        look_for_folder();
+        if (stop_asked()) counters_.fetch_add(stopping, 1);
+        if (counters_.read(stopping) != 0) return -1;
+        if (bundle_.count == 0) {
+            const auto taken = static_cast<std::size_t>(counters_.fetch_add(next_bundle, 1));
+            if (taken >= list_.bundles.size()) return -1;
+            bundle_ = list_.bundles[taken];
+        }
+        const std::size_t place = bundle_.first++;
+        --bundle_.count;
+        try {
+            if (claim(place)) return static_cast<long>(place);
+        } catch (const std::exception& error) { // the file system fails, or memory is lacking
+            counters_.fetch_add(begun, 1);
+            record(*list_.cases[place], error.what(), storage::Blame::files);
+        }
+        times_.end(place);
+    }
+}
+
+/// Reserves a case for this team, if it can be begun now and no other run computes it or has
+/// computed it since this run began. On the root of the team.
+bool Worker::claim(std::size_t place) {
+    const PlannedCase& planned = *list_.cases[place];
+    const std::size_t number = list_.numbers[place];
+    if (!in_time(place)) {
+        counters_.fetch_add(put_off, 1);
+        return false;
+    }
+    if (!claims_->claim(number)) {
+        counters_.fetch_add(elsewhere, 1);
+        return false;
+    }
+    if (!storage::is_whole(list_.folder.case_file(planned.id), planned.id)) return true;
+    claims_->release(number);
+    counters_.fetch_add(elsewhere, 1);
+    return false;
+}
+
+double Worker::estimated_s(const PlannedCase& planned) const {
+    const Case& c = planned.physics;
+    const cost::CaseCost& cost = list_.costs.of(c);
+    return shared_s(c, before_, team_.size(), list_.costs) +
+           cost::seconds_on(cost, team_.size(), list_.teams, list_.costs.machine());
+}
+
+/// Whether a case may start now, according to its estimate corrected by measured times, minus the
+/// time that its checkpoint already contains.
+bool Worker::in_time(std::size_t index) {
+    if (!list_.deadline.exists()) return true;
+    const PlannedCase& planned = *list_.cases[index];
+    const double learned_s = allowance * times_.factor(index) * estimated_s(planned);
+    const double before = pipeline::seconds_saved(list_.folder.checkpoints(planned.id),
+                                                  {planned.id, pipeline::program_git_id()});
+    return list_.deadline.lets_begin(learned_s - before);
+}
+
+/// Computes a case and repeats it after a temporary failure of the file system. A failure of any
+/// rank ends the attempt on all ranks of the team. Returns whether the case is complete.
+bool Worker::one_case(const PlannedCase& planned) {
+    if (team_.is_root()) counters_.fetch_add(begun, 1);
+    tick(); // reports the estimate
+    case_log_.clear();
+    bool is_done = false;
+    for (std::size_t attempt = 0;; ++attempt) {
+        const std::optional<CaseError> error =
+            error_of([&] { fail_together(team_, [&] { is_done = compute(planned); }); });
+        // A rank that lacks the memory to describe the error has to decide as the others do.
+        if (!team_.any(error.has_value())) {
+            file_failures_in_a_row_ = 0;
+            break;
+        }
+        is_done = false;
+        engine_.reset(); // its data may be incomplete
+        const bool passing = error && error->trouble == Trouble::passing;
+        if (!team_.all(passing) || attempt == waits_for_files.size()) {
+            if (team_.is_root() && error) record(planned, error->reason, error->blame);
+            break;
+        }
+        if (team_.is_root())
+            say(fmt::format("case {} is tried again in {} s: {}", planned.id,
+                            waits_for_files[attempt].count(), error->reason));
+        std::this_thread::sleep_for(waits_for_files[attempt]);
+    }
+    before_ = &planned.physics;
+    if (team_.is_root()) progressed(0.0);
+    return is_done;
+}
+
+/// Returns whether the case is complete; otherwise a checkpoint has been saved.
+bool Worker::compute(const PlannedCase& planned) {
+    on_root(team_, [&] { journal_.started(planned.id, team_.size()); });
+    // What an engine shares between its cases is in the way of another engine's.
+    if (before_ && before_->solver.index() != planned.physics.solver.index()) engine_.reset();
+    if (!engine_) engine_ = engines::make_engine(planned.physics.solver);
+    pipeline::CaseCheckpoints checkpoints(
+        list_.folder.checkpoints(planned.id), {planned.id, pipeline::program_git_id()},
+        list_.arguments.checkpoints, team_, journal_,
+        {[this] { return stop_asked(); }, [this](const auto& text) { say(text); },
+         [this](double share) { progressed(share); }});
+    const auto began = std::chrono::steady_clock::now();
+    const auto outcome =
+        pipeline::run_case(planned, list_.facts, *engine_, team_,
+                           list_.folder.case_file(planned.id), checkpoints, [this] { tick(); });
+    if (!outcome) {
+        if (!team_.is_root()) return false;
+        counters_.fetch_add(begun, -1);
+        const auto solving = std::chrono::steady_clock::now() - began; // not overhead
+        counters_.fetch_add(solves_us,
+                            std::chrono::round<std::chrono::microseconds>(solving).count());
+        return false;
+    }
+    const storage::CaseTimes times{outcome->seconds, estimated_s(planned),
+                                   engine_name(planned.physics.solver)};
+    on_root(team_, [&] {
+        journal_.finished(planned.id, times);
+        storage::add_to_index(list_.folder.index(list_.part, host_),
+                              list_.folder.case_file(planned.id));
+        std::error_code none;
+        std::filesystem::remove(list_.folder.failure(planned.id), none);
+    });
+    report(planned, outcome->solver);
+    if (!team_.is_root()) return true;
+    times_.learn(at_, times.seconds, times.estimated_seconds);
+    counters_.fetch_add(solves_us, std::lround(1e6 * outcome->solve_seconds));
+    counters_.fetch_add(done, 1);
+    return true;
+}
+
+/// Prints one line with the iterations of the case and the choices that no case before it made.
+void Worker::report(const PlannedCase& planned, const engines::SolverReport& solver) try {
+    std::vector<std::string> news;
+    if (solver.iterations > 0)
+        news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
+                                   solver.iterations, solver.most_iterations));
+    for (const std::string& note : solver.notes)
+        if (told_.insert(note).second) news.push_back(note);
+    if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
+        progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
+} catch (const std::bad_alloc&) { // the case is complete
+}
+
+/// On the root of the team.
+void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Blame blame) {
+    counters_.fetch_add(failed, 1);
+    try {
+        say(fmt::format("case {} failed: {}", planned.id, reason));
+        journal_.failed(planned.id, reason, blame);
+        keep_failure(planned, reason);
+    } catch (const std::exception& error) {
+        progress_.say(fmt::format("and this could not be recorded: {}", error.what()));
+    }
+    if (list_.arguments.fail_fast) give_up();
+    if (blame != storage::Blame::files) return;
+    counters_.fetch_add(failed_files, 1);
+    last_folder_ = {}; // now
+    look_for_folder();
+    if (counters_.read(folder_gone) == 0 &&
+        ++file_failures_in_a_row_ == most_file_failures_in_a_row) {
+        progress_.say(fmt::format("file errors ended {} cases in a row; no further case is started",
+                                  most_file_failures_in_a_row));
+        give_up();
+    }
+}
+
+/// A folder that is removed while files are written keeps some of them: only a missing plan shows
+/// this.
+void Worker::look_for_folder() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_folder_ < 500ms) return;
+    last_folder_ = now;
+    if (!list_.folder.has_lost_plan()) return;
+    counters_.fetch_add(folder_gone, 1);
+    give_up();
+}
+
+void Worker::give_up() {
+    counters_.fetch_add(given_up, 1);
+    counters_.fetch_add(stopping, 1);
+}
+
+/// Keeps what is needed to examine the case: reason, log, inputs, and the command that retries it.
+void Worker::keep_failure(const PlannedCase& planned, const std::string& reason) const {
+    storage::make_directory(list_.folder.failure(planned.id).parent_path());
+    RunArguments again = list_.arguments;
+    again.only = {planned.id};
+    again.shard.clear();
+    std::string text =
+        fmt::format("case {} failed at {} on {}, {} ranks, shearwake {}\nreason: {}\n"
+                    "to retry: {} --retry-failed\n\nlog:\n",
+                    planned.id, storage::timestamp(), storage::host_name(), team_.size(),
+                    pipeline::program_git_id(), reason, run_command_line(again));
+    for (const std::string& line : case_log_)
+        text += "  " + line + "\n";
+    text += fmt::format("\nsettings:\n{}\n\ncase (SI):\n{}",
+                        storage::settings_text(planned.settings), canonical_text(planned.physics));
+    storage::write_file(list_.folder.failure(planned.id), text);
+}
+
+void Worker::say(const std::string& text) {
+    case_log_.push_back(storage::timestamp() + " " + text);
+    progress_.say(text);
+}
+
+/// Whether the root of any team has received a signal, the time limit is reached, or there is a
+/// STOP file. Roots call this between the steps of a case, so it reads the memory of rank 0 only
+/// every 50 ms.
+bool Worker::stop_asked() {
+    if (!signal_told_ && (stop_requested() || list_.deadline.left_s() <= 0.0)) {
+        signal_told_ = true;
+        counters_.fetch_add(signalled, 1);
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (world_.is_root() && !signal_told_ && now - last_stop_file_ > 500ms) {
+        last_stop_file_ = now;
+        std::error_code unknown;
+        if (std::filesystem::exists(list_.folder.stop_file(), unknown)) {
+            signal_told_ = true;
+            counters_.fetch_add(signalled, 1);
+        }
+    }
+    if (!signal_seen_ && now - last_look_ > 50ms) {
+        last_look_ = now;
+        signal_seen_ = counters_.read(signalled) > 0;
+    }
+    return signal_told_ || signal_seen_;
+}
+
+void Worker::progressed(double share) {
+    const long ppm = std::lround(1e6 * share);
+    counters_.fetch_add(partial_ppm, ppm - partial_ppm_);
+    partial_ppm_ = ppm;
+    times_.progressed(at_, share);
+    tick();
+}
+
+void Worker::tick() {
+    if (!world_.is_root()) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_tick_ < 50ms) return;
+    last_tick_ = now;
+    stop_asked(); // looks for the STOP file on behalf of the other teams
+    SweepCounts counts{.total = static_cast<long>(list_.cases.size()),
+                       .done = counters_.read(done),
+                       .failed = counters_.read(failed)};
+    counts.running = counters_.read(begun) - counts.done - counts.failed;
+    const long ended =
+        counts.done + counts.failed + counters_.read(put_off) + counters_.read(elsewhere);
+    counts.left_s = times_.wall_left_s(
+        static_cast<int>(std::clamp<long>(counts.total - ended, 1, list_.teams)));
+    counts.partial = 1e-6 * static_cast<double>(counters_.read(partial_ppm));
+    progress_.update(counts);
+}
+
+WorkResult Worker::wait_for_others() {
+    while (world_.is_root() && counters_.read(teams_ended) < list_.teams) {
+        tick();
+        std::this_thread::sleep_for(20ms);
+    }
+    world_.barrier();
+    last_tick_ = {}; // so that the final progress is printed
+    tick();
+    const auto of = [&](Shared which) {
+        return world_.broadcast(world_.is_root() ? counters_.read(which) : 0);
+    };
+    const double longest_us = world_.max(team_.is_root() ? static_cast<double>(worked_us_) : 0.0);
+    const auto all_us = static_cast<double>(of(teams_us));
+    const auto cases = static_cast<double>(std::max(1L, of(done)));
+    const storage::RunTimes times{
+        .idle_share = longest_us > 0.0 ? 1.0 - all_us / (longest_us * list_.teams) : 0.0,
+        .beside_solve_s = 1e-6 * (all_us - static_cast<double>(of(solves_us))) / cases};
+    std::vector<std::size_t> computed;
+    for (const double number : world_.gather(computed_))
+        computed.push_back(static_cast<std::size_t>(number));
+    return {.done = of(done),
+            .failed = of(failed),
+            .failed_files = of(failed_files),
+            .put_off = of(put_off),
+            .elsewhere = of(elsewhere),
+            .asked_to_stop = of(signalled) != 0,
+            .given_up = of(given_up) != 0,
+            .folder_gone = of(folder_gone) != 0,
+            .computed = std::move(computed),
+            .times = times};
+}
+
+} // namespace shearwake::schedule

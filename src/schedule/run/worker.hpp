@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "engines/engine.hpp"
+#include "parallel/shared_counters.hpp"
+#include "pipeline/run_case.hpp"
+#include "problem/case/plan.hpp"
+#include "schedule/cost/case_costs.hpp"
+#include "schedule/cost/learned_times.hpp"
+#include "schedule/run/bundles.hpp"
+#include "schedule/run/deadline.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/progress.hpp"
+#include "schedule/run/run_arguments.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/run_lock.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace shearwake::schedule {
+
+/// The cases that a run computes, and where. The references must outlive it.
+struct WorkList {
+    const std::vector<const PlannedCase*>& cases; // in the order of work
+    const std::vector<std::size_t>& numbers;      // their positions in the plan
+    const std::vector<Bundle>& bundles;           // of the cases, in the order in which they start
+    const pipeline::JobFacts& facts;
+    const OutputFolder& folder;
+    std::string part; // of the sweep; in the names of journal, index and lock
+    const RunArguments& arguments;
+    cost::CaseCosts& costs;
+    const Deadline& deadline;
+    int teams = 1, ranks_per_case = 1;
+};
+
+/// The outcome of a run. Identical on all ranks.
+struct WorkResult {
+    long done = 0;
+    long failed = 0;            // for any reason
+    long failed_files = 0;      // because of files or disks
+    long put_off = 0;           // would not have finished in time
+    long elsewhere = 0;         // computed by another run
+    bool asked_to_stop = false; // by a signal, the STOP file or the time limit
+    bool given_up = false;      // after file errors, or after any failure with --fail-fast
+    bool folder_gone = false;
+    std::vector<std::size_t> computed; // positions in the plan; on rank 0 only
+    storage::RunTimes times;
+};
+
+/// Computes cases on one team. It takes bundles of them from a counter that all teams share until
+/// none is left, the time limit is reached or a stop is requested.
+class Worker {
+public:
+    /// Collective over the world. `learned`: the measured times of earlier runs.
+    Worker(const WorkList& list, const storage::JournalContents& learned, const Comm& world,
+           const Comm& team, Progress& progress);
+
+    void work();
+    /// Rank 0 prints the progress until the other teams have finished. Collective over the world.
+    WorkResult wait_for_others();
+
+private:
+    /// Counters of all teams; times in microseconds.
+    enum Shared {
+        next_bundle,
+        done,
+        failed,
+        failed_files,
+        begun,
+        stopping,
+        signalled,
+        given_up,
+        teams_ended,
+        put_off,
+        elsewhere,
+        folder_gone,
+        teams_us,
+        solves_us,
+        partial_ppm, // sum of the complete shares of the running cases, in millionths
+        shared_count
+    };
+
+    long next();
+    bool claim(std::size_t place);
+    bool in_time(std::size_t index);
+    /// Includes shared work, unless the previous case of the team has already done it.
+    double estimated_s(const PlannedCase& planned) const;
+    bool one_case(const PlannedCase& planned);
+    bool compute(const PlannedCase& planned);
+    void report(const PlannedCase& planned, const engines::SolverReport& solver);
+    void record(const PlannedCase& planned, const std::string& reason, storage::Blame blame);
+    void give_up(); // no further case is started
+    void keep_failure(const PlannedCase& planned, const std::string& reason) const;
+    void say(const std::string& text);
+    bool stop_asked();
+    void look_for_folder();
+    /// Shares the progress of the running case with the other teams. On the root of the team.
+    void progressed(double share);
+    void tick();
+
+    WorkList list_;
+    const Comm& world_;
+    const Comm& team_;
+    Progress& progress_;
+    std::string host_; // empty: the host of rank 0
+    storage::Journal journal_;
+    std::optional<storage::CaseClaims> claims_; // on the root of the team
+    SharedCounters counters_;
+    LearnedTimes times_;
+    Bundle bundle_{0, 0}; // the remaining cases of the bundle of this team
+    std::size_t at_ = 0;  // position of the running case in the list
+    std::unique_ptr<engines::Engine> engine_;
+    const Case* before_ =
+        nullptr; // previous case of the team, which may share work with the next one
+    std::vector<std::string> case_log_; // messages about the running case
+    std::set<std::string> told_;        // each is reported once
+    int file_failures_in_a_row_ = 0;
+    std::vector<double> computed_; // positions in the plan; on the root of the team
+    long partial_ppm_ = 0;         // complete share of the running case of this team
+    long worked_us_ = 0;           // of this team, from its first search for a case to its last
+    std::chrono::steady_clock::time_point last_tick_{}, last_look_{}, last_stop_file_{},
+        last_folder_{};
+    bool signal_told_ = false, signal_seen_ = false;
+};
+
+} // namespace shearwake::schedule

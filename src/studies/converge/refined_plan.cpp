@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/converge/refined_plan.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <map>
+
+namespace shearwake::converge {
+namespace {
+
+constexpr const char* refinement_key = "converge.refinement";
+
+const PlannedCase& case_of(const Plan& plan, const std::string& id) {
+    std::vector<std::string> ids;
+    for (const PlannedCase& c : plan.cases) {
+        if (c.id == id) return c;
+        ids.push_back(c.id);
+    }
+    const auto meant = nearest(id, ids);
+    throw UsageError(
+        fmt::format("--only {}: no such case{}; shearwake plan lists the ids of all cases", id,
+                    meant ? "; did you mean " + *meant + "?" : ""));
+}
+
+/// At most `count` of the ordinary cases, from the first to the last.
+std::vector<const PlannedCase*> spread(const Plan& plan, std::size_t count) {
+    std::vector<const PlannedCase*> ordinary, chosen;
+    for (const PlannedCase& c : plan.cases)
+        if (!c.is_reference) ordinary.push_back(&c);
+    count = std::min(count, ordinary.size());
+    for (std::size_t i = 0; i < count; ++i)
+        chosen.push_back(ordinary[count == 1 ? 0 : i * (ordinary.size() - 1) / (count - 1)]);
+    return chosen;
+}
+
+std::vector<const PlannedCase*> selection(const Plan& plan, std::span<const std::string> only,
+                                          std::size_t count) {
+    std::vector<const PlannedCase*> chosen;
+    for (const std::string& id : only)
+        chosen.push_back(&case_of(plan, id));
+    if (only.empty()) chosen = spread(plan, count);
+    for (std::size_t i = 0, n = chosen.size(); i < n; ++i) {
+        if (chosen[i]->reference_id.empty()) continue;
+        const PlannedCase* reference = &case_of(plan, chosen[i]->reference_id);
+        if (std::ranges::find(chosen, reference) == chosen.end()) chosen.push_back(reference);
+    }
+    return chosen;
+}
+
+} // namespace
+
+RefinedPlan refined_plan(const Plan& plan, std::span<const std::string> only, std::size_t count) {
+    RefinedPlan found;
+    found.plan = {.name = plan.name,
+                  .title = "Convergence of " + plan.name,
+                  .swept_keys = plan.swept_keys,
+                  .table = {.x = "", .series = {}},
+                  .cases = {}};
+    found.plan.swept_keys.emplace_back(refinement_key);
+    std::map<std::string, std::string> references; // id of the case and refinement -> refined id
+    for (const PlannedCase* planned : selection(plan, only, count)) {
+        StudiedCase studied{.planned = planned,
+                            .base_id = case_id(without_fields(planned->physics)),
+                            .refinements = refinements(planned->physics),
+                            .refined_ids = {}};
+        const auto add = [&](const std::string& refinement, const Case& physics) {
+            const std::string id = case_id(physics);
+            references[planned->id + refinement] = id;
+            const bool known = std::ranges::any_of(
+                found.plan.cases, [&](const PlannedCase& c) { return c.id == id; });
+            if (known) return id;
+            PlannedCase refined{.id = id, .physics = physics, .settings = planned->settings};
+            refined.settings.push_back({refinement_key, refinement});
+            found.plan.cases.push_back(std::move(refined));
+            return id;
+        };
+        add("none", without_fields(planned->physics));
+        for (const Refinement& r : studied.refinements)
+            studied.refined_ids.push_back(add(r.name, r.physics));
+        found.cases.push_back(std::move(studied));
+    }
+    // Ratios to the reference are formed with the same refinement of both cases.
+    const auto refer = [&](const std::string& id, const std::string& to) {
+        for (PlannedCase& c : found.plan.cases)
+            if (c.id == id) c.reference_id = to;
+    };
+    for (const StudiedCase& studied : found.cases) {
+        const std::string& reference = studied.planned->reference_id;
+        if (reference.empty()) continue;
+        refer(studied.base_id, references.at(reference + "none"));
+        for (std::size_t i = 0; i < studied.refinements.size(); ++i)
+            refer(studied.refined_ids[i], references.at(reference + studied.refinements[i].name));
+    }
+    return found;
+}
+
+} // namespace shearwake::converge

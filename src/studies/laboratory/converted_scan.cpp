@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/laboratory/converted_scan.hpp"
+
+#include "base/error.hpp"
+#include "base/python_script.hpp"
+#include "storage/files.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::laboratory {
+
+nlohmann::ordered_json scan_request(const Case& c) {
+    nlohmann::ordered_json request = nlohmann::ordered_json::object();
+    if (!c.vibrometer) return request;
+    const VibrometerOptions& o = *c.vibrometer;
+    const Vec3 along = o.line_of_sight();
+    request["vibrometer"] = {{"trigger_delay_s", o.trigger_delay_s},
+                             {"offset_m", {o.offset_x_m, o.offset_y_m}},
+                             {"direction", {along.x, along.y, along.z}}};
+    return request;
+}
+
+void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_json& request,
+                  const std::filesystem::path& prefix) {
+    const std::filesystem::path file = prefix.string() + "-request.json";
+    storage::write_file(file, request.dump());
+    const int status =
+        run_python_script("laboratory/measure_scan.py",
+                          {data.string(), file.string(), prefix.string()}, scan_packages);
+    std::error_code none;
+    std::filesystem::remove(file, none);
+    if (status == static_cast<int>(ExitCode::usage)) throw UsageError("the scan cannot be used");
+    if (status != 0)
+        throw UsageError(fmt::format("the conversion of the scan failed (exit {})", status),
+                         ExitCode::environment);
+}
+
+} // namespace shearwake::laboratory

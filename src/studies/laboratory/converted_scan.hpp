@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "parallel/comm.hpp"
+#include "problem/case/case.hpp"
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace shearwake::laboratory {
+
+/// The members of a request of analysis/laboratory/measure_scan.py that follow from the vibrometer
+/// of a case; empty without one.
+nlohmann::ordered_json scan_request(const Case& c);
+
+/// Converts a file of a user by that script into <prefix>.json and <prefix>.f64. Throws UsageError
+/// if it is not a usable scan; the script prints the reason. Not collective.
+void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_json& request,
+                  const std::filesystem::path& prefix);
+
+} // namespace shearwake::laboratory

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+#include "config/job.hpp"
+#include "parallel/comm.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/run_arguments.hpp"
+#include "studies/optimise/study.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace shearwake::optimise {
+
+/// The files of a study, in the folder `optimise`.
+struct StudyFiles {
+    std::filesystem::path root;
+    std::filesystem::path identity() const { return root / "study.txt"; }
+    std::filesystem::path forms(const std::string& id) const { return root / (id + ".forms.json"); }
+    /// Without extension.
+    std::filesystem::path stem(const OptimisedCase& c, double strength) const;
+    std::filesystem::path optimum(const OptimisedCase& c, double strength) const {
+        return stem(c, strength).string() + ".json";
+    }
+};
+
+/// A study: its job, options and folders, the same on every rank.
+struct Study {
+    config::Job job;
+    OptimiseOptions options;
+    std::vector<OptimisedCase> cases;
+    schedule::OutputFolder folder;
+    StudyFiles files;
+    schedule::RunArguments run; // of the cases; `out` is not used
+
+    schedule::OutputFolder basis() const { return schedule::OutputFolder{folder.basis()}; }
+};
+
+/// Runs the cases of a plan in this folder. A plan of the folder with other cases is replaced, and
+/// the cases that both have remain. Collective.
+ExitCode run_plan(const Study& study, const Plan& plan, const schedule::OutputFolder& folder,
+                  const Comm& world);
+
+/// Computes the forms of these cases that are not known, and all cases with which the optima are
+/// compared. Collective.
+ExitCode compute_forms(const Study& study, const std::vector<MovedCase>& cases, const Comm& world);
+
+/// The forms of a case that are known. Their strength refers to the motion of the job. Not
+/// collective.
+Forms known_forms(const Study& study, const MovedCase& c);
+
+/// Searches for the best SM-STM of each case and strength, and adds the SM-STM that it computes to
+/// the cases of the study. Collective.
+ExitCode search_sm(Study& study, const Comm& world);
+
+/// The best motion for each case and strength, [case][strength]. Computes forms; the code is that
+/// of the last run. Collective.
+ExitCode find_motions(const Study& study, std::vector<std::vector<MotionChange>>& best,
+                      const Comm& world);
+
+} // namespace shearwake::optimise

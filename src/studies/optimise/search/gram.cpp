@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/optimise/search/gram.hpp"
+
+#include "measures/sharpness.hpp"
+#include "measures/spectrum.hpp"
+#include "measures/surface_sums.hpp"
+#include "measures/window.hpp"
+#include "problem/load/drawn_shape.hpp"
+#include "storage/case_file/surface_reader.hpp"
+
+#include <cmath>
+
+namespace shearwake::optimise {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// The fields of all knots in one frame.
+class KnotFields {
+public:
+    KnotFields(const Case& c, const std::vector<std::filesystem::path>& files)
+        : domain_(c.domain), values_(c.domain.nx * c.domain.ny, std::ssize(files)) {
+        for (const auto& file : files)
+            readers_.emplace_back(file);
+    }
+
+    void read(std::size_t frame) {
+        for (std::size_t knot = 0; knot < readers_.size(); ++knot)
+            readers_[knot].read(frame, 0,
+                                {values_.col(static_cast<Index>(knot)).data(),
+                                 static_cast<std::size_t>(values_.rows())});
+    }
+    auto sample(std::ptrdiff_t i, std::ptrdiff_t j) const {
+        return values_.row(i * domain_.ny + j);
+    }
+    auto samples(std::ptrdiff_t i, std::ptrdiff_t first, std::ptrdiff_t end) const {
+        return values_.middleRows(i * domain_.ny + first, end - first);
+    }
+
+private:
+    const Domain& domain_;
+    std::vector<storage::SurfaceReader> readers_;
+    MatrixXd values_; // (x, y), knot
+};
+
+/// Adds weight times the products of the rows to the lower triangle.
+void add_products(MatrixXd& sum, const MatrixXd& rows, double weight) {
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose(), weight);
+}
+
+MatrixXd both_triangles(const MatrixXd& lower) {
+    return lower.selfadjointView<Eigen::Lower>();
+}
+
+/// Forms summed over the frames of the window: of u^2 over the measured region (all) and over the
+/// part of it that a quotient counts (counted), and of the mean of u^2 over the focal disc (focal).
+class FrameForms {
+public:
+    FrameForms(const Case& c, const Quotient& quotient, Index knots)
+        : c_(c), region_(measures::measured_region(c.domain, c.measure)), kind_(quotient.kind),
+          focal_(MatrixXd::Zero(knots, knots)), counted_(focal_), all_(focal_),
+          measured_(region_.samples(), knots) {
+        if (kind_ == Quotient::Kind::sharpness) find_roots();
+    }
+
+    void add(const KnotFields& fields, double t_s, double weight) {
+        const FocalSamples disc = focal_samples(fields, t_s);
+        if (disc.weight > 0.0) add_products(focal_, disc.rows, weight / disc.weight);
+        if (kind_ == Quotient::Kind::efficiency) add_products(counted_, disc.rows, weight);
+        if (kind_ != Quotient::Kind::efficiency && kind_ != Quotient::Kind::sharpness) return;
+        Index filled = 0;
+        for (std::ptrdiff_t i = region_.x0; i < region_.x1; ++i)
+            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double w) {
+                measured_.middleRows(filled, end - first) =
+                    std::sqrt(w) * fields.samples(i, first, end);
+                filled += end - first;
+            });
+        add_products(all_, measured_, weight);
+        if (kind_ == Quotient::Kind::sharpness)
+            add_products(counted_, roots_.asDiagonal() * measured_, weight);
+    }
+
+    MatrixXd focal() const { return both_triangles(focal_); }
+    MatrixXd counted() const { return both_triangles(counted_); }
+    MatrixXd all() const { return both_triangles(all_); }
+
+private:
+    /// The samples of the focal discs, multiplied by the roots of their weights.
+    struct FocalSamples {
+        MatrixXd rows;
+        double weight = 0.0; // sum
+    };
+    FocalSamples focal_samples(const KnotFields& fields, double t_s) const {
+        const std::vector<Vec2> places = foci(c_.scene().load.modulation, t_s);
+        const measures::FocalRegion disc(c_.domain, region_, places, c_.measure.focal_radius_m);
+        std::vector<Eigen::RowVectorXd> rows;
+        FocalSamples samples;
+        for (std::ptrdiff_t i = disc.x_first; i < disc.x_end; ++i)
+            disc.row(i, [&](std::ptrdiff_t j, double w) {
+                rows.emplace_back(std::sqrt(w) * fields.sample(i, j));
+                samples.weight += w;
+            });
+        samples.rows.resize(std::ssize(rows), focal_.rows());
+        for (std::size_t r = 0; r < rows.size(); ++r)
+            samples.rows.row(static_cast<Index>(r)) = rows[r];
+        return samples;
+    }
+
+    void find_roots() {
+        const std::vector<double> shares = measures::shares_near(
+            drawn_shape(c_.scene().load.modulation, 0.25 * c_.domain.spacing_m),
+            fwhm_m(c_.scene().load.footprint), c_.domain);
+        roots_.resize(region_.samples());
+        Index filled = 0;
+        for (std::ptrdiff_t i = region_.x0; i < region_.x1; ++i)
+            region_.runs(i, [&](std::ptrdiff_t first, std::ptrdiff_t end, double) {
+                for (std::ptrdiff_t j = first; j < end; ++j)
+                    roots_(filled++) =
+                        std::sqrt(shares[static_cast<std::size_t>(i * c_.domain.ny + j)]);
+            });
+    }
+
+    const Case& c_;
+    measures::Region region_;
+    Quotient::Kind kind_;
+    MatrixXd focal_, counted_, all_, measured_;
+    Eigen::VectorXd roots_; // of the weights of the drawn shape
+};
+
+/// The form of the energy of the traces of all knots in a band, by polarisation.
+MatrixXd band_form(const TimeAxis& time, const MatrixXd& traces, const FrequencyBand& band) {
+    const auto energy = [&](const Eigen::VectorXd& trace) {
+        return std::pow(measures::rms_between(
+                            time, {trace.data(), static_cast<std::size_t>(trace.size())}, band),
+                        2);
+    };
+    MatrixXd form(traces.cols(), traces.cols());
+    for (Index i = 0; i < form.rows(); ++i)
+        for (Index j = 0; j <= i; ++j)
+            form(i, j) = form(j, i) = 0.25 * (energy(traces.col(i) + traces.col(j)) -
+                                              energy(traces.col(i) - traces.col(j)));
+    return form;
+}
+
+/// The traces of all knots, or their differences: one column per knot.
+MatrixXd traces_of(const TimeAxis& time, const Quotient& quotient,
+                   const std::vector<std::filesystem::path>& knot_files) {
+    MatrixXd traces(time.frames, std::ssize(knot_files));
+    for (std::size_t knot = 0; knot < knot_files.size(); ++knot) {
+        std::vector<double> trace = storage::read_first_trace(knot_files[knot]);
+        if (quotient.kind == Quotient::Kind::velocity_share)
+            trace = measures::differences(time, trace);
+        traces.col(static_cast<Index>(knot)) =
+            Eigen::Map<const Eigen::VectorXd>(trace.data(), std::ssize(trace));
+    }
+    return traces;
+}
+
+} // namespace
+
+Forms gram_forms(const Case& c, const Quotient& quotient,
+                 const std::vector<std::filesystem::path>& knot_files) {
+    const Modulation& modulation = c.scene().load.modulation;
+    const measures::PeriodWindow window = measures::period_window(
+        c.measure, c.time, modulation_frequency_Hz(modulation), off_time_s(modulation.trajectory));
+    const std::vector<double> weights =
+        measures::window_weights(c.time, window.from_s, window.to_s);
+    KnotFields fields(c, knot_files);
+    FrameForms frames(c, quotient, std::ssize(knot_files));
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+        if (weights[n] == 0.0) continue;
+        fields.read(n);
+        frames.add(fields, c.time.frame_s(static_cast<std::ptrdiff_t>(n)), weights[n]);
+    }
+    const MatrixXd focal = frames.focal();
+    if (quotient.kind == Quotient::Kind::efficiency || quotient.kind == Quotient::Kind::sharpness)
+        return {.numerator = frames.counted(), .denominator = frames.all(), .focal = focal};
+    const MatrixXd traces = traces_of(c.time, quotient, knot_files);
+    const measures::ShareBands bands = measures::share_bands(c.time, quotient.band);
+    return {.numerator = band_form(c.time, traces, bands.part),
+            .denominator = band_form(c.time, traces, bands.whole),
+            .focal = focal};
+}
+
+} // namespace shearwake::optimise

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/optimise/search/quotient.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <utility>
+
+namespace shearwake::optimise {
+namespace {
+
+std::vector<std::pair<std::string, Quotient>> named_quotients(const Case& c) {
+    std::vector<std::pair<std::string, Quotient>> found = {
+        {"eta_period_1", {.kind = Quotient::Kind::efficiency, .band = {}}},
+        {"sharpness_1", {.kind = Quotient::Kind::sharpness, .band = {}}}};
+    for (const FrequencyBand& band : c.measure.bands) {
+        const std::string name = fmt::format("share_{:g}_{:g}_1", band.low_Hz, band.high_Hz);
+        found.emplace_back(name, Quotient{.kind = Quotient::Kind::share, .band = band});
+        found.emplace_back("velocity_" + name,
+                           Quotient{.kind = Quotient::Kind::velocity_share, .band = band});
+    }
+    return found;
+}
+
+} // namespace
+
+std::vector<std::string> quotients_of(const Case& c) {
+    std::vector<std::string> names;
+    for (const auto& named : named_quotients(c))
+        names.push_back(named.first);
+    return names;
+}
+
+std::optional<Quotient> find_quotient(const Case& c, const std::string& column) {
+    for (const auto& named : named_quotients(c))
+        if (named.first == column) return named.second;
+    return std::nullopt;
+}
+
+Vec2 trace_m(const Case& c) {
+    const std::vector<Vec2>& traces = c.record.traces_m;
+    const bool has_centre = std::ranges::find(traces, Vec2{}) != traces.end();
+    return traces.empty() || has_centre ? Vec2{} : traces.front();
+}
+
+} // namespace shearwake::optimise

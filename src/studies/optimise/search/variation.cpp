@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/optimise/search/variation.hpp"
+
+#include "base/overloaded.hpp"
+#include "engines/registry/check.hpp"
+#include "measures/window.hpp"
+#include "problem/load/period.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace shearwake::optimise {
+namespace {
+
+Travel* travel_at_constant_speed(Case& c) {
+    for (Mover& mover : c.scene().load.modulation.trajectory.parts)
+        if (auto* travel = std::get_if<Travel>(&mover);
+            travel && std::holds_alternative<ConstantSpeed>(travel->motion))
+            return travel;
+    return nullptr;
+}
+
+Vec2 scaled(Vec2 point, Vec2 centre, double factor) {
+    return centre + factor * (point - centre);
+}
+
+/// The curve, larger by a factor about its centre.
+Curve scaled(const Curve& curve, double factor) {
+    return std::visit(
+        overloaded{
+            [&](const Line& line) -> Curve {
+                const Vec2 centre = 0.5 * (line.from_m + line.to_m);
+                return Line{scaled(line.from_m, centre, factor), scaled(line.to_m, centre, factor)};
+            },
+            [&](Arc arc) -> Curve {
+                arc.radius_m *= factor;
+                return arc;
+            },
+            [&](const Polyline& polyline) -> Curve {
+                Vec2 low = polyline.points_m().front(), high = low;
+                for (const Vec2& point : polyline.points_m()) {
+                    low = {std::min(low.x, point.x), std::min(low.y, point.y)};
+                    high = {std::max(high.x, point.x), std::max(high.y, point.y)};
+                }
+                std::vector<Vec2> points_m;
+                for (const Vec2& point : polyline.points_m())
+                    points_m.push_back(scaled(point, 0.5 * (low + high), factor));
+                return Polyline(std::move(points_m), polyline.ends());
+            },
+            [&](const Lissajous& lissajous) -> Curve {
+                LissajousShape shape = lissajous.shape();
+                shape.amplitudes_m = factor * shape.amplitudes_m;
+                return Lissajous(shape);
+            }},
+        curve.shape);
+}
+
+void scale_times(Case& c, double factor) {
+    c.time.interval_s *= factor;
+    c.measure.at_s *= factor;
+    c.measure.settled_after_s *= factor;
+    for (double& time_s : c.record.snapshots_s)
+        time_s *= factor;
+    for (Gain& gain : c.scene().load.modulation.envelope.gains)
+        if (auto* sampled = std::get_if<SampledGain>(&gain)) sampled->interval_s *= factor;
+}
+
+void scale_viscosity(ShearLoss& loss, double factor) {
+    std::visit(
+        overloaded{[](Lossless&) {}, [&](KelvinVoigt& l) { l.viscosity_Pa_s *= factor; },
+                   [&](FractionalKelvinVoigt& l) { l.tau_s *= std::pow(factor, 1.0 / l.exponent); },
+                   [&](StandardLinearSolid& l) { l.strength *= factor; }},
+        loss);
+}
+
+} // namespace
+
+bool can_be_computed(const Case& c) {
+    const Modulation& modulation = c.scene().load.modulation;
+    if (c.time.regime == Regime::periodic) {
+        const LoadPeriod period = least_period(c.scene().load, 1.01 * c.time.duration_s());
+        if (!period.trouble.empty()) return false;
+        const double periods = c.time.duration_s() / period.period_s;
+        if (std::abs(periods - std::round(periods)) > 1e-6) return false;
+    }
+    if (!measures::period_window(c.measure, c.time, modulation_frequency_Hz(modulation),
+                                 off_time_s(modulation.trajectory))
+             .fits())
+        return false;
+    return std::ranges::none_of(
+        check(c), [](const Remark& remark) { return remark.severity == Severity::error; });
+}
+
+bool has_speed(const Case& c) {
+    Case copy = c;
+    const Travel* travel = travel_at_constant_speed(copy);
+    return travel && travel->corners == CornerPace{};
+}
+
+double speed_m_s(const Case& c) {
+    Case copy = c;
+    return std::get<ConstantSpeed>(travel_at_constant_speed(copy)->motion).speed_m_s;
+}
+
+Case with_oscillating_speed(Case c, double frequency_Hz, double deviation_m_s, double phase_rad) {
+    travel_at_constant_speed(c)->motion = OscillatingSpeed{.mean_m_s = speed_m_s(c),
+                                                           .deviation_m_s = deviation_m_s,
+                                                           .frequency_Hz = frequency_Hz,
+                                                           .phase_rad = phase_rad};
+    return c;
+}
+
+std::optional<Case> with_motion(const Case& c, const MotionChange& change) {
+    Case changed = c;
+    Travel& travel = *travel_at_constant_speed(changed);
+    if (change.size != 1.0) travel.path = scaled(travel.path, change.size);
+    const double speed = change.speed * speed_m_s(c);
+    travel.motion = ConstantSpeed{speed};
+    scale_times(changed, change.size / change.speed);
+    const double deviation = std::hypot(change.sine, change.cosine);
+    if (change.periods > 0 && deviation > 0.0) {
+        const measures::PeriodWindow window =
+            measures::period_window(changed.measure, changed.time, std::nullopt);
+        changed = with_oscillating_speed(changed, change.periods / (window.to_s - window.from_s),
+                                         deviation * speed, std::atan2(change.cosine, change.sine));
+    }
+    if (!can_be_computed(changed)) return std::nullopt;
+    return changed;
+}
+
+std::vector<MotionChange> changes_around(const MotionChange& centre, double step,
+                                         const OptimiseOptions& options) {
+    std::vector<MotionChange> changes;
+    const auto add = [&](auto change) {
+        MotionChange next = centre;
+        change(next);
+        if (next != centre) changes.push_back(next);
+    };
+    // A step of 1 reaches the largest factor or half of the largest deviation.
+    const double limit = options.factor_at_most, factor = std::pow(limit, step);
+    const auto within = [&](double value) { return std::clamp(value, 1.0 / limit, limit); };
+    for (const OptimisedPart part : options.over)
+        for (const double sign : {1.0, -1.0}) {
+            const double by = sign > 0.0 ? factor : 1.0 / factor;
+            const double deviation = sign * 0.5 * step * largest_deviation;
+            if (part == OptimisedPart::speed)
+                add([&](MotionChange& m) { m.speed = within(m.speed * by); });
+            if (part == OptimisedPart::size)
+                add([&](MotionChange& m) { m.size = within(m.size * by); });
+            if (part != OptimisedPart::speed_profile) continue;
+            // At constant speed, the number of periods is free.
+            for (const int periods :
+                 centre.periods > 0 ? std::vector{centre.periods} : std::vector{1, 2, 3}) {
+                add([&](MotionChange& m) {
+                    m.periods = periods;
+                    m.sine += deviation;
+                });
+                add([&](MotionChange& m) {
+                    m.periods = periods;
+                    m.cosine += deviation;
+                });
+            }
+        }
+    std::erase_if(changes, [](const MotionChange& m) {
+        return std::hypot(m.sine, m.cosine) > largest_deviation;
+    });
+    return changes;
+}
+
+std::vector<Difference> differences_by(double relative) {
+    std::vector<Difference> differences;
+    const auto percent = [](double factor) {
+        return fmt::format("{:+.0f} %", 100.0 * (factor - 1.0));
+    };
+    const std::vector<double> factors = {1.0 - relative, 1.0, 1.0 + relative};
+    for (const double c_s : factors)
+        for (const double viscosity : factors) {
+            if (c_s == 1.0 && viscosity == 1.0) continue;
+            std::string name = c_s == 1.0 ? "" : "c_s " + percent(c_s);
+            if (viscosity != 1.0)
+                name += (name.empty() ? "" : ", ") + ("viscosity " + percent(viscosity));
+            differences.push_back({.name = std::move(name), .c_s = c_s, .viscosity = viscosity});
+        }
+    for (const double speed : factors)
+        if (speed != 1.0)
+            differences.push_back({.name = "speed " + percent(speed), .speed = speed});
+    return differences;
+}
+
+std::optional<Case> with_difference(const Case& c, const Difference& difference) {
+    Case changed = c;
+    for (Layer& layer : changed.scene().medium.layers) {
+        layer.c_s_m_s *= difference.c_s;
+        scale_viscosity(layer.loss, difference.viscosity);
+    }
+    if (difference.speed != 1.0) {
+        if (!has_speed(changed)) return std::nullopt;
+        return with_motion(changed, {.speed = difference.speed});
+    }
+    if (!can_be_computed(changed)) return std::nullopt;
+    return changed;
+}
+
+} // namespace shearwake::optimise

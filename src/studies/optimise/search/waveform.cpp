@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/optimise/search/waveform.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::optimise {
+
+Waveform waveform_of(const Knots& knots, const Eigen::VectorXd& values, double update_rate_Hz,
+                     int bits) {
+    const SampledGain linear{.values = {values.begin(), values.end()},
+                             .interval_s = knots.interval_s,
+                             .repeat = knots.repeat};
+    const double until_s = knots.repeat ? linear.period_s() : knots.at_s(knots.count - 1);
+    const double updates = std::max(1.0, std::round(until_s * update_rate_Hz));
+    const double count = updates + (knots.repeat ? 0.0 : 1.0);
+    if (count > static_cast<double>(most_samples))
+        throw UsageError(fmt::format("optimise.update_rate_Hz = {:g} results in {:.0f} updates, "
+                                     "but an envelope may have at most {}; use a lower rate",
+                                     update_rate_Hz, count, most_samples));
+    Waveform waveform{.interval_s = until_s / updates, .bits = bits, .repeat = knots.repeat};
+    for (double n = 0.0; n < count; ++n) {
+        const double force = gain({{linear}}, n * waveform.interval_s);
+        waveform.levels.push_back(
+            static_cast<int>(std::lround(std::sqrt(force) * waveform.greatest_level())));
+    }
+    return waveform;
+}
+
+SampledGain gain_of(const Waveform& waveform) {
+    SampledGain sampled{.values = {}, .interval_s = waveform.interval_s, .repeat = waveform.repeat};
+    for (const int level : waveform.levels) {
+        const double pressure = static_cast<double>(level) / waveform.greatest_level();
+        sampled.values.push_back(pressure * pressure);
+    }
+    return sampled;
+}
+
+std::string csv_text(const Waveform& waveform) {
+    std::string text = "t_us,level,pressure_1,force_1\n";
+    const SampledGain force = gain_of(waveform);
+    for (std::size_t n = 0; n < waveform.levels.size(); ++n)
+        text += fmt::format("{:.9g},{},{:.9g},{:.9g}\n",
+                            1e6 * waveform.interval_s * static_cast<double>(n), waveform.levels[n],
+                            std::sqrt(force.values[n]), force.values[n]);
+    return text;
+}
+
+std::string toml_text(const Waveform& waveform) {
+    std::string text = "[[load.modulation.envelope]]\nshape = \"samples\"\n";
+    text += fmt::format("interval_us = {}\n", exact(1e6 * waveform.interval_s));
+    if (waveform.repeat) text += "repeat = true\n";
+    text += "values = [";
+    for (const double force : gain_of(waveform).values)
+        text += (text.ends_with('[') ? "" : ", ") + exact(force);
+    return text + "]\n";
+}
+
+} // namespace shearwake::optimise

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/registry/check.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+
+namespace test_check {
+
+using namespace shearwake;
+
+namespace {
+
+/// A case without a remark: a path of 28 mm at 7 m/s through 96 x 67.5 mm in 4 ms.
+Case good_case() {
+    Case c;
+    c.scene().medium.layers = {Layer{.name = "tissue",
+                                     .thickness_m = 0.02,
+                                     .density_kg_m3 = 1000.0,
+                                     .c_p_m_s = 1500.0,
+                                     .c_s_m_s = 5.0,
+                                     .loss = KelvinVoigt{1.0}}};
+    c.scene().load.peak_Pa = 100.0;
+    c.scene().load.footprint = GaussianFootprint{0.003};
+    c.scene().load.modulation = {"AM-STM",
+                                 {{Travel{{{-0.014, 0.0}, {0.014, 0.0}}, ConstantSpeed{7.0}}}},
+                                 {{SineGain{500.0}}}};
+    c.domain = {.nx = 128, .ny = 90, .spacing_m = 0.00075};
+    c.time = {.frames = 80, .interval_s = 5e-5};
+    c.measure = {.at_s = 0.004, .settled_after_s = 0.0012, .focal_radius_m = 0.003};
+    c.record.traces_m = {{}};
+    return c;
+}
+
+Travel& travel(Case& c) {
+    return std::get<Travel>(c.scene().load.modulation.trajectory.parts[0]);
+}
+
+/// The one remark of a case.
+Remark only_remark(const Case& c) {
+    const auto remarks = check(c);
+    for (const Remark& remark : remarks)
+        UNSCOPED_INFO(remark.key << ": " << remark.message);
+    REQUIRE(remarks.size() == 1);
+    return remarks[0];
+}
+
+bool has(const std::string& text, std::string_view part) {
+    return text.find(part) != std::string::npos;
+}
+
+} // namespace
+
+TEST_CASE("a valid case has no remarks", "[check]") {
+    CHECK(check(good_case()).empty());
+}
+
+TEST_CASE("a coarse grid gives a warning, and one that does not resolve the focus an error",
+          "[check]") {
+    Case c = good_case();
+    c.domain = {.nx = 80, .ny = 60, .spacing_m = 0.0012};
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "domain.spacing_mm");
+    CHECK(has(only_remark(c).message, "spacing is 1.2 mm, which gives 2.5 points per width"));
+    c.domain = {.nx = 48, .ny = 36, .spacing_m = 0.0021};
+    CHECK(only_remark(c).severity == Severity::error);
+    CHECK(has(only_remark(c).message, "at most 1 mm"));
+}
+
+TEST_CASE("frames that do not resolve the load give a warning", "[check]") {
+    Case c = good_case();
+    c.time = {.frames = 20, .interval_s = 2e-4};
+    const Remark remark = only_remark(c);
+    CHECK(remark.key == "time.output_interval_us");
+    CHECK(has(remark.message, "frames every 200 us represent it only up to 2500 Hz"));
+}
+
+TEST_CASE("a modulation with fewer than four frames per period gives a warning", "[check]") {
+    Case c = good_case();
+    travel(c).motion = ConstantSpeed{0.5}; // so slow that only the envelope matters
+    c.scene().load.modulation.envelope.gains = {SineGain{6000.0}};
+    const Remark remark = only_remark(c);
+    CHECK(remark.key == "time.output_interval_us");
+    CHECK(has(remark.message, "the modulation of 6000 Hz"));
+}
+
+TEST_CASE("a focus that leaves the domain gives an error", "[check]") {
+    Case c = good_case();
+    std::get<Line>(travel(c).path.shape).to_m = {0.5, 0.0};
+    travel(c).motion = ConstantSpeed{16.0};
+    const auto remarks = check(c);
+    const auto found = std::find_if(remarks.begin(), remarks.end(),
+                                    [](const Remark& r) { return r.severity == Severity::error; });
+    REQUIRE(found != remarks.end());
+    CHECK(found->key == "domain.extent_mm");
+    CHECK(has(found->message, "at 4 ms it is at [50, 0] mm, but the domain ends at 48 and 33.75"));
+}
+
+TEST_CASE("a focus that would leave the domain after the end of the run or path gives no error",
+          "[check]") {
+    Case c = good_case();
+    std::get<Line>(travel(c).path.shape).to_m = {0.5, 0.0}; // reached long after the run
+    CHECK(check(c).empty());
+}
+
+TEST_CASE("a focus near the edge gives a warning", "[check]") {
+    Case c = good_case();
+    c.scene().medium.layers[0].c_s_m_s = 0.1; // nothing comes round
+    travel(c).path = {{-0.014, 0.0285}, {0.014, 0.0285}};
+    const Remark remark = only_remark(c);
+    CHECK(remark.severity == Severity::warning);
+    CHECK(has(remark.message, "5.25 mm from the edge"));
+    CHECK(has(remark.message, "two focus widths, 6 mm"));
+}
+
+TEST_CASE("waves that return within the run give a warning with the required extent", "[check]") {
+    Case c = good_case();
+    c.domain.nx = 64; // 48 mm: the wave from -14 mm is at the edge after 10 mm, 2 ms
+    const Remark remark = only_remark(c);
+    CHECK(remark.key == "domain.extent_mm");
+    CHECK(has(remark.message, "waves of 5 m/s leave through one edge and return through the "
+                              "opposite one into the measured region at 2 ms"));
+    // 2 (14 mm + 5 m/s 4 ms) = 68 mm
+    CHECK(has(remark.message, "a domain of 68 x 68 mm would prevent this"));
+    // Only the engine layered has open edges.
+    CHECK(has(remark.message, "and so would domain.edges = \"open\"") ==
+          std::holds_alternative<LayeredOptions>(c.solver));
+    Case open = c;
+    open.solver = LayeredOptions{};
+    CHECK(has(only_remark(open).message, "and so would domain.edges = \"open\""));
+    open.domain.edges = DomainEdges::open;
+    CHECK(check(open).empty());
+    c.domain.nx = 92; // 69 mm
+    c.domain.ny = 92;
+    CHECK(check(c).empty());
+}
+
+TEST_CASE("a thin top layer does not determine the speed of returning waves", "[check]") {
+    Case c = good_case();
+    c.scene().medium.layers.insert(c.scene().medium.layers.begin(), Layer{.name = "film",
+                                                                          .thickness_m = 1e-4,
+                                                                          .density_kg_m3 = 1000.0,
+                                                                          .c_p_m_s = 1500.0,
+                                                                          .c_s_m_s = 36.0});
+    CHECK(check(c).empty());
+    c.scene().medium.layers[0].thickness_m = 0.002;
+    CHECK(has(only_remark(c).message, "waves of 36 m/s"));
+}
+
+TEST_CASE("a sponge gives a warning with engines whose edges do not absorb", "[check]") {
+    Case c = good_case();
+    c.domain.sponge_m = 0.003;
+    CHECK(only_remark(c).key == "domain.sponge_mm");
+    CHECK(has(only_remark(c).message, "3 mm"));
+}
+
+TEST_CASE("a sponge that is too narrow for the waves gives a warning with the required width",
+          "[check]") {
+    Case c = good_case();
+    c.solver = SpectralOptions{};
+    c.scene().load.modulation.envelope = {};
+    c.domain.sponge_m = 0.0125; // waves of 20.4 mm
+    CHECK(check(c).empty());
+    c.time.frames = 400; // a sponge lets nothing come round
+    CHECK(check(c).empty());
+    c.time.frames = 80;
+    c.domain.sponge_m = 0.010;
+    CHECK(only_remark(c).key == "domain.sponge_mm");
+    CHECK(has(only_remark(c).message, "returns 2."));
+    CHECK(has(only_remark(c).message, "12.4 mm would"));
+}
+
+TEST_CASE("a path that ends before the measurement gives a warning", "[check]") {
+    Case c = good_case();
+    std::get<Line>(travel(c).path.shape).to_m = {0.007, 0.0};
+    CHECK(only_remark(c).key == "measure.at_ms");
+    CHECK(has(only_remark(c).message, "the path ends at 3 ms"));
+    travel(c).at_end = AtEnd::hold;
+    CHECK(check(c).empty());
+    travel(c) = {{{-0.014, 0.0}, {0.01375, 0.0}}, ConstantSpeed{7.0}, AtEnd::off};
+    CHECK(check(c).empty()); // within one frame of it
+}
+
+TEST_CASE("a period that does not fit into the period window gives a warning", "[check]") {
+    Case c = good_case();
+    c.scene().load.modulation.envelope.gains = {SineGain{200.0}};
+    CHECK(only_remark(c).key == "measure.settled_after_ms");
+    CHECK(has(only_remark(c).message, "lasts 5 ms and does not fit between 1.2 and 4 ms"));
+}
+
+TEST_CASE("a focal disc that is too small or too large gives a warning", "[check]") {
+    Case c = good_case();
+    c.measure.focal_radius_m = 0.0005;
+    CHECK(has(only_remark(c).message,
+              "radius of the focal disc, 0.5 mm, is below the spacing of 0.75 mm"));
+    c.measure.focal_radius_m = 0.02;
+    CHECK(has(only_remark(c).message, "radius of the focal disc, 20 mm, is more than a quarter"));
+}
+
+TEST_CASE("volumes are rejected for engines that do not store them", "[check]") {
+    Case c = good_case();
+    c.record.volumes_s = {c.time.frame_s(0)};
+    c.record.volume_fields = {VolumeField::u};
+    const std::vector<Remark> remarks = check(c);
+    REQUIRE(remarks.size() == 1);
+    CHECK(remarks[0].severity == Severity::error);
+    CHECK(remarks[0].key == "record.volumes_ms");
+    CHECK(remarks[0].message.find("solver.engine = \"spectral\"") != std::string::npos);
+    c.solver = SpectralOptions{};
+    CHECK(check(c).empty());
+    c.record.volume_fields = {VolumeField::u, VolumeField::strain, VolumeField::stress};
+    CHECK(check(c).empty());
+}
+
+TEST_CASE("side lobes that cross the edge give a warning", "[check]") {
+    Case c = good_case();
+    // The path comes within 33.75 mm of the edges along y, and within 34 mm along x.
+    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.033};
+    CHECK(check(c).empty());
+    c.scene().load.footprint = ArrayFootprint{.reach_m = 0.04};
+    CHECK(only_remark(c).severity == Severity::warning);
+    CHECK(only_remark(c).key == "load.footprint");
+    CHECK(has(only_remark(c).message, "within 33.75 mm of the edge"));
+    CHECK(has(only_remark(c).message, "use a larger domain or reach_mm = 33"));
+}
+
+TEST_CASE("all of several foci must lie inside the domain", "[check]") {
+    Case c = good_case();
+    c.scene().load.modulation.foci_m = {{0.0, 0.0}, {0.0, 0.05}};
+    const auto remarks = check(c);
+    CHECK(std::any_of(remarks.begin(), remarks.end(), [](const Remark& remark) {
+        return remark.severity == Severity::error && has(remark.message, "leaves the domain");
+    }));
+}
+
+TEST_CASE("pins that the focus never approaches give a warning", "[check]") {
+    Case c = good_case();
+    c.afferents = AfferentOptions{};
+    CHECK(check(c).empty());                            // the path of the focus crosses the origin
+    c.afferents->pins_m = {{0.0, 0.01}, {0.0, 0.0031}}; // the FWHM is 3 mm
+    CHECK(only_remark(c).key == "afferents.pins_mm");
+    CHECK(has(only_remark(c).message, "distance between them is 3.1 mm"));
+    c.afferents->pins_m.push_back({0.0, 0.0029});
+    CHECK(check(c).empty());
+    c.afferents->pins_m = {{0.0, 0.02}};
+    c.afferents->input = StressInput{}; // has no pins
+    CHECK(check(c).empty());
+}
+
+} // namespace test_check

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "problem/medium/material_field.hpp"
+
+#include "problem/case/case.hpp"
+
+#include <catch2/catch.hpp>
+
+namespace test_material_field {
+
+using namespace shearwake;
+
+namespace {
+
+Medium two_layers() {
+    return {.layers = {{.name = "skin",
+                        .thickness_m = 2e-3,
+                        .density_kg_m3 = 1100.0,
+                        .c_p_m_s = 60.0,
+                        .c_s_m_s = 6.0,
+                        .loss = KelvinVoigt{2.0}},
+                       {.name = "fat",
+                        .thickness_m = 10e-3,
+                        .density_kg_m3 = 950.0,
+                        .c_p_m_s = 50.0,
+                        .c_s_m_s = 2.0}}};
+}
+
+constexpr Vec3 cell_m{1e-3, 1e-3, 1e-3};
+
+/// 4 x 3 x 5 points; c_s is linear in x, y and z, and nothing else is given.
+MaterialMap linear_map() {
+    MaterialMap map{
+        .counts = {4, 3, 5}, .origin_m = {-3e-3, -1e-3, 2e-3}, .spacing_m = {2e-3, 1e-3, 0.5e-3}};
+    for (std::ptrdiff_t i = 0; i < 4; ++i)
+        for (std::ptrdiff_t j = 0; j < 3; ++j)
+            for (std::ptrdiff_t k = 0; k < 5; ++k)
+                map.c_s_m_s.push_back(5.0 + 300.0 * (-3e-3 + 2e-3 * static_cast<double>(i)) -
+                                      500.0 * (-1e-3 + 1e-3 * static_cast<double>(j)) +
+                                      100.0 * (2e-3 + 0.5e-3 * static_cast<double>(k)));
+    map.content_hash = hash_of(map);
+    return map;
+}
+
+double linear_c_s_m_s(Vec3 p) {
+    return 5.0 + 300.0 * p.x - 500.0 * p.y + 100.0 * p.z;
+}
+
+} // namespace
+
+TEST_CASE("the material of a layer follows from its speeds", "[material_field]") {
+    const Medium medium = two_layers();
+    CHECK(material_of(medium.layers[0]) ==
+          Material{1100.0, 1100.0 * 60.0 * 60.0 - 2.0 * 1100.0 * 36.0, 1100.0 * 36.0, 2.0});
+    CHECK(material_of(medium.layers[1]).viscosity_Pa_s == 0.0);
+    CHECK(material_of_cell(medium, 0, {}, cell_m) == material_of(medium.layers[0]));
+}
+
+TEST_CASE("the material of a body is mixed according to its fraction of the cell",
+          "[material_field]") {
+    Medium medium = two_layers();
+    // Its face at z = 1.25 mm leaves it three quarters of the cell from 1 to 2 mm.
+    medium.bodies = {{.shape = Box{{1.0, 1.0, 4e-3}},
+                      .centre_m = {0, 0, 3.25e-3},
+                      .c_s_m_s = 20.0,
+                      .viscosity_Pa_s = 8.0}};
+    const Material m = material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m);
+    const double body_mu = 1100.0 * 400.0, layer_mu = 1100.0 * 36.0, p = 1100.0 * 3600.0;
+    CHECK(m.density_kg_m3 == Approx(1100.0).epsilon(1e-12)); // not given: the layer's
+    CHECK(m.mu_Pa == Approx(0.25 * layer_mu + 0.75 * body_mu).epsilon(1e-12));
+    CHECK(m.lambda_Pa ==
+          Approx(0.25 * (p - 2.0 * layer_mu) + 0.75 * (p - 2.0 * body_mu)).epsilon(1e-12));
+    CHECK(m.viscosity_Pa_s == Approx(0.25 * 2.0 + 0.75 * 8.0).epsilon(1e-12));
+    // In the other layer it keeps that layer's density.
+    CHECK(material_of_cell(medium, 1, {0, 0, 3e-3}, cell_m).density_kg_m3 == 950.0);
+}
+
+TEST_CASE("a later body replaces an earlier one", "[material_field]") {
+    Medium medium = two_layers();
+    const Box large{{1.0, 1.0, 1.0}};
+    medium.bodies = {{.shape = large, .c_s_m_s = 20.0}, {.shape = large, .density_kg_m3 = 1900.0}};
+    const Material m = material_of_cell(medium, 1, {0, 0, 5e-3}, cell_m);
+    CHECK(m.density_kg_m3 == 1900.0);
+    CHECK(m.mu_Pa == 1900.0 * 4.0); // the layer's c_s, not the other body's
+}
+
+TEST_CASE("a map is exact for a linear function between its points", "[material_field]") {
+    const MaterialMap map = linear_map();
+    const Vec3 p = GENERATE(Vec3{0.3e-3, 0.4e-3, 2.9e-3}, Vec3{-3e-3, -1e-3, 2e-3},
+                            Vec3{3e-3, 1e-3, 4e-3}, Vec3{2.9e-3, -0.9e-3, 3.99e-3});
+    // Seven roundings of numbers near 5.
+    CHECK(sample(map, p).c_s_m_s.value() == Approx(linear_c_s_m_s(p)).epsilon(1e-14));
+    CHECK_FALSE(sample(map, p).c_p_m_s.has_value());
+}
+
+TEST_CASE("outside its boundary a map continues its nearest value for half a spacing",
+          "[material_field]") {
+    const MaterialMap map = linear_map();
+    CHECK(sample(map, {-3.9e-3, 0, 3e-3}).c_s_m_s.value() ==
+          Approx(linear_c_s_m_s({-3e-3, 0, 3e-3})).epsilon(1e-14));
+    CHECK(sample(map, {0, 0, 4.2e-3}).c_s_m_s.value() ==
+          Approx(linear_c_s_m_s({0, 0, 4e-3})).epsilon(1e-14));
+    CHECK_FALSE(sample(map, {-4.1e-3, 0, 3e-3}).c_s_m_s.has_value());
+    CHECK_FALSE(sample(map, {0, 1.6e-3, 3e-3}).c_s_m_s.has_value());
+    CHECK_FALSE(sample(map, {0, 0, 1.7e-3}).c_s_m_s.has_value());
+}
+
+TEST_CASE("a map with a single point and no spacing is unbounded", "[material_field]") {
+    MaterialMap map{.counts = {2, 1, 1}, .origin_m = {0, 9, 9}, .spacing_m = {1.0, 0, 0}};
+    map.density_kg_m3 = {1.0, 3.0};
+    CHECK(sample(map, {0.5, -7.0, 1e3}).density_kg_m3.value() == 2.0);
+    CHECK_FALSE(sample(map, {1.6, -7.0, 1e3}).density_kg_m3.has_value());
+}
+
+TEST_CASE("a map replaces the layer and is replaced by bodies", "[material_field]") {
+    Medium medium = two_layers();
+    medium.map = std::make_shared<const MaterialMap>(linear_map());
+    const Vec3 p{1e-3, 0, 3e-3};
+    CHECK(material_of_cell(medium, 1, p, cell_m).mu_Pa ==
+          Approx(950.0 * std::pow(linear_c_s_m_s(p), 2)).epsilon(1e-12));
+    CHECK(material_of_cell(medium, 1, {0, 0, 9e-3}, cell_m) == material_of(medium.layers[1]));
+    medium.bodies = {{.shape = Box{{1.0, 1.0, 1.0}}, .density_kg_m3 = 1900.0}};
+    CHECK(material_of_cell(medium, 1, p, cell_m).mu_Pa ==
+          Approx(1900.0 * std::pow(linear_c_s_m_s(p), 2)).epsilon(1e-12));
+}
+
+TEST_CASE("only the depths of bodies and maps vary", "[material_field]") {
+    Medium medium = two_layers();
+    CHECK_FALSE(varies_between(medium, 0.0, 12e-3));
+    medium.bodies = {{.shape = Ellipsoid{{1e-3, 1e-3, 1e-3}}, .centre_m = {0, 0, 5e-3}}};
+    CHECK(varies_between(medium, 2e-3, 4.5e-3));
+    CHECK_FALSE(varies_between(medium, 0.0, 4e-3));
+    CHECK_FALSE(varies_between(medium, 6e-3, 12e-3));
+    medium.bodies.clear();
+    medium.map = std::make_shared<const MaterialMap>(linear_map());
+    CHECK(varies_between(medium, 0.0, 1.8e-3)); // the rim begins at 1.75 mm
+    CHECK_FALSE(varies_between(medium, 0.0, 1.7e-3));
+    CHECK_FALSE(varies_between(medium, 4.3e-3, 12e-3));
+}
+
+TEST_CASE("bodies and maps change the id of a case, a map's file name does not",
+          "[material_field]") {
+    Case c;
+    c.scene().medium = two_layers();
+    const std::string plain = case_id(c);
+    CHECK(canonical_text(c).find("map") == std::string::npos);
+    CHECK(canonical_text(c).find("body") == std::string::npos);
+    c.scene().medium.bodies = {
+        {.name = "bone", .shape = Cylinder{.radius_m = 1e-3}, .c_s_m_s = 9.0}};
+    const std::string with_body = case_id(c);
+    CHECK(with_body != plain);
+    Case other = c;
+    SECTION("a shape") {
+        other.scene().medium.bodies[0].shape = Cylinder{.radius_m = 1e-3, .azimuth_deg = 1.0};
+    }
+    SECTION("a place") {
+        other.scene().medium.bodies[0].centre_m.z = 1e-9;
+    }
+    SECTION("an edge") {
+        other.scene().medium.bodies[0].edge_m = 1e-3;
+    }
+    SECTION("a property that was not given") {
+        other.scene().medium.bodies[0].viscosity_Pa_s = 0.0;
+    }
+    SECTION("a property of the same value under another name") {
+        other.scene().medium.bodies[0].c_s_m_s.reset();
+        other.scene().medium.bodies[0].c_p_m_s = 9.0;
+    }
+    SECTION("a map") {
+        other.scene().medium.map = std::make_shared<const MaterialMap>(linear_map());
+    }
+    CHECK(case_id(other) != with_body);
+    CHECK_FALSE(other == c);
+}
+
+TEST_CASE("maps with equal content are equal", "[material_field]") {
+    const MaterialMap map = linear_map();
+    MaterialMap renamed = map;
+    renamed.file = "elsewhere.h5";
+    CHECK(hash_of(renamed) == map.content_hash);
+    Case a, b;
+    a.scene().medium.map = std::make_shared<const MaterialMap>(map);
+    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
+    CHECK(a == b);
+    CHECK(case_id(a) == case_id(b));
+    SECTION("not after a change of a value") {
+        renamed.c_s_m_s[7] *= 1.0 + 1e-15;
+    }
+    SECTION("not after a move") {
+        renamed.origin_m.y += 1e-9;
+    }
+    SECTION("not when the values are another property's") {
+        renamed.c_p_m_s.swap(renamed.c_s_m_s);
+    }
+    renamed.content_hash = hash_of(renamed);
+    b.scene().medium.map = std::make_shared<const MaterialMap>(renamed);
+    CHECK_FALSE(a == b);
+    CHECK(case_id(a) != case_id(b));
+}
+
+} // namespace test_material_field

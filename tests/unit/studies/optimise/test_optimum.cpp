@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/error.hpp"
+#include "problem/load/period.hpp"
+#include "studies/optimise/search/best_envelope.hpp"
+#include "studies/optimise/search/ceiling.hpp"
+#include "studies/optimise/study.hpp"
+#include "studies/optimise/study_file.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+namespace test_optimum {
+
+using namespace shearwake;
+using namespace shearwake::optimise;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+double uniform(std::mt19937_64& random) {
+    return std::ldexp(static_cast<double>(random() >> 11), -53);
+}
+
+/// Forms like those of a focus with a wake: N is a band, and D adds a decaying memory.
+Forms forms_with_memory(Index knots, double memory) {
+    Forms forms{.numerator = MatrixXd::Zero(knots, knots),
+                .denominator = MatrixXd::Zero(knots, knots),
+                .focal = {}};
+    for (Index i = 0; i < knots; ++i)
+        for (Index j = 0; j < knots; ++j) {
+            const auto lag = static_cast<double>(std::abs(i - j));
+            forms.numerator(i, j) = 1e-9 * std::exp(-2.0 * lag * lag);
+            forms.denominator(i, j) =
+                forms.numerator(i, j) + 4e-9 * std::exp(-lag / memory) * std::cos(0.8 * lag);
+        }
+    forms.focal = forms.numerator;
+    return forms;
+}
+
+VectorXd random_envelope(Index knots, std::mt19937_64& random) {
+    VectorXd e(knots);
+    for (double& value : e)
+        value = uniform(random);
+    return e;
+}
+
+} // namespace
+
+TEST_CASE("gradients of eta and of the strength agree with finite differences", "[optimise]") {
+    const Forms forms = forms_with_memory(17, 4.0);
+    std::mt19937_64 random(7);
+    const VectorXd e = random_envelope(17, random);
+    const VectorXd of_eta = eta_gradient(forms, e),
+                   of_strength = squared_strength_gradient(forms, e);
+    // Central differences: the error is of the order step^2 = 1e-10 plus rounding / step = 1e-11.
+    const double step = 1e-5;
+    for (Index j = 0; j < e.size(); ++j) {
+        const VectorXd more = e + step * VectorXd::Unit(17, j),
+                       less = e - step * VectorXd::Unit(17, j);
+        CHECK(std::abs((eta(forms, more) - eta(forms, less)) / (2.0 * step) - of_eta(j)) <
+              1e-6 * of_eta.cwiseAbs().maxCoeff());
+        CHECK(std::abs((squared_strength(forms, more) - squared_strength(forms, less)) /
+                           (2.0 * step) -
+                       of_strength(j)) < 1e-6 * of_strength.cwiseAbs().maxCoeff());
+    }
+}
+
+TEST_CASE("an optimum satisfies its constraints and lies between its starts and the ceiling",
+          "[optimise][nlopt]") {
+    const double strength = GENERATE(0.5, 0.8, 1.0);
+    const Forms forms = forms_with_memory(24, GENERATE(3.0, 12.0));
+    const std::vector<VectorXd> from = starts(24, 8, 1);
+    const optimise::Envelope best = best_envelope(forms, strength, from);
+    CHECK(best.values.minCoeff() >= 0.0);
+    CHECK(best.values.maxCoeff() <= 1.0);
+    CHECK(best.strength >= strength * (1.0 - 1e-14));
+    CHECK(best.eta == eta(forms, best.values));
+    for (const VectorXd& start : from)
+        if (std::sqrt(squared_strength(forms, start)) >= strength)
+            CHECK(best.eta >= eta(forms, start) * (1.0 - 1e-12));
+    const Certificate bound = ceiling(forms, strength);
+    CHECK(is_valid(forms, bound));
+    CHECK(bound.eta > best.eta);
+    // Random envelopes of sufficient strength stay below it.
+    std::mt19937_64 random(3);
+    for (int n = 0; n < 2000; ++n) {
+        const VectorXd e = random_envelope(24, random).cwiseSqrt();
+        if (std::sqrt(squared_strength(forms, e)) >= strength) CHECK(eta(forms, e) < bound.eta);
+    }
+}
+
+TEST_CASE("the ceiling of commuting forms is their known optimum", "[optimise][nlopt]") {
+    // F = N = 1 and D = diag(d): only the squares of the values matter. For d = 1 in the first half
+    // and 4 in the second, the optimum with e <= 1 has e = 1 where d = 1 and e^2 = 2 s^2 - 1
+    // elsewhere: eta = 2 s^2 / (1 + 4 (2 s^2 - 1)), and the relaxation is exact.
+    const Index n = 10;
+    VectorXd d = VectorXd::Ones(n);
+    d.tail(n / 2).setConstant(4.0);
+    const MatrixXd one = MatrixXd::Identity(n, n);
+    const Forms forms{
+        .numerator = one, .denominator = d.asDiagonal().toDenseMatrix(), .focal = one};
+    const double s = GENERATE(0.8, 0.9, 1.0);
+    const double known = 2.0 * s * s / (1.0 + 4.0 * (2.0 * s * s - 1.0));
+    const Certificate bound = ceiling(forms, s);
+    CHECK(bound.eta >= known);
+    CHECK(bound.eta < known * (1.0 + 3e-4)); // the accuracy of the bisection, 1e-4, and a margin
+    CHECK(best_envelope(forms, s, starts(n, 6, 1)).eta == Approx(known).epsilon(1e-6));
+}
+
+TEST_CASE("the ceiling of few knots excludes what only negative values reach",
+          "[optimise][nlopt]") {
+    // All envelopes of three knots in steps of 1 / 20, with and without negative values.
+    const Forms forms = forms_with_memory(3, 4.0);
+    const double s = GENERATE(0.5, 0.7, 0.9);
+    double best = 0.0, best_with_signs = 0.0;
+    for (int i = -20; i <= 20; ++i)
+        for (int j = -20; j <= 20; ++j)
+            for (int k = -20; k <= 20; ++k) {
+                const VectorXd e = Eigen::Vector3d(i, j, k) / 20.0;
+                if (squared_strength(forms, e) < s * s) continue;
+                best_with_signs = std::max(best_with_signs, eta(forms, e));
+                if (e.minCoeff() >= 0.0) best = std::max(best, eta(forms, e));
+            }
+    const Certificate bound = ceiling(forms, s);
+    CHECK(is_valid(forms, bound));
+    CHECK(bound.eta >= best);
+    CHECK(bound.eta < best_with_signs);
+    const optimise::Envelope found = best_envelope(forms, s, starts(3, 8, 1));
+    CHECK(found.eta >= best * (1.0 - 1e-9)); // the grid is coarser than the search
+    CHECK(found.eta <= bound.eta);
+}
+
+TEST_CASE("a certificate with a changed number is not valid", "[optimise]") {
+    const Forms forms = forms_with_memory(12, 6.0);
+    const Certificate bound = ceiling(forms, 0.7);
+    REQUIRE(is_valid(forms, bound));
+    Certificate lower = bound;
+    lower.eta *= 0.9;
+    CHECK_FALSE(is_valid(forms, lower));
+    Certificate heavy = bound;
+    heavy.weights *= 1.1;
+    CHECK_FALSE(is_valid(forms, heavy));
+    Certificate great = bound;
+    great.tau *= 1.001;
+    CHECK_FALSE(is_valid(forms, great));
+    Certificate stronger = bound;
+    stronger.strength *= 0.9;
+    CHECK_FALSE(is_valid(forms, stronger));
+    Certificate negative = bound;
+    negative.mu = -1.0;
+    CHECK_FALSE(is_valid(forms, negative));
+}
+
+TEST_CASE("forms and optima are read back exactly", "[optimise][nlopt]") {
+    const Forms forms = forms_with_memory(5, 3.0);
+    const Knots knots{.count = 5, .interval_s = 1e-3, .repeat = true};
+    const Forms read = read_forms(forms_text("id", knots, forms), "file");
+    CHECK(read.numerator == forms.numerator);
+    CHECK(read.denominator == forms.denominator);
+    CHECK(read.focal == forms.focal);
+    Optimum optimum{.strength = 0.8, .eta_unmodulated = 0.123456789123456789};
+    optimum.found = best_envelope(forms, 0.8, starts(5, 3, 1));
+    optimum.ceiling = ceiling(forms, 0.8);
+    optimum.am = best_am(forms, knots, 0.8, {200.0});
+    const Optimum again = read_optimum(optimum_text("id", "other", optimum), "file");
+    CHECK(again.found.values == optimum.found.values);
+    CHECK(again.ceiling.weights == optimum.ceiling.weights);
+    CHECK(again.ceiling.mu == optimum.ceiling.mu);
+    CHECK(again.ceiling.tau == optimum.ceiling.tau);
+    CHECK(again.am.envelope.values == optimum.am.envelope.values);
+    CHECK(again.eta_unmodulated == optimum.eta_unmodulated);
+    CHECK_THROWS_AS(read_forms("{\"numerator\": 1}", "file"), UsageError);
+}
+
+TEST_CASE("a waveform is rounded in the sound pressure and covers the period", "[optimise]") {
+    const Knots knots{.count = 4, .interval_s = 1e-3, .repeat = true};
+    VectorXd force(4);
+    force << 0.0, 1.0, 0.25, 0.5;
+    const Waveform waveform = waveform_of(knots, force, 2000.0, 4);
+    CHECK(waveform.levels == std::vector<int>{0, 11, 15, 12, 8, 9, 11, 8});
+    const SampledGain gain_of_it = gain_of(waveform);
+    CHECK(gain_of_it.repeat);
+    CHECK(gain_of_it.period_s() == Approx(4e-3).epsilon(1e-14));
+    CHECK(gain_of_it.values[4] == Approx(64.0 / 225.0).epsilon(1e-14));
+    CHECK(csv_text(waveform).starts_with("t_us,level,pressure_1,force_1\n0,0,0,0\n500,11,"));
+    CHECK_THROWS_AS(waveform_of(knots, force, 1e6, 4), UsageError); // 4000 updates
+}
+
+} // namespace test_optimum
