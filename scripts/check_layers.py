@@ -54,7 +54,7 @@ STANDARD = set("""
 GENERATED = {"git_id.hpp"}  # by the build
 KEYWORDS = ("KERNELS", "PUBLIC", "PRIVATE")
 ENGINES = "${SHEARWAKE_ENGINES}"
-MOST_FILES = 25  # of a folder
+MOST_FILES, LEAST_LINES = 25, 40  # of a folder, of a header that is not an interface
 
 
 class Component:
@@ -117,6 +117,7 @@ class Tree:
 
     def errors(self):
         yield from self.errors_of_lists()
+        yield from self.errors_of_sizes()
         yield from self.cycles()
         for top in ("src", "tests"):
             for path in sorted((self.root / top).rglob("*")):
@@ -140,6 +141,18 @@ class Tree:
             for name in component.lists["KERNELS"]:
                 if not (self.source / folder / f"{name}.cpp").exists():
                     yield lists, 1, f"{name}.cpp is listed, but does not exist"
+
+    def errors_of_sizes(self):
+        for folder in self.components:
+            files = [path for path in (self.source / folder).iterdir() if path.is_file()]
+            if len(files) > MOST_FILES:
+                yield self.source / folder, 1, f"has {len(files)} files; a folder has at most {MOST_FILES}"
+            for path in files:
+                text = path.read_text(encoding="utf-8") if path.suffix == ".hpp" else ""
+                lines, source = text.count("\n"), path.with_suffix(".cpp")
+                if text and lines < LEAST_LINES and not re.search(r"= 0;|std::function<", text) and not (
+                        source.exists() and source.read_text(encoding="utf-8").count("\n") > lines):
+                    yield path, 1, f"has {lines} lines and is not an interface; merge it into the header that it belongs to"
 
     def below(self, folder):
         component = self.components[folder]

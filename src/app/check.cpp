@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "pipeline/memory.hpp"
-#include "schedule/cost/machine_limits.hpp"
+#include "schedule/cost/case_costs.hpp"
 #include "schedule/run/job_source.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #include "app/commands.hpp"
 #include "app/one_case.hpp"
 
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/job_source.hpp"
 #include "schedule/run/output_folder.hpp"

@@ -4,7 +4,6 @@
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
-#include "problem/load/acoustics/lens_mesh.hpp"
 #include "schedule/run/job_source.hpp"
 #include "storage/files.hpp"
 

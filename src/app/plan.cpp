@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
-#include "base/constants.hpp"
+#include "base/units.hpp"
 
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "pipeline/memory.hpp"
 #include "schedule/cost/calibration.hpp"
 #include "schedule/cost/case_costs.hpp"
-#include "schedule/cost/machine_limits.hpp"
 #include "schedule/run/job_source.hpp"
-#include "schedule/run/next_command.hpp"
+#include "schedule/run/run_arguments.hpp"
 #include "schedule/run/teams.hpp"
 #include "storage/journal/plan_file.hpp"
 

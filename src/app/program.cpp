@@ -6,8 +6,7 @@
 #include "app/laboratory_commands.hpp"
 #include "app/optional_commands.hpp"
 
-#include "base/json_document.hpp"
-#include "base/printable.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "config/job.hpp"
 

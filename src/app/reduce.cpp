@@ -3,10 +3,10 @@
 
 #include "app/commands.hpp"
 #include "app/reduce_folder.hpp"
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "parallel/agree.hpp"
-#include "schedule/run/next_command.hpp"
 #include "schedule/run/output_folder.hpp"
+#include "schedule/run/run_arguments.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,14 +2,14 @@
 #include "app/commands.hpp"
 
 #include "base/text.hpp"
-#include "config/afferent_options.hpp"
+#include "config/job.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
 #include "pipeline/provenance.hpp"
 #include "problem/case/text_walk.hpp"
 #include "schedule/run/job_source.hpp"
-#include "storage/case_file/record_file.hpp"
+#include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "storage/input/motion_file.hpp"
 

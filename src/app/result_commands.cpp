@@ -4,7 +4,6 @@
 #include "app/commands.hpp"
 #include "app/python_command.hpp"
 #include "app/study_commands.hpp"
-#include "base/printable.hpp"
 #include "base/text.hpp"
 #include "bench/bench.hpp"
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 
-#include "base/json_document.hpp"
-#include "base/next_line.hpp"
-#include "base/printable.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "storage/case_file/case_file_reader.hpp"
-#include "storage/case_file/warnings_text.hpp"
+#include "storage/case_file/groups.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

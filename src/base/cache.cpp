@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/cache.hpp"
 
-#include "base/hash.hpp"
-#include "base/next_line.hpp"
+#include "base/text.hpp"
 
 #include <cstdlib>
 #include <fstream>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/range.hpp"
-
 #include <array>
 #include <concepts>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,6 +11,33 @@
 #include <variant>
 
 namespace shearwake {
+
+/// Combines one lambda per alternative of a variant: std::visit(overloaded{...}, v).
+template <class... F>
+struct overloaded : F... {
+    using F::operator()...;
+};
+template <class... F>
+overloaded(F...) -> overloaded<F...>;
+
+/// What a number may be, in the unit of its key.
+struct Range {
+    double least = -std::numeric_limits<double>::infinity();
+    double most = std::numeric_limits<double>::infinity();
+    bool least_excluded = false;
+    bool most_excluded = false;
+
+    static constexpr Range any() { return {}; }
+    static constexpr Range above(double least) { return {.least = least, .least_excluded = true}; }
+    static constexpr Range at_least(double least) { return {.least = least}; }
+    static constexpr Range between(double least, double most) {
+        return {.least = least, .most = most};
+    }
+    static constexpr Range inside(double least, double most) { return {least, most, true, true}; }
+
+    bool holds(double value) const;
+    std::string words() const; // "above 0"
+};
 
 // The description of an option struct is a function next to it,
 //

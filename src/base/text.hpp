@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <istream>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,5 +39,49 @@ std::string hours_and_minutes(double seconds);
 
 /// Shortest decimal text that reads back as the same double.
 std::string exact(double value);
+
+/// FNV-1a hash with 64 bits (Fowler, Noll, Vo). The result is the same on every machine and in
+/// every build.
+constexpr std::uint64_t stable_hash(std::string_view text,
+                                    std::uint64_t seed = 14695981039346656037ULL) {
+    std::uint64_t hash = seed;
+    for (const char c : text) {
+        hash ^= static_cast<unsigned char>(c);
+        hash *= 1099511628211ULL;
+    }
+    return hash;
+}
+
+/// FNV-1a hash of the bytes of numbers.
+inline std::uint64_t stable_hash(std::span<const double> values,
+                                 std::uint64_t seed = 14695981039346656037ULL) {
+    std::uint64_t hash = seed;
+    for (const std::byte byte : std::as_bytes(values)) {
+        hash ^= std::to_integer<unsigned char>(byte);
+        hash *= 1099511628211ULL;
+    }
+    return hash;
+}
+
+/// The value as 16 hexadecimal digits.
+std::string hex(std::uint64_t value);
+
+/// Reads the next line, or the text up to the next `end`; false at the end of the stream. Rethrows
+/// an exception that interrupted the reading, such as std::bad_alloc, which std::getline() reports
+/// as the end of the stream, so that a file would be read in part. From then on the stream throws
+/// such exceptions in all operations. Not collective.
+inline bool next_line(std::istream& in, std::string& line, char end = '\n') {
+    in.exceptions(std::ios::badbit);
+    return static_cast<bool>(std::getline(in, line, end));
+}
+
+/// Whether the text contains characters that a terminal would interpret: control characters of
+/// ASCII, including line breaks, and of Unicode (U+0080 to U+009F), and characters that change the
+/// direction of writing.
+bool has_control_characters(std::string_view text);
+
+/// The text with every such character replaced by a question mark. Line breaks ("\n" and "\r\n")
+/// are kept.
+std::string printable(std::string_view text);
 
 } // namespace shearwake

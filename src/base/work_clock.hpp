@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
-
+#include <chrono>
 #include <cstddef>
 #include <string_view>
 #include <vector>
 
 namespace shearwake {
+
+/// The clock that measures durations; it is not affected by changes of the time of day.
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_between(Clock::time_point from, Clock::time_point to) {
+    return std::chrono::duration<double>(to - from).count();
+}
+inline double seconds_since(Clock::time_point began) {
+    return seconds_between(began, Clock::now());
+}
 
 /// Measures the wall-clock seconds that this thread spends in each stage (StageScope) during the
 /// lifetime of the clock. Only one clock may exist per thread. The time of nested stages is not

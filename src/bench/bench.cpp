@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/bench.hpp"
 
-#include "base/constants.hpp"
-#include "base/json_document.hpp"
+#include "base/json.hpp"
+#include "base/units.hpp"
 #include "engines/engine.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/layered/open_domain.hpp"

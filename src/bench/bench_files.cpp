@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/clock.hpp"
+#include "base/work_clock.hpp"
 #include "bench/bench.hpp"
 
 #include "parallel/agree.hpp"

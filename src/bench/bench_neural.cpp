@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "bench/bench.hpp"
-#include "neural/hand/population.hpp"
+#include "neural/hand/scene.hpp"
 #include "neural/respond.hpp"
-#include "neural/skin/carrier.hpp"
+#include "neural/skin/resample.hpp"
 #include "pipeline/memory.hpp"
 
 #include <cmath>

@@ -2,18 +2,20 @@
 #include "config/job.hpp"
 
 #include "base/text.hpp"
+#include "config/sections/read_afferents.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sections/read_optimise.hpp"
+#include "config/sections/read_lens.hpp"
 #include "config/sweep/expand.hpp"
-#include "config/sweep/listed_cases.hpp"
-#include "config/sweep/study_keys.hpp"
+#include "config/sweep/override.hpp"
 #include "config/sweep/uncertain.hpp"
 #include "config/table_options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
 
 namespace shearwake::config {
+
 namespace {
 
 constexpr std::size_t most_bytes = 4'000'000;
@@ -162,6 +164,26 @@ Job read_job(std::string_view text, const std::string& file_name,
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
     return job;
+}
+
+AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
+                                      std::span<const Override> overrides,
+                                      const TextLoader& load_text) {
+    DiagnosticList diagnostics;
+    AfferentOptions options;
+    if (NodePtr tree = parse_toml(text, file_name, diagnostics)) {
+        for (const Override& override : overrides)
+            tree = with_override(tree, override, diagnostics);
+        Reader root(tree, "", diagnostics);
+        root.allow(case_tables());
+        root.allow(std::array<std::string_view, 4>{"schema", "job", "sweep", "table"});
+        Reader afferents = root.optional_table("afferents");
+        if (const auto read = read_afferents(afferents, Domain{}, nullptr, load_text))
+            options = *read;
+        root.finish();
+    }
+    if (diagnostics.errors() > 0) throw BadJob(diagnostics.sorted());
+    return options;
 }
 
 } // namespace shearwake::config

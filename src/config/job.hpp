@@ -3,9 +3,10 @@
 
 #include "base/error.hpp"
 #include "config/document/diagnostic.hpp"
-#include "config/files/text_loader.hpp"
-#include "config/sweep/adaptive_axes.hpp"
+#include "config/files/loaders.hpp"
+#include "config/sweep/axis_values.hpp"
 #include "config/sweep/override.hpp"
+#include "problem/case/afferents.hpp"
 #include "problem/case/optimise_options.hpp"
 #include "problem/case/plan.hpp"
 
@@ -44,5 +45,11 @@ Job read_job(std::string_view text, const std::string& file_name,
              std::span<const Override> overrides = {}, const MapLoader& load_map = nullptr,
              const TextLoader& load_text = nullptr, const StudyLoader& load_study = nullptr,
              const AxisPoints& points = {});
+
+/// Reads [afferents] of a job file, or of a file that contains only this table, and overrides of
+/// its keys; without both, the defaults. Throws BadJob with all errors.
+AfferentOptions read_afferent_options(std::string_view text, const std::string& file_name,
+                                      std::span<const Override> overrides,
+                                      const TextLoader& load_text);
 
 } // namespace shearwake::config

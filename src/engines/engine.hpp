@@ -6,7 +6,7 @@
 #include "engines/work.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
-#include "problem/case/remark.hpp"
+#include "problem/case/plan.hpp"
 
 #include <memory>
 #include <optional>
@@ -150,7 +150,7 @@ double volumes_B(const Case& c, double levels);
 /// Treatment of waves at the edges of the domain in x and y.
 enum class Edges {
     periodic, // they continue at the opposite edge
-    sponge,   // the margin Domain::sponge_m damps them (problem/case/edge_absorption.hpp)
+    sponge,   // the margin Domain::sponge_m damps them (problem/case/edges.hpp)
     layer,    // an absorbing layer of the engine
     open,     // they leave for good: the plane is infinite
 };
@@ -201,5 +201,22 @@ public:
     virtual void run(const Case& c, const Comm& team, Observer& observer,
                      Checkpoints* checkpoints = nullptr) = 0;
 };
+
+/// A choice of an engine. `key` is empty, or the key to change where the choice reduces the
+/// accuracy.
+struct Choice {
+    std::string key, text;
+};
+/// The texts of all choices.
+std::vector<std::string> notes_of(const std::vector<Choice>& choices);
+/// Warnings about the choices that reduce the accuracy.
+std::vector<Remark> warnings_of(const std::vector<Choice>& choices);
+
+/// Errors if the case requests open edges or the periodic regime, for engines that step in time on
+/// a periodic or absorbing domain.
+std::vector<Remark> refused_edges(const Case& c);
+
+/// Errors for the layers that are neither lossless nor Kelvin-Voigt, for engines that step in time.
+std::vector<Remark> refused_losses(const Case& c);
 
 } // namespace shearwake::engines

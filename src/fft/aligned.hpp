@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <limits>
 #include <new>
@@ -42,5 +43,15 @@ private:
 
 template <class T>
 using AlignedVector = std::vector<T, FftwAllocator<T>>;
+
+/// Complex numbers as their real and imaginary parts side by side, as the standard lays them out.
+template <class Real>
+Real* reals(std::complex<Real>* values) {
+    return reinterpret_cast<Real*>(values);
+}
+template <class Real>
+const Real* reals(const std::complex<Real>* values) {
+    return reinterpret_cast<const Real*>(values);
+}
 
 } // namespace shearwake::fft

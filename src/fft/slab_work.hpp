@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "fft/fftw_plan.hpp"
+#include "fft/fftw_real.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <type_traits>

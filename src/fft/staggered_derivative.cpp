@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fft/staggered_derivative.hpp"
 
-#include "base/constants.hpp"
-#include "fft/reals.hpp"
+#include "base/units.hpp"
+#include "fft/aligned.hpp"
 #include "fft/wisdom.hpp"
 #include "simd/kernels.hpp"
 

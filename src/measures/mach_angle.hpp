@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/constants.hpp"
-#include "base/vec2.hpp"
+#include "base/units.hpp"
+#include "base/vectors.hpp"
 #include "base/view.hpp"
 #include "problem/case/case.hpp"
 

@@ -2,7 +2,6 @@
 #include "measures/measure_table.hpp"
 
 #include "measures/participation.hpp"
-#include "measures/reconstruction_efficiency.hpp"
 
 #include <algorithm>
 #include <cmath>

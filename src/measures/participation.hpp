@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "measures/period_sums.hpp"
 #include "measures/surface_sums.hpp"
+#include "measures/window.hpp"
 
 namespace shearwake::measures {
 
@@ -40,6 +40,17 @@ inline double ipr_abs(const PeriodSums& sums) {
 /// sum_t (sum u^2)^2 / sum_t sum u^4.
 inline double participation(const PeriodSums& sums) {
     return sums.u2_squared / sums.u4;
+}
+
+/// eta = sum_focal w u^2 / sum u^2: the fraction of the squared displacement inside the focal disc.
+/// Dimensionless, 0 to 1. NaN: nothing has moved.
+inline double reconstruction_efficiency(const SurfaceSums& sums) {
+    return sums.focal_u2 / sums.u2;
+}
+
+/// eta_period = sum_t sum_focal w u^2 / sum_t sum u^2.
+inline double reconstruction_efficiency(const PeriodSums& sums) {
+    return sums.focal_u2 / sums.u2;
 }
 
 } // namespace shearwake::measures

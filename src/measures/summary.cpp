@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/summary.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
-#include "measures/intensity.hpp"
+#include "base/units.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/participation.hpp"
-#include "measures/period_sums.hpp"
-#include "measures/reconstruction_efficiency.hpp"
-#include "measures/sharpness.hpp"
+#include "measures/spatial_measures.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/window.hpp"
-#include "problem/load/drawn_shape.hpp"
+#include "problem/load/footprint.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/vec2.hpp"
+#include "base/vectors.hpp"
 #include "measures/mach_angle.hpp"
 #include "measures/measure_table.hpp"
 #include "measures/surface_sums.hpp"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/surface_sums.hpp"
 
-#include "measures/disc_fraction.hpp"
 #include "measures/kernels/row_sums.hpp"
+#include "measures/spatial_measures.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/response.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "neural/skin/check_stimulus.hpp"
-#include "neural/skin/silence.hpp"
+#include "neural/skin/resample.hpp"
 #include "neural/stress_source.hpp"
 
 #include <algorithm>

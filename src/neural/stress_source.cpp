@@ -2,7 +2,7 @@
 #include "neural/stress_source.hpp"
 
 #include "neural/skin/resample.hpp"
-#include "neural/skin/skin_stress.hpp"
+#include "neural/skin/skin_ways.hpp"
 
 #include <algorithm>
 

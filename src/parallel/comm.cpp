@@ -8,6 +8,7 @@
 #include <numeric>
 
 namespace shearwake {
+
 namespace {
 
 void checked(int code) {
@@ -233,5 +234,15 @@ template void Comm::all_to_all(std::span<const float>, std::span<const std::ptrd
 template void Comm::all_to_all(std::span<const std::complex<double>>,
                                std::span<const std::ptrdiff_t>, std::span<std::complex<double>>,
                                std::span<const std::ptrdiff_t>) const;
+
+double RowSums::mine() const {
+    return std::accumulate(rows_.begin(), rows_.end(), 0.0);
+}
+
+double RowSums::of(const Comm& team) const {
+    RowSums all = *this;
+    team.sum(std::span<double>(all.rows_)); // exact: all ranks but one add 0
+    return all.mine();
+}
 
 } // namespace shearwake

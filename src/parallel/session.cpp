@@ -1,26 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/session.hpp"
 
+#include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "simd/instruction_set.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <algorithm>
 #include <exception>
-#include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sstream>
+#include <string>
+#include <thread>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace shearwake {
+
 namespace {
 
 std::string with_causes(const std::exception& error) {
@@ -155,6 +159,18 @@ std::string mpi_version() {
     for (std::string word; words >> word;)
         if (word != "Version:") version += (version.empty() ? "" : " ") + word;
     return version;
+}
+
+void sleeping_barrier(const Comm& comm) {
+    comm.before_collective();
+    MPI_Request request = MPI_REQUEST_NULL;
+    int code = MPI_Ibarrier(comm.raw(), &request);
+    for (int done = 0; code == MPI_SUCCESS;) {
+        code = MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done) return;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    throw Error("MPI: a barrier cannot be completed");
 }
 
 } // namespace shearwake

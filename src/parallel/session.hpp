@@ -17,4 +17,8 @@ int guarded_main(int argc, char** argv, const std::function<ExitCode(const Comm&
 /// Name and version of the linked MPI library, for example "Open MPI v4.1.4". Not collective.
 std::string mpi_version();
 
+/// As Comm::barrier() for long waits: ranks that wait sleep instead of occupying their cores, and
+/// notice the last rank within a millisecond. Throws Error when MPI reports an error. Collective.
+void sleeping_barrier(const Comm& comm);
+
 } // namespace shearwake

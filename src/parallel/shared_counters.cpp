@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel/shared_counters.hpp"
 
+#include "base/work_clock.hpp"
+
 #include <algorithm>
 #include <atomic>
 
 namespace shearwake {
+
 namespace {
 
 /// The ranks of `comm` if all of them run on this host; otherwise MPI_COMM_NULL. Collective.
@@ -51,6 +54,28 @@ long SharedCounters::fetch_add(int which, long amount) {
     MPI_Fetch_and_op(&amount, &before, MPI_LONG, 0, which, MPI_SUM, window_);
     MPI_Win_unlock(0, window_);
     return before;
+}
+
+SpacedQuestion::SpacedQuestion(const Comm& team, double interval_s)
+    : team_(team), interval_s_(interval_s), last_at_(Clock::now()) {}
+
+bool SpacedQuestion::ask(const std::function<bool()>& answer) {
+    if (++asked_ < next_) return false;
+    bool found = false;
+    long wait = 0;
+    if (team_.is_root()) {
+        found = answer();
+        // The calls may become slower: the number of calls to the next question at most doubles.
+        const auto calls = static_cast<double>(std::max(1L, asked_ - last_));
+        const double since_s = seconds_since(last_at_);
+        const double call_s = std::max(since_s, 1e-9) / calls;
+        wait = static_cast<long>(std::clamp(interval_s_ / call_s, 1.0, 2.0 * calls));
+    }
+    found = team_.broadcast(found);
+    last_ = asked_;
+    next_ = asked_ + team_.broadcast(wait);
+    last_at_ = Clock::now();
+    return found;
 }
 
 } // namespace shearwake

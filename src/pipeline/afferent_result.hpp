@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/work.hpp"
 #include "measures/summary.hpp"
-#include "neural/repetitions.hpp"
+#include "neural/respond.hpp"
 #include "neural/response.hpp"
 #include "parallel/comm.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
-#include "problem/case/point_motion.hpp"
-#include "problem/case/record.hpp"
-#include "problem/case/remark.hpp"
+#include "problem/case/volume.hpp"
 
 #include <string>
 #include <vector>
@@ -55,5 +54,15 @@ AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, co
 
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);
+
+/// The work of all ranks for the afferents of a case; none without afferents.
+std::vector<engines::Work> receptors_work(const Case& c);
+/// Cases that determine its rates.
+std::vector<engines::Calibration> receptor_calibrations();
+
+/// Memory per rank for the afferents of a case, in addition to the engine [B].
+double afferents_memory_B(const Case& c, int ranks);
+/// Size of their groups in the case file, for the average number of spikes under vibration [B].
+double afferents_file_B(const Case& c);
 
 } // namespace shearwake::pipeline

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/case_checkpoints.hpp"
 
-#include "base/clock.hpp"
 #include "base/error.hpp"
+#include "base/work_clock.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/case_scope.hpp"
+#include "pipeline/run_case.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
+#include "base/work_clock.hpp"
 #include "engines/checkpoint.hpp"
 #include "parallel/comm.hpp"
-#include "parallel/spaced_question.hpp"
+#include "parallel/shared_counters.hpp"
 #include "storage/checkpoint/checkpoint_file.hpp"
 #include "storage/journal/journal.hpp"
 

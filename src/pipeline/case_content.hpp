@@ -3,8 +3,10 @@
 
 #include "engines/engine.hpp"
 #include "measures/summary.hpp"
+#include "pipeline/surface_recorder.hpp"
+#include "problem/case/case.hpp"
 #include "problem/case/plan.hpp"
-#include "problem/case/record.hpp"
+#include "problem/case/volume.hpp"
 
 #include <string>
 #include <vector>
@@ -48,5 +50,30 @@ struct RunFacts {
 
 /// Root attributes that identify the case and its origin.
 std::vector<Attribute> case_attributes(const PlannedCase& planned, const RunFacts& facts);
+
+/// The results of a case in addition to its surface fields.
+struct CaseResults {
+    std::vector<VariableGroup> groups;  // as in the case file; on rank 0 only
+    std::vector<std::string> afferents; // warnings about the afferents, one line each
+};
+
+/// Reduces what was recorded to the groups of a case file and computes the response of the
+/// afferents. Call after recorder.finish(). Collective.
+CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& recorder,
+                         const Comm& team);
+
+/// Mean of u_z^2 over the edges of the domain divided by its mean over the domain: the share of the
+/// energy that waves carry beyond a periodic edge. `mean_u2` has the shape [nx][ny]. 0 without
+/// motion. Not collective.
+double edge_share(const Domain& domain, const std::vector<double>& mean_u2);
+
+/// The warnings that are stored with a complete case: those of `check`, of the solver (`solver`)
+/// and of the afferents (`afferents`, lines "key: message"). The computed mean of u_z^2 (empty:
+/// unknown) decides on waves that may return through periodic edges. If they carry too much energy,
+/// the severity is `error`: the readings are not valid. If they carry almost none, the warning is
+/// omitted. Not collective.
+std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solver,
+                                  const std::vector<std::string>& afferents,
+                                  const std::vector<double>& mean_u2);
 
 } // namespace shearwake::pipeline

@@ -24,4 +24,8 @@ double memory_needed_B(const Case& c, int ranks);
 /// The same if the engine is already known, which then need not repeat its estimate.
 double memory_needed_B(const Case& c, int ranks, const engines::Engine& engine);
 
+/// Size of the case file in bytes, including the overhead of HDF5; `engine_B` of it is written by
+/// the engine. Not collective.
+double case_file_B(const Case& c, double engine_B);
+
 } // namespace shearwake::pipeline

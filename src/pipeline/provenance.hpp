@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/record.hpp"
+#include "problem/case/volume.hpp"
 
 #include <string>
 #include <vector>

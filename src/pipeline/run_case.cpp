@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/run_case.hpp"
 
-#include "base/clock.hpp"
 #include "base/error.hpp"
+#include "base/work_clock.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/case_content.hpp"
-#include "pipeline/case_results.hpp"
-#include "pipeline/case_scope.hpp"
-#include "pipeline/case_warnings.hpp"
 #include "pipeline/memory.hpp"
+#include "pipeline/run_case.hpp"
 #include "pipeline/surface_recorder.hpp"
 #include "storage/case_file/case_file_writer.hpp"
 #include "storage/case_file/xdmf.hpp"

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/error.hpp"
 #include "engines/engine.hpp"
+#include "parallel/agree.hpp"
 #include "pipeline/case_checkpoints.hpp"
 #include "problem/case/plan.hpp"
+#include "storage/hdf5/guard.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -11,6 +14,18 @@
 #include <string>
 
 namespace shearwake::pipeline {
+
+/// fail_together() for `work` that opens files through MPI. Their owners must be local to `work`.
+/// Collective.
+template <class Work>
+void fail_together_with_files(const Comm& team, const Work& work) {
+    try {
+        fail_together(team, work);
+    } catch (const Error&) { // on all ranks
+        h5::close_abandoned(team);
+        throw;
+    }
+}
 
 /// Data that all cases of a run share: the job, as stored in their files, and the memory of a rank.
 struct JobFacts {

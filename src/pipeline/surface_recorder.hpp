@@ -2,11 +2,8 @@
 #pragma once
 
 #include "pipeline/observers/frame_sums.hpp"
-#include "pipeline/observers/instant_surface.hpp"
 #include "pipeline/observers/kept_fields.hpp"
-#include "pipeline/observers/mean_energy.hpp"
 #include "pipeline/observers/point_series.hpp"
-#include "pipeline/observers/scan_series.hpp"
 
 #include <functional>
 #include <optional>

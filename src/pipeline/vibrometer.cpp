@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/vibrometer.hpp"
 
-#include "base/constants.hpp"
-#include "sampling/random.hpp"
+#include "base/units.hpp"
+#include "sampling/points.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "problem/case/case.hpp"
-#include "problem/case/record.hpp"
+#include "problem/case/volume.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/adaptive_tables.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "sampling/next_points.hpp"
 
 #include <algorithm>

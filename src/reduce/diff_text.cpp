@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/diff.hpp"
 
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/table.hpp"
 
-#include "base/printable.hpp"
+#include "base/csv.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "storage/files.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace shearwake::reduce {
+
 namespace {
 
 std::string text_of(const Cell& cell, int digits) {
@@ -124,6 +130,105 @@ std::string markdown(const Table& table, const std::vector<std::string>& columns
         text += "\n";
     }
     return text + notes.list();
+}
+
+namespace {
+
+constexpr std::string_view suffix = "_error";
+
+} // namespace
+
+Errors read_errors(const std::filesystem::path& path) {
+    Errors errors;
+    if (!std::filesystem::exists(path)) return errors;
+    try {
+        const auto root = nlohmann::json::parse(storage::read_file(path));
+        for (const auto& c : root.at("cases")) {
+            auto& found = errors[c.at("id").get<std::string>()];
+            for (const auto& [column, entry] : c.at("columns").items())
+                if (entry.at("error").is_number()) found[column] = entry.at("error").get<double>();
+        }
+    } catch (const nlohmann::json::exception& error) {
+        throw UsageError(fmt::format("{} is not a result of shearwake converge: {}; rerun "
+                                     "shearwake converge",
+                                     path.string(), error.what()),
+                         ExitCode::environment);
+    }
+    return errors;
+}
+
+std::string error_column(const std::string& column) {
+    return column + std::string(suffix);
+}
+
+std::string column_of_error(const std::string& name) {
+    return name.ends_with(suffix) ? name.substr(0, name.size() - suffix.size()) : "";
+}
+
+Table with_errors(const Table& table, const std::vector<std::string>& names, const Errors& errors) {
+    const auto has_errors = [&](const std::string& name) {
+        return std::ranges::find(names, name) != names.end() &&
+               std::ranges::any_of(errors, [&](const auto& c) { return c.second.contains(name); });
+    };
+    Table extended;
+    extended.remarks = table.remarks;
+    extended.rows.resize(table.rows.size());
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        const std::string& name = table.columns[i];
+        const bool extends = has_errors(name);
+        extended.columns.push_back(name);
+        if (extends) extended.columns.push_back(error_column(name));
+        for (std::size_t row = 0; row < table.rows.size(); ++row) {
+            extended.rows[row].push_back(table.rows[row][i]);
+            if (!extends) continue;
+            const auto found = errors.find(std::get<std::string>(table.rows[row][0]));
+            const bool known = found != errors.end() && found->second.contains(name);
+            extended.rows[row].emplace_back(known ? found->second.at(name) : not_a_number);
+        }
+    }
+    return extended;
+}
+
+namespace {
+
+[[noreturn]] void fail(const std::string& file, std::size_t line, const std::string& what) {
+    throw UsageError(fmt::format("{}:{}: this is not a valid table: {}", file, line, what),
+                     ExitCode::environment);
+}
+
+bool next(CsvReader& reader, const std::string& file) {
+    try {
+        return reader.next();
+    } catch (const CsvError& error) {
+        fail(file, error.line, error.what());
+    }
+}
+
+} // namespace
+
+std::optional<std::size_t> TextTable::find(std::string_view column) const {
+    const auto found = std::find(columns.begin(), columns.end(), column);
+    if (found == columns.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - columns.begin());
+}
+
+TextTable read_csv(std::string_view text, const std::string& file_name) {
+    CsvReader reader(text, CsvText::exact);
+    if (!next(reader, file_name)) fail(file_name, 1, "the file is empty");
+    TextTable table{.columns = reader.cells(), .rows = {}};
+    std::vector<std::string> sorted = table.columns;
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end())
+        fail(file_name, 1, fmt::format("two columns are named \"{}\"", *twice));
+    while (next(reader, file_name)) {
+        if (reader.cells().size() != table.columns.size())
+            fail(file_name, reader.line(),
+                 fmt::format("{} cells for {} columns", reader.cells().size(),
+                             table.columns.size()));
+        table.rows.push_back(reader.cells());
+    }
+    return table;
 }
 
 } // namespace shearwake::reduce

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+#include <map>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -28,5 +32,34 @@ std::string markdown_text(const std::string& text);
 /// does not have are ignored. The column "note" has numbers of remarks, which follow the table once
 /// each.
 std::string markdown(const Table& table, const std::vector<std::string>& columns);
+
+/// Case id -> column -> estimated numerical error, in the unit of the column.
+using Errors = std::map<std::string, std::map<std::string, double>>;
+
+/// The errors in a converge.json; none if there is no such file. Throws UsageError (environment) if
+/// it is not valid. Not collective.
+Errors read_errors(const std::filesystem::path& path);
+
+/// The name of the column with the error of a column: "eta_at_1_error".
+std::string error_column(const std::string& column);
+/// The column whose error a column contains; empty if it contains none.
+std::string column_of_error(const std::string& name);
+
+/// The table with a column `<column>_error` after each of the `names` for which a case has an
+/// error. Cases without an estimate have empty cells. The column `id` identifies the cases.
+Table with_errors(const Table& table, const std::vector<std::string>& names, const Errors& errors);
+
+/// The content of a CSV file: every cell is text, and every row has the length of the header.
+struct TextTable {
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+
+    std::optional<std::size_t> find(std::string_view column) const;
+};
+
+/// Reads RFC 4180, as `csv` writes it. Throws UsageError (environment) with `file_name` and the
+/// line if the file is empty, a quote is not closed, a row has a different length or a column
+/// occurs twice.
+TextTable read_csv(std::string_view text, const std::string& file_name);
 
 } // namespace shearwake::reduce

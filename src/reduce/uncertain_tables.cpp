@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "reduce/uncertain_tables.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "reduce/sensitivity.hpp"
 #include "sampling/design.hpp"
 

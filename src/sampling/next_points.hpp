@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/adaptive_axis.hpp"
+#include "problem/case/plan.hpp"
 
 #include <string>
 #include <vector>

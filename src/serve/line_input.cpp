@@ -37,4 +37,18 @@ std::vector<Line> LineInput::read(int patience_ms) {
     return lines;
 }
 
+namespace {
+
+constexpr double between_questions_s = 0.01; // a newer request waits about this long
+
+} // namespace
+
+Interrupt::Interrupt(const Comm& team, std::function<bool()> is_asked)
+    : is_asked_(std::move(is_asked)), question_(team, between_questions_s) {}
+
+bool Interrupt::stop_asked() {
+    stops_ = stops_ || question_.ask(is_asked_);
+    return stops_;
+}
+
 } // namespace shearwake::serve

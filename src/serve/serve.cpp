@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "serve/serve.hpp"
 
-#include "base/clock.hpp"
+#include "base/work_clock.hpp"
 #include "config/job.hpp"
-#include "parallel/sleeping_barrier.hpp"
+#include "parallel/session.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
 #include "serve/inbox.hpp"

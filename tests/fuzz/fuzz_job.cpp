@@ -3,7 +3,7 @@
 // job for memory and disk must then be finite, as `check` needs it.
 #include "config/job.hpp"
 #include "fuzz/processor_time.hpp"
-#include "schedule/cost/machine_limits.hpp"
+#include "schedule/cost/case_costs.hpp"
 
 #include <cmath>
 #include <cstddef>

@@ -2,7 +2,6 @@
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
 #include "parallel/shared_counters.hpp"
-#include "parallel/spaced_question.hpp"
 
 #include <catch2/catch.hpp>
 #include <chrono>

@@ -62,7 +62,7 @@ Compared against_small_copy(const KwaveRun& run, const Comm& team) {
         }
     }
     for (std::size_t f = 0; f < pstd::field_count; ++f) {
-        const Box box{{0, 18, 0}, {test::kwave_nx, 1, test::kwave_nz}};
+        const pstd::Box box{{0, 18, 0}, {test::kwave_nx, 1, test::kwave_nz}};
         const auto got = values_in<Real>(stepper, static_cast<pstd::Field>(f), box, team);
         c.planes.add(f, got, std::span(plane).subspan(f * got.size(), got.size()));
     }
@@ -78,7 +78,7 @@ Differences against_snapshots(const KwaveFile& file, const KwaveRun& run, const 
     const std::vector<double> xz = file.values("snap_xz"), xy = file.values("snap_xy");
     pstd::Stepper<Real> stepper(test::kwave_setup(file, run), team);
     Differences d;
-    const auto compare = [&](std::size_t f, const Box& box, const std::vector<double>& wanted,
+    const auto compare = [&](std::size_t f, const pstd::Box& box, const std::vector<double>& wanted,
                              std::size_t number) {
         const auto got = values_in<Real>(stepper, static_cast<pstd::Field>(f), box, team);
         d.add(f, got, std::span(wanted).subspan(number * got.size(), got.size()));
@@ -95,7 +95,7 @@ Differences against_snapshots(const KwaveFile& file, const KwaveRun& run, const 
     }
     while (stepper.steps() < test::kwave_steps)
         stepper.step();
-    const Box all{{0, 0, 0}, {test::kwave_nx, test::kwave_ny, test::kwave_nz}};
+    const pstd::Box all{{0, 0, 0}, {test::kwave_nx, test::kwave_ny, test::kwave_nz}};
     compare(pstd::index_of(pstd::Field::ux), all, file.values("final_ux"), 0);
     compare(pstd::index_of(pstd::Field::uz), all, file.values("final_uz"), 0);
     compare(pstd::index_of(pstd::Field::szz), all, file.values("final_szz"), 0);

@@ -6,7 +6,7 @@
 #include "parallel/agree.hpp"
 #include "pipeline/run_case.hpp"
 #include "storage/case_file/case_file_reader.hpp"
-#include "storage/case_file/warnings_text.hpp"
+#include "storage/case_file/groups.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "support/shared_folder.hpp"
 #include "support/spectral_cases.hpp"

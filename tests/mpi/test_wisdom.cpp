@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fft/fftw_plan.hpp"
+#include "fft/fftw_real.hpp"
 #include "fft/slab_transform.hpp"
 #include "fft/wisdom.hpp"
 #include "support/temporary_folder.hpp"

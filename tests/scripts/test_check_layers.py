@@ -86,6 +86,14 @@ class LayerCheck(unittest.TestCase):
             with self.subTest(line=line):
                 self.assertEqual(self.check(self.low(line))[0], 0)
 
+    def test_rejects_a_small_header_that_is_not_an_interface(self):
+        self.assert_rejected({"src/lower/tiny.hpp": "#pragma once\ninline int tiny() { return 1; }\n"},
+                             "src/lower/tiny.hpp:1", "is not an interface")
+
+    def test_rejects_a_folder_with_too_many_files(self):
+        files = {f"src/lower/part_{i}.cpp": f"int part_{i}() {{ return {i}; }}\n" for i in range(23)}
+        self.assert_rejected(files, "src/lower:1", "has 26 files")
+
     def test_accepts_an_engine_that_is_registered(self):
         self.assertEqual(self.check(ENGINE)[0], 0)
 

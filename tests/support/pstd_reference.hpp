@@ -4,7 +4,7 @@
 #include "engines/pstd/scheme/source.hpp"
 #include "engines/pstd/scheme/stepper.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/hdf5/number_block.hpp"
+#include "storage/hdf5/h5_block.hpp"
 
 #include <cmath>
 #include <filesystem>

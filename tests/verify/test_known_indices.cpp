@@ -3,8 +3,8 @@
 // planned, its cases are computed into files, and the files are reduced to tables.
 #include "config/job.hpp"
 #include "pipeline/run_case.hpp"
-#include "reduce/read_csv.hpp"
 #include "reduce/reduce.hpp"
+#include "reduce/table.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"
 #include "storage/journal/plan_file.hpp"

@@ -11,8 +11,8 @@
 // whose alternating tail is summed by Euler's transformation. It has neither samples of the load
 // nor a highest frequency.
 #include "engines/layered/response/stack_response.hpp"
-#include "problem/load/breaks.hpp"
 #include "problem/load/footprint.hpp"
+#include "problem/load/load.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Open edges against a periodic domain that is so wide that nothing returns.
-#include "problem/case/image_uplift.hpp"
+#include "problem/case/edges.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The periodic regime against the last repetition of a long run, and against a closed form.
 #include "engines/layered/response/stack_response.hpp"
-#include "problem/load/period.hpp"
+#include "problem/load/load.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

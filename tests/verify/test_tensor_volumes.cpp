@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Strain and stress volumes of engine "spectral".
-#include "engines/spectral/depth/gauss_lobatto.hpp"
+#include "engines/spectral/depth/depth_mesh.hpp"
 #include "problem/load/modulation.hpp"
 #include "support/cases.hpp"
 #include "support/volume_store.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Bodies of any orientation in engine "spectral".
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 #include "support/rigid_cases.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/document/tree.hpp"
 
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>

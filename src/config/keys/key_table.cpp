@@ -3,7 +3,7 @@
 
 #include "base/field.hpp"
 #include "base/units.hpp"
-#include "config/keys/key_types.hpp"
+#include "config/keys/key_table.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 

@@ -5,7 +5,7 @@
 #include "base/text.hpp"
 #include "config/files/afferents_file.hpp"
 #include "config/sections/read_fields.hpp"
-#include "problem/load/drawn_shape.hpp"
+#include "problem/load/footprint.hpp"
 
 #include <algorithm>
 #include <array>

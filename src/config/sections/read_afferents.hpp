@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/reader.hpp"
-#include "config/files/text_loader.hpp"
+#include "config/files/loaders.hpp"
 #include "problem/case/case.hpp"
 
 #include <optional>

@@ -3,7 +3,7 @@
 
 #include "config/document/presets.hpp"
 #include "config/sections/read_fields.hpp"
-#include "problem/medium/bulk_modulus.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <array>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include "config/sections/read_afferents.hpp"
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_vibrometer.hpp"
-#include "problem/load/period.hpp"
+#include "problem/load/load.hpp"
 
 #include <algorithm>
 #include <array>

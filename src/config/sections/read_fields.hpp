@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 #include "config/document/reader.hpp"
 #include "problem/case/case.hpp"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
-#include "config/sections/read_envelope.hpp"
 #include "config/sections/read_fields.hpp"
 #include "config/sections/read_path.hpp"
 #include "problem/load/motion/course.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sections/read_case.hpp"
 #include "neural/hand/scene.hpp"
-#include "problem/load/drawn_shape.hpp"
+#include "problem/load/footprint.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "config/files/points_file.hpp"
 #include "config/sections/read_fields.hpp"
-#include "problem/load/acoustics/target.hpp"
+#include "problem/load/acoustics/hologram.hpp"
 
 #include <algorithm>
 #include <array>

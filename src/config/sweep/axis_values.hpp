@@ -2,7 +2,10 @@
 #pragma once
 
 #include "config/document/tree.hpp"
+#include "problem/case/plan.hpp"
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,5 +21,15 @@ bool is_generator(const Node& node);
 /// twice, reports errors and returns no values. `key` is for messages.
 std::vector<NodePtr> axis_values(const std::string& key, const NodePtr& node,
                                  DiagnosticList& diagnostics);
+
+/// The points of adaptive axes by their keys, ascending, in the unit of the key.
+using AxisPoints = std::map<std::string, std::vector<double>>;
+
+/// Whether a value of [sweep] is { refine = [...], ... } or { find = "...", ... }.
+bool is_adaptive(const Node& node);
+
+/// Reads an adaptive axis; nothing after an error.
+std::optional<AdaptiveAxis> read_adaptive_axis(const std::string& key, const NodePtr& node,
+                                               DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "config/document/tree.hpp"
+#include "config/sweep/sweep_axes.hpp"
+#include "problem/case/plan.hpp"
 
+#include <span>
 #include <string>
 
 namespace shearwake::config {
@@ -19,5 +22,10 @@ Place place_of(const Override& override);
 /// Applies the override to `root`, whose [sweep] must be flattened. After an error, returns `root`
 /// unchanged and reports a diagnostic.
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);
+
+/// Reports swept keys and overrides that have no effect on the grid studies of a plan: those of
+/// [medium] and [load], which a study replaces.
+void check_study_keys(const Plan& plan, const Sweep& sweep, std::span<const Override> overrides,
+                      DiagnosticList& diagnostics);
 
 } // namespace shearwake::config

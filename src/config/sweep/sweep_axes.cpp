@@ -2,7 +2,7 @@
 #include "config/sweep/sweep_axes.hpp"
 
 #include "base/text.hpp"
-#include "config/keys/key_names.hpp"
+#include "config/keys/schema.hpp"
 #include "config/sections/read_case.hpp"
 #include "config/sweep/axis_values.hpp"
 #include "sampling/next_points.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "config/document/tree.hpp"
-#include "config/sweep/adaptive_axes.hpp"
+#include "config/sweep/axis_values.hpp"
 
 #include <functional>
 #include <optional>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "config/sweep/uncertain.hpp"
 
-#include "base/constants.hpp"
+#include "base/csv.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "config/document/reader.hpp"
 #include "config/sweep/axis_values.hpp"
-#include "config/sweep/uncertain_keys.hpp"
-#include "sampling/copula.hpp"
 #include "sampling/design.hpp"
+#include "sampling/distribution.hpp"
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 namespace shearwake::config {
+
 namespace {
 
 constexpr std::array options = {"samples", "sampling",    "analysis",
@@ -208,6 +209,192 @@ std::optional<UncertainPlan> read_uncertain(const NodePtr& uncertain, Sweep& swe
     sweep.sampled_axis = sweep.axes.size();
     sweep.axes.push_back(std::move(keys.axis));
     return plan;
+}
+
+namespace {
+
+using sampling::Distribution;
+
+/// c_s = sqrt(mu / rho) with mu in kPa, and mu = E / 3 for an incompressible material.
+constexpr double shear_modulus_factor(double density_kg_m3) {
+    return 1000.0 / density_kg_m3;
+}
+constexpr double youngs_modulus_factor(double density_kg_m3) {
+    return 1000.0 / (3.0 * density_kg_m3);
+}
+constexpr double tissue_kg_m3 = 1000.0;
+
+struct DistributionPreset {
+    const char* name;
+    const char* ending; // of the keys that it fits
+    Distribution distribution;
+};
+
+/// The reference ranges of Young's modulus of skin over 90 healthy volunteers by shear-wave
+/// elastography (Yang et al., J Ultrasound Med 2018): means and percentiles 2.5 and 97.5 in kPa.
+/// The percentiles are symmetric about the means. Ours: the normal distribution with sd = (97.5th
+/// - 2.5th percentile) / (2 x 1.96), truncated to above 1 kPa; mu = E / 3; 1000 kg/m3.
+Distribution skin_of(double mean_kPa, double low_kPa, double high_kPa) {
+    return {.shape = sampling::Normal{mean_kPa, (high_kPa - low_kPa) / 3.92},
+            .least = 1.0,
+            .root_of = youngs_modulus_factor(tissue_kg_m3)};
+}
+
+const std::array presets = {
+    DistributionPreset{"finger-skin", "c_s_m_s", skin_of(30.3, 12.1, 48.4)},
+    DistributionPreset{"forearm-skin", "c_s_m_s", skin_of(14.8, 3.5, 26.0)},
+    DistributionPreset{"chest-skin", "c_s_m_s", skin_of(17.8, 6.6, 28.9)},
+    DistributionPreset{"abdomen-skin", "c_s_m_s", skin_of(9.5, 3.5, 15.5)},
+    // Surface waves of 100 to 400 Hz on the forearm, Zhang 2011 (PMID 20888282): shear elasticity
+    // 7.86 +- 1.86 kPa, shear viscosity 5.03 +- 0.60 Pa s. Ours: normal distributions, truncated to
+    // above 1 kPa and 0.1 Pa s; 1000 kg/m3.
+    DistributionPreset{"forearm-surface-waves",
+                       "c_s_m_s",
+                       {.shape = sampling::Normal{7.86, 1.86},
+                        .least = 1.0,
+                        .root_of = shear_modulus_factor(tissue_kg_m3)}},
+    DistributionPreset{"forearm-viscosity",
+                       "viscosity_Pa_s",
+                       {.shape = sampling::Normal{5.03, 0.60}, .least = 0.1}},
+    // Biopsies of the dorsal forearm of 71 volunteers, Sandby-Moller 2003 (doi
+    // 10.1080/00015550310015419): stratum corneum 18.3 (SD 4.9) um and cellular epidermis 56.6 (SD
+    // 11.5) um. Ours: their sum with independent normal distributions, truncated to above 0.02 mm.
+    DistributionPreset{"forearm-epidermis",
+                       "thickness_mm",
+                       {.shape = sampling::Normal{0.0749, 0.0125}, .least = 0.02}},
+};
+
+const std::vector<std::string> shapes = {"uniform", "normal", "lognormal", "triangular", "csv"};
+const std::vector<std::string> moduli = {"youngs_modulus_kPa", "shear_modulus_kPa"};
+
+/// The numbers of a column of a CSV file in ascending order, or the reason why it was rejected.
+struct Column {
+    std::vector<double> values;
+    std::string problem;
+};
+
+Column column_of(std::string_view csv, const std::string& name) {
+    Column column;
+    std::optional<std::size_t> place;
+    CsvReader reader(csv, CsvText::relaxed);
+    try {
+        while (reader.next()) {
+            const auto& cells = reader.cells();
+            if (!place) {
+                const auto found = std::ranges::find(cells, name);
+                if (found == cells.end())
+                    return {{},
+                            fmt::format("has no column \"{}\"; its first line must name the "
+                                        "columns",
+                                        excerpt(name))};
+                place = static_cast<std::size_t>(found - cells.begin());
+                continue;
+            }
+            const auto value =
+                *place < cells.size() ? finite_number_in(cells[*place]) : std::nullopt;
+            if (!value)
+                return {{},
+                        fmt::format("line {}: the column \"{}\" must contain a finite number, but "
+                                    "the line is \"{}\"",
+                                    reader.line(), excerpt(name), excerpt(reader.text()))};
+            column.values.push_back(*value);
+        }
+    } catch (const CsvError& error) {
+        return {{}, fmt::format("line {}: has {}", error.line, error.what())};
+    }
+    if (!place) return {{}, "is empty; its first line must name the columns"};
+    if (column.values.size() < 2)
+        return {{}, fmt::format("has fewer than two values in the column \"{}\"", excerpt(name))};
+    std::ranges::sort(column.values);
+    return column;
+}
+
+sampling::Empirical read_samples(Reader& reader, const FileLoaders& files) {
+    const std::string file = reader.word("file"), name = reader.word("column");
+    if (file.empty() || name.empty()) return {{0.0, 1.0}};
+    if (!files.load_text) {
+        reader.error("file", "cannot be read here");
+        return {{0.0, 1.0}};
+    }
+    Column column = column_of(files.load_text(file), name);
+    if (column.problem.empty()) return {std::move(column.values)};
+    reader.error("file", fmt::format("{} {}", excerpt(file), column.problem));
+    return {{0.0, 1.0}};
+}
+
+/// Uniform and triangular distributions have ends of their own; others are truncated.
+Distribution read_shape(Reader& reader, const FileLoaders& files) {
+    const std::string shape = reader.choice("distribution", shapes);
+    const auto any = Range::any();
+    if (shape == "uniform")
+        return {.shape = sampling::Uniform{reader.number("min", any), reader.number("max", any)}};
+    if (shape == "triangular")
+        return {.shape = sampling::Triangular{reader.number("min", any), reader.number("mode", any),
+                                              reader.number("max", any)}};
+    Distribution d;
+    if (shape == "normal")
+        d.shape = sampling::Normal{reader.number("mean", any), reader.number("sd", any)};
+    else if (shape == "lognormal")
+        d.shape =
+            sampling::LogNormal{reader.number("median", any), reader.number("geometric_sd", any)};
+    else
+        d.shape = read_samples(reader, files);
+    if (const auto least = reader.find_number("min", any)) d.least = *least;
+    if (const auto most = reader.find_number("max", any)) d.most = *most;
+    return d;
+}
+
+/// `of`: the numbers are moduli, from which the shear-wave speed follows.
+void read_modulus(Reader& reader, const std::string& key, Distribution& d) {
+    const auto modulus = reader.find_choice("of", moduli);
+    const double density =
+        reader.number_or("density_kg_m3", tissue_kg_m3, Range::between(100.0, 10000.0));
+    if (!modulus) return;
+    if (!key.ends_with("c_s_m_s"))
+        reader.error("of", fmt::format("is only possible for keys that end in c_s_m_s, not for {}",
+                                       excerpt(key)));
+    d.root_of =
+        *modulus == moduli.front() ? youngs_modulus_factor(density) : shear_modulus_factor(density);
+}
+
+std::optional<Distribution> preset_of(Reader& reader, const std::string& key) {
+    const std::string name = reader.choice("preset", distribution_preset_names());
+    for (const DistributionPreset& preset : presets) {
+        if (preset.name != name) continue;
+        if (!key.ends_with(preset.ending))
+            reader.error("preset", fmt::format("\"{}\" is a distribution of {}, not of {}", name,
+                                               preset.ending, excerpt(key)));
+        return preset.distribution;
+    }
+    return std::nullopt;
+}
+
+} // namespace
+
+std::vector<std::string> distribution_preset_names() {
+    std::vector<std::string> names;
+    for (const DistributionPreset& preset : presets)
+        names.emplace_back(preset.name);
+    return names;
+}
+
+std::optional<Distribution> read_distribution(Reader reader, const std::string& key,
+                                              const FileLoaders& files) {
+    const std::size_t before = reader.diagnostics().errors();
+    std::optional<Distribution> d;
+    if (reader.has("preset")) {
+        d = preset_of(reader, key);
+    } else {
+        d = read_shape(reader, files);
+        read_modulus(reader, key, *d);
+    }
+    reader.finish();
+    if (!d || reader.diagnostics().errors() != before) return std::nullopt;
+    const auto problem = sampling::problem_of(*d);
+    if (!problem) return d;
+    reader.diagnostics().error(reader.place("distribution"),
+                               fmt::format("uncertain: the distribution of {} {}", key, *problem));
+    return std::nullopt;
 }
 
 } // namespace shearwake::config

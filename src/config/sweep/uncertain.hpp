@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "config/files/text_loader.hpp"
+#include "config/document/reader.hpp"
+#include "config/files/loaders.hpp"
 #include "config/sweep/sweep_axes.hpp"
 #include "problem/case/plan.hpp"
 #include "sampling/distribution.hpp"
@@ -11,6 +12,13 @@
 #include <vector>
 
 namespace shearwake::config {
+
+/// Reads the distribution of the key `key`, in the unit of the key. Nothing after an error.
+std::optional<sampling::Distribution> read_distribution(Reader reader, const std::string& key,
+                                                        const FileLoaders& files);
+
+/// The names of the published distributions.
+std::vector<std::string> distribution_preset_names();
 
 /// [uncertain] with one entry per key, as flattened_sweep().
 NodePtr flattened_uncertain(const NodePtr& uncertain);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/layered_engine.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "engines/layered/energy_balance.hpp"
-#include "engines/layered/layered_keys.hpp"
+#include "engines/layered/layered_engine.hpp"
 #include "engines/layered/load/jump_tail.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
-#include "engines/layered/response/open_grid.hpp"
-#include "engines/layered/response/work_kinds.hpp"
-#include "fft/reals.hpp"
+#include "engines/layered/response/case_progress.hpp"
+#include "engines/layered/response/transfer_table.hpp"
+#include "fft/aligned.hpp"
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/layered_engine.hpp"
-#include "engines/layered/layered_keys.hpp"
 #include "engines/layered/load/load_spectrum.hpp"
 #include "engines/layered/load/time_step.hpp"
 #include "engines/layered/open_domain.hpp"
-#include "engines/layered/response/open_grid.hpp"
-#include "engines/layered/response/work_kinds.hpp"
+#include "engines/layered/response/case_progress.hpp"
+#include "engines/layered/response/transfer_table.hpp"
 #include "fft/slab_transform.hpp"
 
 #include <algorithm>

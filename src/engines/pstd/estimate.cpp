@@ -2,7 +2,7 @@
 #include "engines/pstd/estimate.hpp"
 
 #include "engines/pstd/pstd_engine.hpp"
-#include "engines/pstd/scheme/work_kinds.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 
 namespace shearwake::pstd {
 namespace {

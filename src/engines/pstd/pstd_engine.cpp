@@ -6,7 +6,7 @@
 #include "engines/pstd/pstd_march.hpp"
 #include "engines/pstd/scene/case_load.hpp"
 #include "engines/pstd/scene/case_step.hpp"
-#include "engines/pstd/scheme/work_kinds.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 #include "engines/pstd/study_run.hpp"
 #include "parallel/agree.hpp"
 

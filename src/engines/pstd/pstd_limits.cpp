@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/limits.hpp"
+#include "engines/engine.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/pstd/scene/case_step.hpp"
-#include "engines/pstd/study_limits.hpp"
+#include "engines/pstd/study_run.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/pstd_march.hpp"
 
-#include "engines/pstd/scheme/work_kinds.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 
 namespace shearwake::pstd {
 

@@ -2,8 +2,21 @@
 #pragma once
 
 #include "engines/engine.hpp"
+#include "engines/pstd/scheme/material.hpp"
+#include "problem/case/case.hpp"
+#include "problem/case/plan.hpp"
+#include "problem/case/study_data.hpp"
+
+#include <string>
+#include <vector>
 
 namespace shearwake::pstd {
+
+/// The material of each node of a study, which must exist as long as the function.
+MaterialOfNode material_of(const StudyData& study);
+
+/// Whether the material differs between nodes.
+bool is_uneven(const StudyData& study);
 
 /// Runs a case whose PstdOptions refer to a grid study: grid, absorbing layer, medium and sources
 /// are those of the study. Frames contain the displacement at the points of the domain and the
@@ -15,5 +28,12 @@ void run_study(const Case& c, const Comm& team, engines::Observer& observer,
 
 /// Resources of a grid study. Not collective.
 engines::Estimate estimate_study(const Case& c, int ranks);
+
+/// The reason why a case does not match the grid study of its solver: domain, times, depths, or
+/// keys that have no effect with a study. Empty if it matches or has no study.
+std::string study_trouble(const Case& c);
+
+/// An error if the time step of the study is certainly unstable, a warning if it may be.
+std::vector<Remark> study_step_remarks(const StudyData& study);
 
 } // namespace shearwake::pstd

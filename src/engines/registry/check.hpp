@@ -2,7 +2,7 @@
 #pragma once
 
 #include "problem/case/case.hpp"
-#include "problem/case/remark.hpp"
+#include "problem/case/plan.hpp"
 
 #include <vector>
 
@@ -13,5 +13,9 @@ namespace shearwake {
 /// domain, waves that wrap around within the run, periods that do not fit, times off the run, and
 /// the limits of the engine. Not collective.
 std::vector<Remark> check(const Case& c);
+
+/// The part of `check` about bodies and maps: bodies that the grid does not resolve or that cross
+/// the periodic edges, and maps outside the domain.
+std::vector<Remark> check_variation(const Case& c);
 
 } // namespace shearwake

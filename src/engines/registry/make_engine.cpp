@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/registry/make_engine.hpp"
 
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 #include "engines/layered/layered_engine.hpp"
 #include "engines/pstd/pstd_engine.hpp"
 #include "engines/spectral/spectral_engine.hpp"

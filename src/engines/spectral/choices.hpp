@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/limits.hpp"
+#include "engines/engine.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/stepping/step_probe.hpp"
 #include "engines/spectral/stepping/time_step.hpp"

@@ -5,7 +5,6 @@
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_estimate.hpp"
-#include "engines/spectral/spectral_kinds.hpp"
 #include "engines/spectral/spectral_march.hpp"
 #include "parallel/agree.hpp"
 

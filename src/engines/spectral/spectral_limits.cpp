@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "engines/limits.hpp"
+#include "engines/engine.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/choices.hpp"
 #include "engines/spectral/spectral_engine.hpp"

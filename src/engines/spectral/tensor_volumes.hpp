@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/engine.hpp"
-#include "engines/spectral/bodies/inside_bodies.hpp"
+#include "engines/spectral/bodies/rigid_choice.hpp"
 #include "engines/spectral/bodies/stress/stress_correction.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "problem/medium/material_field.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/vec2.hpp"
+#include "base/vectors.hpp"
 #include "problem/case/afferents.hpp"
 
 #include <cstddef>

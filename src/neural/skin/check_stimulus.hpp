@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "neural/hand/polygon.hpp"
+#include "neural/hand/hand.hpp"
 #include "neural/skin/contact.hpp"
-#include "problem/case/remark.hpp"
+#include "problem/case/plan.hpp"
 
 #include <span>
 #include <vector>

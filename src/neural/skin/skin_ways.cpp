@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/skin/skin_ways.hpp"
 
+#include "base/units.hpp"
+#include "neural/skin/contact.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 
 namespace shearwake::neural {
+
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
@@ -134,6 +138,28 @@ SkinWays straight_ways(std::vector<Vec2> pins_mm) {
 SkinWays ways_within(const Polygon& outline_mm, std::vector<Vec2> pins_mm) {
     const auto skin = std::make_shared<const Skin>(outline_mm, std::move(pins_mm));
     return [skin](Vec2 receptor_mm) { return skin->ways_to(receptor_mm); };
+}
+
+double stress_per_load(double distance_mm, double depth_mm, double radius_mm) {
+    const double xi = depth_mm / radius_mm, rho = distance_mm / radius_mm;
+    const double q = rho * rho + xi * xi - 1.0;
+    const double R = std::sqrt(q * q + 4.0 * xi * xi);
+    const double phi = std::atan2(2.0 * xi, q), theta = std::atan(1.0 / xi);
+    const double J01 = std::sin(0.5 * phi) / std::sqrt(R);
+    const double J02 = std::sqrt(1.0 + xi * xi) * std::sin(1.5 * phi - theta) / (R * std::sqrt(R));
+    return (J01 + xi * J02) / (two_pi * radius_mm * radius_mm);
+}
+
+std::size_t arrival_samples(double distance_mm, double radius_mm, double rate_Hz) {
+    const double way_mm = std::max(distance_mm - radius_mm, 0.0);
+    const double samples = std::nearbyint(way_mm / wave_speed_mm_s * rate_Hz);
+    if (!(samples < 1e15)) return std::numeric_limits<std::size_t>::max(); // the wave never arrives
+    return static_cast<std::size_t>(samples);
+}
+
+double wave_gain(double distance_mm, double depth_mm, double radius_mm) {
+    if (!std::isfinite(distance_mm)) return 0.0;
+    return sinking_profile(distance_mm, radius_mm) / (depth_mm * depth_mm);
 }
 
 } // namespace shearwake::neural

@@ -27,4 +27,26 @@ private:
     std::vector<measures::DepthSeries> depths_;
 };
 
+/// The time mean of u_z^2 over the period window, of the first depth [m^2].
+class MeanEnergy : public Recording {
+public:
+    MeanEnergy(const Case& c, const Comm& team);
+    void begin(const engines::Slab& slab) override;
+    void frame(const engines::Frame& frame) override;
+    void save(StateWriter& state) override;
+    void restore(const StateReader& state) override;
+    void finish() override { all_ = team_.gather(rows_); }
+
+    /// (x, y) row-major. On rank 0 only; empty elsewhere, and when no window fits.
+    const std::vector<double>& all() const { return all_; }
+
+private:
+    const Case& case_;
+    const Comm& team_;
+    engines::Slab slab_;
+    std::vector<double> weights_; // of each frame, with sum 1; empty: no window fits
+    std::vector<double> rows_;    // of this rank so far
+    std::vector<double> all_;
+};
+
 } // namespace shearwake::pipeline

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/vec2.hpp"
+#include "base/vectors.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/case/case.hpp"
 
-#include "base/hash.hpp"
+#include "base/text.hpp"
 #include "problem/case/text_walk.hpp"
 
 namespace shearwake {

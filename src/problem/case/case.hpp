@@ -2,20 +2,50 @@
 #pragma once
 
 #include "problem/case/afferents.hpp"
-#include "problem/case/problem.hpp"
 #include "problem/case/solver_options.hpp"
+#include "problem/case/study_data.hpp"
 #include "problem/case/vibrometer.hpp"
 #include "problem/case/volume.hpp"
+#include "problem/load/load.hpp"
+#include "problem/medium/medium.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace shearwake {
+
+/// A medium and the load on its surface.
+struct Scene {
+    Medium medium;
+    Load load;
+    bool operator==(const Scene&) const = default;
+};
+
+/// A simulation that is defined node by node. The measures refer to the path of the focus and to
+/// the layers of `scene`, which have no effect on the solution.
+struct GridStudy {
+    std::shared_ptr<const StudyData> data; // shared by the cases of a sweep, since it may be large
+    Scene scene;
+    bool operator==(const GridStudy& other) const {
+        return *data == *other.data && scene == other.scene;
+    }
+};
+
+/// What an engine computes.
+using Problem = std::variant<Scene, GridStudy>;
+
+/// The scene of a problem, which is either the problem itself or that of a grid study.
+auto& scene_of(auto& problem) {
+    auto* study = std::get_if<GridStudy>(&problem);
+    return study ? study->scene : std::get<Scene>(problem);
+}
 
 /// The surface outside of the domain: copies of it, or an infinite plane that carries no load.
 enum class DomainEdges { periodic, open };

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/adaptive_axis.hpp"
+#include "base/vectors.hpp"
 #include "problem/case/case.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,6 +12,55 @@
 #include <vector>
 
 namespace shearwake {
+
+enum class Severity { warning, error };
+
+/// A warning or an error about a case. `key` is the job key to change.
+struct Remark {
+    Severity severity = Severity::warning;
+    std::string key;
+    std::string message;
+    bool operator==(const Remark&) const = default;
+};
+
+/// The motion of some points of the surface, uniformly sampled from t = 0.
+struct PointMotion {
+    std::vector<Vec2> at_m;
+    double rate_Hz = 0.0;
+    std::vector<std::vector<double>> u_m; // one row per point, positive into the skin
+    std::optional<double> radius_m;       // radius of the pins, if known
+};
+
+/// The stress at some receptors, uniformly sampled from t = 0.
+struct PointStress {
+    double rate_Hz = 0.0;
+    std::vector<std::vector<double>> compression_Pa; // one row per receptor
+};
+
+/// An axis of a sweep whose points are chosen by the results.
+struct AdaptiveAxis {
+    enum class Goal { refine, maximum, minimum, crossing };
+    std::string key;
+    Goal goal = Goal::refine;
+    double first = 0.0, last = 0.0; // in the unit of the key
+    std::string column;
+    double tolerance = 0.0; // refine: in the unit of the column; otherwise: in that of the key
+    /// refine: points are not closer than this, in the unit of the key.
+    double smallest_step = 0.0;
+    bool has_level = false; // crossing: of a level; otherwise of the value of the reference
+    double level = 0.0;
+    std::size_t initial = 9; // number of points of the first round, including both ends
+    std::size_t most = 200;  // largest number of points
+    bool operator==(const AdaptiveAxis&) const = default;
+
+    bool is_extremum() const { return goal == Goal::maximum || goal == Goal::minimum; }
+};
+
+/// The name of a goal in a job: "refine", "maximum", "minimum" or "crossing".
+constexpr const char* name_of(AdaptiveAxis::Goal goal) {
+    constexpr const char* names[] = {"refine", "maximum", "minimum", "crossing"};
+    return names[static_cast<std::size_t>(goal)];
+}
 
 /// A swept key as written in the job file ("load.modulation.am_frequency_Hz", in the unit of the
 /// job) and its value in this case. Words and flags are text.

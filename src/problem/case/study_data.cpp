@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/case/study_data.hpp"
 
-#include "base/hash.hpp"
+#include "base/text.hpp"
 
 namespace shearwake {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/hash.hpp"
+#include "base/text.hpp"
 #include "base/units.hpp"
 #include "problem/case/afferents.hpp"
 #include "problem/case/case.hpp"

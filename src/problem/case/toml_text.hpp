@@ -2,8 +2,7 @@
 #pragma once
 
 #include "base/text.hpp"
-#include "base/vec2.hpp"
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 
 #include <cstddef>
 #include <fmt/format.h>

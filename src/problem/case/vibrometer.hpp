@@ -2,8 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/vec2.hpp"
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 
 #include <cmath>
 #include <cstddef>

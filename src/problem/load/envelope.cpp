@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/envelope.hpp"
 
-#include "base/constants.hpp"
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <cmath>

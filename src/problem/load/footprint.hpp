@@ -2,10 +2,11 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/vec2.hpp"
+#include "base/vectors.hpp"
 #include "problem/load/acoustics/hologram.hpp"
 #include "problem/load/acoustics/lens.hpp"
-#include "problem/load/acoustics/sound_fields.hpp"
+#include "problem/load/acoustics/patch.hpp"
+#include "problem/load/modulation.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -153,5 +154,11 @@ double fwhm_m(const Footprint& footprint);
 std::optional<double> reach_m(const Footprint& footprint);
 /// The |k| beyond which the spectrum stays below `fraction` of its largest value [rad/m].
 double bandwidth_rad_m(const Footprint& footprint, double fraction);
+
+/// The shape that a modulation is intended to draw, as lines of points at most `step_m` apart,
+/// including corners: the path of its first part that moves along one (for STP the path of the
+/// centre, not the pattern), displaced by the parts that rest. Without a path, the line of its
+/// first swing; if all parts rest, a single point. One line per focus.
+std::vector<std::vector<Vec2>> drawn_shape(const Modulation& modulation, double step_m);
 
 } // namespace shearwake

@@ -6,6 +6,7 @@
 
 #include <limits>
 #include <span>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -85,5 +86,38 @@ force_areas_m2(const Load& load, std::span<const double> times_s,
 /// The force of the whole footprint at these ascending times [N]; 0 before t = 0 and after the path
 /// has ended.
 std::vector<double> forces_N(const Load& load, std::span<const double> times_s);
+
+/// The period of a load that repeats for ever, or the reason why it has none.
+struct LoadPeriod {
+    double period_s = 0.0;
+    std::string trouble; // a sentence without a subject: "has ..."; empty: there is a period
+};
+
+/// The frequencies with which the parts of a load repeat [Hz]: of its paths, swings, speeds and
+/// gains, of a resolved carrier, and of the updates of an array whose focus moves.
+std::vector<double> frequencies_of(const Load& load);
+
+/// The least common period of these frequencies, up to `longest_s`: the shortest time that is a
+/// whole number of periods of each, to 1e-6 of a period. A load whose path ends, which rises or
+/// falls once, or which is constant, has none.
+LoadPeriod least_period(const Load& load, double longest_s);
+
+/// Where the focus is at time t [m]; an array moves its focus at its update rate.
+Vec2 focus_m(const Load& load, double t_s);
+
+/// An instant at which the load is not smooth: limits from both sides of its position and strength,
+/// or of their first two derivatives in time, differ. Between two breaks the load is smooth.
+struct Break {
+    double time_s = 0.0;
+    /// Change of the strength, or of the position in standard deviations of a Gaussian footprint
+    /// times the strength, whichever is larger, at most 1; the same of the slopes, over `cell_s`;
+    /// and of the curvatures, over its square.
+    double jump = 0.0, kink = 0.0, bend = 0.0;
+};
+
+/// The breaks of a load in [from_s, to_s), ascending. Left out are those with a jump below 1e-4, a
+/// kink below 1e-3 and a bend below 3e-3, and those without a jump that are less than `cell_s`
+/// apart: the points of a sampled curve. Not collective.
+std::vector<Break> breaks_of(const Load& load, double from_s, double to_s, double cell_s);
 
 } // namespace shearwake

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/medium/body.hpp"
 
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 #include "problem/medium/orientation.hpp"
 
 #include <optional>

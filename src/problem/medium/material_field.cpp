@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/medium/material_field.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
 namespace shearwake {
+
 namespace {
 
 /// A material as given in job files and maps.
@@ -60,6 +66,78 @@ bool varies_between(const Medium& medium, double top_m, double bottom_m) {
         if (box.low_m.z < bottom_m && box.high_m.z > top_m) return true;
     }
     return false;
+}
+
+namespace {
+
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
+struct Interval {
+    double low, high;
+};
+
+/// The points of the map along one axis that influence an interval: those inside it and their
+/// neighbours.
+struct Points {
+    std::ptrdiff_t first, end;
+    bool cover; // whether they cover the whole interval
+};
+
+Points points_in(Interval wanted, double origin, double spacing, std::ptrdiff_t count) {
+    if (spacing == 0.0) return {0, count, true};
+    const double last = static_cast<double>(count - 1);
+    const double low = (wanted.low - origin) / spacing, high = (wanted.high - origin) / spacing;
+    if (high < -0.5 || low > last + 0.5) return {0, 0, false};
+    const auto held = [&](double place) {
+        return static_cast<std::ptrdiff_t>(std::clamp(place, 0.0, last));
+    };
+    return {held(std::floor(low)), held(std::ceil(high)) + 1, low >= -0.5 && high <= last + 0.5};
+}
+
+} // namespace
+
+bool has_positive_bulk_modulus(const Speeds& speeds) {
+    return 3.0 * speeds.c_p_m_s * speeds.c_p_m_s > 4.0 * speeds.c_s_m_s * speeds.c_s_m_s;
+}
+
+DepthRange depths(const Medium& medium, std::size_t layer) {
+    double top_m = 0.0;
+    for (std::size_t i = 0; i < layer; ++i)
+        top_m += medium.layers[i].thickness_m;
+    const bool endless = medium.base == Base::half_space && layer + 1 == medium.layers.size();
+    return {top_m, endless ? unlimited : top_m + medium.layers[layer].thickness_m};
+}
+
+Speeds softest_against_pressure(const Medium& medium, std::size_t layer, const Body* body) {
+    Speeds own{medium.layers[layer].c_p_m_s, medium.layers[layer].c_s_m_s};
+    if (body) own = {body->c_p_m_s.value_or(own.c_p_m_s), body->c_s_m_s.value_or(own.c_s_m_s)};
+    if (!medium.map) return own;
+    const MaterialMap& map = *medium.map;
+    const bool maps_c_p = !map.c_p_m_s.empty() && !(body && body->c_p_m_s);
+    const bool maps_c_s = !map.c_s_m_s.empty() && !(body && body->c_s_m_s);
+    if (!maps_c_p && !maps_c_s) return own;
+
+    const Bounds box =
+        body ? bounds(*body)
+             : Bounds{{-unlimited, -unlimited, -unlimited}, {unlimited, unlimited, unlimited}};
+    const DepthRange depth = depths(medium, layer);
+    const Interval z{std::max(box.low_m.z, depth.top_m), std::min(box.high_m.z, depth.bottom_m)};
+    const std::array<Points, 3> in{
+        points_in({box.low_m.x, box.high_m.x}, map.origin_m.x, map.spacing_m.x, map.counts[0]),
+        points_in({box.low_m.y, box.high_m.y}, map.origin_m.y, map.spacing_m.y, map.counts[1]),
+        points_in(z, map.origin_m.z, map.spacing_m.z, map.counts[2])};
+    const bool covered = in[0].cover && in[1].cover && in[2].cover;
+    Speeds softest = covered ? Speeds{unlimited, 1.0} : own;
+    for (std::ptrdiff_t i = in[0].first; i < in[0].end; ++i)
+        for (std::ptrdiff_t j = in[1].first; j < in[1].end; ++j)
+            for (std::ptrdiff_t k = in[2].first; k < in[2].end; ++k) {
+                const auto at =
+                    static_cast<std::size_t>((i * map.counts[1] + j) * map.counts[2] + k);
+                const Speeds here{maps_c_p ? map.c_p_m_s[at] : own.c_p_m_s,
+                                  maps_c_s ? map.c_s_m_s[at] : own.c_s_m_s};
+                if (here.c_p_m_s * softest.c_s_m_s < softest.c_p_m_s * here.c_s_m_s) softest = here;
+            }
+    return softest;
 }
 
 } // namespace shearwake

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/medium/material_map.hpp"
 
-#include "base/hash.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 
 #include <array>
 #include <cstddef>

@@ -2,7 +2,7 @@
 #include "problem/medium/medium.hpp"
 
 #include "base/error.hpp"
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 
 #include <cmath>
 

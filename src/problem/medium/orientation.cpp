@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/medium/orientation.hpp"
 
-#include "base/vec2.hpp"
+#include "base/vectors.hpp"
 
 #include <cmath>
 #include <numbers>

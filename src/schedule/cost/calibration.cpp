@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/cost/calibration.hpp"
 
-#include "base/clock.hpp"
 #include "base/error.hpp"
+#include "base/work_clock.hpp"
 #include "engines/checkpoint.hpp"
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/afferent_estimate.hpp"
 #include "pipeline/afferent_result.hpp"
 #include "pipeline/surface_recorder.hpp"
-#include "schedule/cost/file_speed.hpp"
+#include "schedule/cost/machine.hpp"
 #include "storage/journal/journal.hpp"
 
 #include <algorithm>

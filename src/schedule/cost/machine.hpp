@@ -41,4 +41,9 @@ Machine known_machine(int ranks, const Comm& world);
 /// Broadcasts the machine of rank 0. Collective.
 Machine machine_of_root(const Machine& machine, const Comm& world);
 
+/// Measures the overhead of the files of a case and the rate at which files are written, in a
+/// temporary subfolder of `where`. Throws UsageError (environment) if `where` is not writable. Not
+/// collective.
+void measure_files(const std::filesystem::path& where, const Comm& alone, Machine& machine);
+
 } // namespace shearwake::cost

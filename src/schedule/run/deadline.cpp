@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/deadline.hpp"
 
-#include "base/clock.hpp"
 #include "base/error.hpp"
+#include "base/work_clock.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace shearwake::schedule {
+
 namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
@@ -98,6 +102,42 @@ bool Deadline::lets_begin(double needed_s, double left_s) const {
 double Deadline::left_s() const {
     const double kept_s = std::min(60.0, 0.05 * limit_s_);
     return limit_s_ - kept_s - seconds_since(began_);
+}
+
+namespace {
+
+// Global, since a signal handler can access nothing else.
+volatile std::sig_atomic_t stop_signalled = 0;
+
+volatile std::sig_atomic_t last_signal_s = 0;
+
+/// Seconds of a monotonic clock, which a signal handler may read.
+std::sig_atomic_t now_s() {
+    struct timespec now {};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::sig_atomic_t>(now.tv_sec);
+}
+
+void on_signal(int signal) {
+    // The batch system, its script and mpirun may all forward the same SIGUSR1.
+    const bool repeated = signal == SIGUSR1 && now_s() - last_signal_s <= 2;
+    if (stop_signalled != 0 && !repeated) {
+        std::signal(signal, SIG_DFL);
+        std::raise(signal);
+    }
+    stop_signalled = 1;
+    last_signal_s = now_s();
+}
+
+} // namespace
+
+void watch_for_stop_signals() {
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1})
+        std::signal(signal, on_signal);
+}
+
+bool stop_requested() {
+    return stop_signalled != 0;
 }
 
 } // namespace shearwake::schedule

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "schedule/run/run.hpp"
 
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "parallel/agree.hpp"
 #include "pipeline/memory.hpp"
 #include "pipeline/provenance.hpp"
 #include "schedule/cost/calibration.hpp"
-#include "schedule/cost/machine_limits.hpp"
+#include "schedule/cost/case_costs.hpp"
 #include "schedule/run/arrangement.hpp"
 #include "schedule/run/closing_message.hpp"
 #include "schedule/run/deadline.hpp"
@@ -14,7 +14,6 @@
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/progress.hpp"
 #include "schedule/run/select_cases.hpp"
-#include "schedule/run/stop_signal.hpp"
 #include "schedule/run/worker.hpp"
 #include "simd/instruction_set.hpp"
 #include "storage/case_file/case_index.hpp"

@@ -9,6 +9,11 @@
 
 namespace shearwake::schedule {
 
+/// The number of the group of each case. Cases of a group share data, for example the transfer
+/// function of their medium; a case that shares none forms a separate group. Not collective.
+std::vector<std::size_t> groups_of(const std::vector<const PlannedCase*>& cases,
+                                   cost::CaseCosts& costs);
+
 /// Division of the world into teams of equal size; excess ranks join the last team.
 struct TeamLayout {
     int ranks_per_case = 1;

@@ -7,7 +7,7 @@
 #include "problem/case/plan.hpp"
 #include "schedule/cost/case_costs.hpp"
 #include "schedule/cost/learned_times.hpp"
-#include "schedule/run/bundles.hpp"
+#include "schedule/run/arrangement.hpp"
 #include "schedule/run/deadline.hpp"
 #include "schedule/run/output_folder.hpp"
 #include "schedule/run/progress.hpp"

@@ -4,8 +4,8 @@
 #include "base/view.hpp"
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
-#include "problem/case/record.hpp"
-#include "storage/case_file/volume_group.hpp"
+#include "problem/case/volume.hpp"
+#include "storage/case_file/groups.hpp"
 #include "storage/checksum/part_checksum.hpp"
 #include "storage/hdf5/h5.hpp"
 

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/case_file/case_index.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
-#include "base/json_line.hpp"
-#include "base/next_line.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
 #include "storage/case_file/case_file_reader.hpp"
-#include "storage/case_file/warnings_text.hpp"
-#include "storage/checksum/sealed_text.hpp"
+#include "storage/case_file/groups.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
+#include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,7 @@
 #include <sys/stat.h>
 
 namespace shearwake::storage {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,6 +233,25 @@ void add_to_index(const fs::path& index, const fs::path& case_file) {
 
 std::string index_name(const std::string& journal_name) {
     return "index" + journal_name.substr(std::string_view("journal").size());
+}
+
+void write_record(const std::filesystem::path& path, const std::vector<VariableGroup>& groups,
+                  const std::vector<Attribute>& attributes) {
+    const std::filesystem::path part = path.string() + ".part";
+    h5::Id file = h5::open_file(part, h5::Access::create);
+    for (const VariableGroup& group : groups) {
+        if (group.name.empty())
+            write_group(file.raw(), group.variables);
+        else
+            write_group(h5::create_group(file.raw(), group.name).raw(), group.variables);
+    }
+    for (const Attribute& attribute : attributes)
+        std::visit([&](const auto& value) { h5::put_attribute(file.raw(), attribute.name, value); },
+                   attribute.value);
+    h5::put_attribute(file.raw(), checksum_attribute, std::string(checksum_promise));
+    file.close("close " + part.string());
+    append_checksum(part);
+    publish(part, path);
 }
 
 } // namespace shearwake::storage

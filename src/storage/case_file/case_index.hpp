@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
-#include "problem/case/remark.hpp"
-#include "storage/checksum/verify_files.hpp"
+#include "problem/case/plan.hpp"
+#include "problem/case/volume.hpp"
+#include "storage/checksum/part_checksum.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -107,5 +108,10 @@ void add_to_index(const std::filesystem::path& index, const std::filesystem::pat
 
 /// The index file that belongs to a journal of that name.
 std::string index_name(const std::string& journal_name);
+
+/// Writes groups of variables to a separate HDF5 file that xarray can open; the file is complete or
+/// absent. Not collective. Throws Error if it cannot be written.
+void write_record(const std::filesystem::path& path, const std::vector<VariableGroup>& groups,
+                  const std::vector<Attribute>& attributes);
 
 } // namespace shearwake::storage

@@ -5,11 +5,26 @@
 #include "parallel/state.hpp"
 #include "storage/hdf5/h5.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 
 namespace shearwake::storage {
+
+/// A checksum of the rows of an array that does not depend on which rank holds which row: the sum,
+/// modulo 2^64, of a hash of each row and its position. It detects accidental, not intentional
+/// changes.
+class RowChecksum {
+public:
+    void add(std::ptrdiff_t row, const double* values, std::ptrdiff_t length);
+    /// The checksum over all ranks, as sixteen hexadecimal digits. Collective.
+    std::string over(const Comm& comm) const;
+
+private:
+    std::uint64_t sum_ = 0;
+};
 
 /// A checkpoint belongs to a case (whose id is the hash of its canonical text) and to the program
 /// that wrote it, since another version may store its state differently.

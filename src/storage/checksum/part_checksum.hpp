@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "storage/checksum/file_checksum.hpp"
+
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -41,5 +44,21 @@ std::vector<FieldBytes> fields_of(const std::string& record);
 /// The reason why the file does not match the record, as a phrase that follows its name; empty if
 /// it matches. Does not interpret the file. Not collective.
 std::string trouble_with_bytes(const std::filesystem::path& part, const std::string& record);
+
+struct VerifyProgress {
+    std::size_t files = 0, all_files = 0;
+    double bytes = 0.0, all_bytes = 0.0;
+};
+
+/// The result of check_integrity() for one file; `unreadable`: the reason why it could not be read.
+struct VerifiedFile {
+    IntegrityCheck check;
+    std::string unreadable;
+};
+
+/// Checks the files with a few threads. `report` is called after each file, by one thread at a
+/// time. Not collective.
+std::vector<VerifiedFile> verify_files(const std::vector<std::filesystem::path>& files,
+                                       const std::function<void(const VerifyProgress&)>& report);
 
 } // namespace shearwake::storage

@@ -2,6 +2,7 @@
 #include "storage/hdf5/guard.hpp"
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -9,9 +10,13 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <initializer_list>
+#include <new>
+#include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace shearwake::storage {
 namespace {
@@ -62,3 +67,50 @@ void must_survive(const std::filesystem::path& file, const std::function<void()>
 }
 
 } // namespace shearwake::storage
+
+namespace shearwake::h5 {
+namespace {
+
+/// HDF5 has one list of open files per program, too.
+std::vector<hid_t>& abandoned_files() {
+    static std::vector<hid_t> files;
+    return files;
+}
+
+/// A number that is equal on ranks that have abandoned the same files, with probability 1 - 2^-31;
+/// -1 if memory is lacking. Sorts the files in the order in which they were opened.
+int digest_of(std::vector<hid_t>& files) noexcept {
+    try {
+        std::sort(files.begin(), files.end());
+        std::uint64_t hash = stable_hash("");
+        for (const hid_t file : files) {
+            const ssize_t length = H5Fget_name(file, nullptr, 0);
+            std::string name(static_cast<std::size_t>(std::max<ssize_t>(length, 0)) + 1, '\0');
+            H5Fget_name(file, name.data(), name.size());
+            hash = stable_hash(name, hash);
+        }
+        return static_cast<int>(hash >> 33);
+    } catch (const std::bad_alloc&) {
+        return -1;
+    }
+}
+
+} // namespace
+
+void abandon_file(hid_t file) noexcept {
+    try {
+        abandoned_files().push_back(file);
+    } catch (const std::bad_alloc&) { // it remains open until the program ends
+    }
+}
+
+void close_abandoned(const Comm& comm) {
+    std::vector<hid_t> files = std::exchange(abandoned_files(), {});
+    const int digest = digest_of(files);
+    if (const int lowest = comm.min(digest); lowest < 0 || lowest != comm.max(digest)) return;
+    comm.before_collective();
+    for (const hid_t file : files)
+        H5Fclose(file);
+}
+
+} // namespace shearwake::h5

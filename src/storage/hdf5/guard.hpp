@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "parallel/comm.hpp"
+
 #include <filesystem>
 #include <functional>
+#include <hdf5.h>
 
 namespace shearwake::storage {
 
@@ -17,3 +20,15 @@ bool survives(const std::function<void()>& work, double seconds = 60.0);
 void must_survive(const std::filesystem::path& file, const std::function<void()>& read);
 
 } // namespace shearwake::storage
+
+namespace shearwake::h5 {
+
+/// Registers a file of a team that a failure has left open on this rank. Not collective.
+void abandon_file(hid_t file) noexcept;
+
+/// Closes the abandoned files, with everything that is open in them. Files that not all ranks have
+/// abandoned remain open until the program ends. Call it after a failure on which the ranks have
+/// agreed (fail_together). Collective.
+void close_abandoned(const Comm& comm);
+
+} // namespace shearwake::h5

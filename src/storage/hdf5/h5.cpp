@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
-#include "storage/hdf5/abandoned_files.hpp"
+#include "storage/hdf5/guard.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -6,8 +6,7 @@
 #include "base/units.hpp"
 #include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
-#include "storage/hdf5/number_block.hpp"
-#include "storage/hdf5/user_file.hpp"
+#include "storage/hdf5/h5_block.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "problem/case/point_motion.hpp"
+#include "problem/case/plan.hpp"
 
 #include <filesystem>
 #include <string>

@@ -3,8 +3,8 @@
 
 #include "base/error.hpp"
 #include "parallel/agree.hpp"
-#include "storage/hdf5/number_block.hpp"
-#include "storage/hdf5/user_file.hpp"
+#include "storage/hdf5/h5.hpp"
+#include "storage/hdf5/h5_block.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "storage/journal/journal.hpp"
 
-#include "base/json_line.hpp"
-#include "base/next_line.hpp"
-#include "storage/checksum/sealed_text.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>

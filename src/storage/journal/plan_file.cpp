@@ -2,9 +2,9 @@
 #include "storage/journal/plan_file.hpp"
 
 #include "base/error.hpp"
-#include "base/json_line.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
-#include "storage/checksum/sealed_text.hpp"
+#include "storage/checksum/file_checksum.hpp"
 #include "storage/files.hpp"
 
 #include <fmt/format.h>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/adaptive/adaptive_run.hpp"
 
-#include "base/clock.hpp"
-#include "base/json_document.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
+#include "base/work_clock.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/adaptive_tables.hpp"
 #include "reduce/reduce.hpp"
 #include "schedule/run/job_source.hpp"
-#include "schedule/run/next_command.hpp"
 #include "schedule/run/run.hpp"
+#include "schedule/run/run_arguments.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "studies/adaptive/adaptive_shards.hpp"
 

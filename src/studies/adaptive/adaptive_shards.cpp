@@ -2,8 +2,8 @@
 #include "studies/adaptive/adaptive_shards.hpp"
 
 #include "base/error.hpp"
+#include "schedule/run/deadline.hpp"
 #include "schedule/run/select_cases.hpp"
-#include "schedule/run/stop_signal.hpp"
 #include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/journal.hpp"

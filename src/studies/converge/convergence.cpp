@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/converge/convergence.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "measures/measure_table.hpp"
 
 #include <algorithm>

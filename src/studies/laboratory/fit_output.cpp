@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "pipeline/provenance.hpp"
-#include "storage/case_file/record_file.hpp"
+#include "storage/case_file/case_index.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>

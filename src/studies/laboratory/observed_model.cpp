@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "parallel/agree.hpp"
-#include "pipeline/observers/scan_series.hpp"
+#include "pipeline/observers/point_series.hpp"
 #include "pipeline/vibrometer.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/optimise_table.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/reduce.hpp"
 #include "storage/files.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/json_line.hpp"
+#include "base/json.hpp"
 
 #include <catch2/catch.hpp>
 #include <limits>

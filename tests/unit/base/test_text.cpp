@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/hash.hpp"
-#include "base/next_line.hpp"
 #include "base/text.hpp"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
-#include "pipeline/afferent_estimate.hpp"
+#include "pipeline/afferent_result.hpp"
 
 #include <catch2/catch.hpp>
 #include <set>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/participation.hpp"
-#include "measures/reconstruction_efficiency.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "measures/surface_sums.hpp"
 
-#include "measures/disc_fraction.hpp"
+#include "measures/spatial_measures.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -2,9 +2,8 @@
 #include "neural/response.hpp"
 
 #include "base/error.hpp"
-#include "neural/skin/carrier.hpp"
 #include "neural/skin/check_stimulus.hpp"
-#include "neural/skin/silence.hpp"
+#include "neural/skin/resample.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -70,7 +69,7 @@ TEST_CASE("a stimulus with silence lasts an integer number of neuron samples", "
 TEST_CASE("silence only delays the response to a stimulus at the neurons' rate", "[neural]") {
     AfferentOptions options = palm();
     options.classes = {AfferentClass::PC};
-    const Scene scene = make_scene(options);
+    const neural::Scene scene = make_scene(options);
     PinStimulus stimulus = tapping({{126.0, 10.0}});
     for (std::size_t k = 0; k < 25; ++k) // at rest at both ends
         stimulus.indentation_mm.values[k] = stimulus.indentation_mm.values[475 + k] = 0.0;
@@ -98,7 +97,7 @@ TEST_CASE("spikes of a scene with noise do not depend on its division into parts
           "[neural][slow]") {
     AfferentOptions options = palm();
     options.noise = Switch::on;
-    const Scene scene = make_scene(options);
+    const neural::Scene scene = make_scene(options);
     const PinStimulus stimulus = tapping({{120.0, 5.0}, {126.0, 10.0}}, 20000.0);
     const std::size_t n = scene.afferents.size();
     const auto whole = response_to_pins(stimulus, scene, 0, n, options, 11);
@@ -115,7 +114,7 @@ TEST_CASE("adds the conduction delay of each neuron to its spikes", "[neural]") 
     AfferentOptions options = palm();
     options.sheet = SkinSheet::flat;
     options.places = AfferentList{{{{}, AfferentClass::PC, 2}}};
-    const Scene scene = make_scene(options);
+    const neural::Scene scene = make_scene(options);
     const PinStimulus stimulus = tapping({scene.afferents[0].at_mm});
     const auto at_once = response_to_pins(stimulus, scene, 0, 1, options, 1);
     options.conduction_delay = Switch::on;
@@ -213,7 +212,7 @@ TEST_CASE("squared carrier causes spikes at its onset, or throughout if it is mo
           "[neural]") {
     AfferentOptions options = palm();
     options.classes = {AfferentClass::PC};
-    const Scene scene = make_scene(options);
+    const neural::Scene scene = make_scene(options);
     CarrierInput carrier{.amplitude_m = 50e-6, .am_frequency_Hz = 200.0};
     const auto spikes_in = [&](double from_s, double to_s) {
         const auto stimulus = carrier_stimulus(carrier, {{126.0, 10.0}}, 1.0, 0.1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/case_warnings.hpp"
-#include "problem/case/image_uplift.hpp"
-#include "storage/case_file/warnings_text.hpp"
+#include "pipeline/case_content.hpp"
+#include "problem/case/edges.hpp"
+#include "storage/case_file/groups.hpp"
 
 #include "support/cases.hpp"
 

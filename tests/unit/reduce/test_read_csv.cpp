@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduce/read_csv.hpp"
+#include "reduce/table.hpp"
 
 #include "base/error.hpp"
 #include "reduce/table.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/error.hpp"
-#include "engines/spectral/depth/skyline_matrix.hpp"
+#include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/kernels/strains.hpp"
 #include "engines/spectral/kernels/symmetric.hpp"
 #include "engines/spectral/kernels/transfer.hpp"

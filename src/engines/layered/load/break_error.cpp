@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load/break_error.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
 #include "engines/layered/response/stack_response.hpp"
 

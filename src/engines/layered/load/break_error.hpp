@@ -3,7 +3,7 @@
 
 #include "engines/layered/load/jump_tail.hpp"
 #include "problem/case/case.hpp"
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 
 #include <Eigen/Core>
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load/jump_tail.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
-#include "fft/reals.hpp"
+#include "fft/aligned.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load/load_spectrum.hpp"
 
-#include "base/constants.hpp"
-#include "engines/layered/response/work_kinds.hpp"
+#include "base/units.hpp"
+#include "engines/layered/response/case_progress.hpp"
 
-#include "fft/reals.hpp"
+#include "fft/aligned.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "engines/layered/response/transfer_table.hpp"
 #include "problem/case/case.hpp"
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 
 #include <array>
 #include <vector>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/load/time_step.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/layered/load/break_error.hpp"
-#include "problem/case/edge_absorption.hpp"
+#include "problem/case/edges.hpp"
 
 #include <algorithm>
 #include <cmath>

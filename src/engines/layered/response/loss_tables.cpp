@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/response/loss_tables.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/layered/response/gauss_rule.hpp"
 #include "engines/layered/response/point_response.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "engines/layered/kernels/response.hpp"
-#include "fft/reals.hpp"
+#include "fft/aligned.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

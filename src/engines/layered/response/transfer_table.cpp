@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/layered/response/transfer_table.hpp"
 
-#include "base/constants.hpp"
-#include "engines/layered/response/open_grid.hpp"
+#include "base/units.hpp"
+#include "engines/layered/response/case_progress.hpp"
 #include "engines/layered/response/point_response.hpp"
-#include "engines/layered/response/work_kinds.hpp"
-
-#include "fft/cosine_transform.hpp"
+#include "fft/line_transform.hpp"
 #include "parallel/agree.hpp"
 
 #include <algorithm>
@@ -243,6 +241,10 @@ double TransferTable::expanded_bytes(const TransferKey& key, std::ptrdiff_t ky_c
     return static_cast<double>(key.nx / 2 + 1) * static_cast<double>(key.time.samples / 2 + 1) *
            static_cast<double>(ky_count) * static_cast<double>(key.depths_m.size()) *
            sizeof(Complex);
+}
+
+double open_reach_m(std::ptrdiff_t nx, std::ptrdiff_t ny, double spacing_m) {
+    return spacing_m * std::hypot(nx / 2, ny / 2);
 }
 
 } // namespace shearwake::layered

@@ -3,7 +3,7 @@
 
 #include "engines/pstd/scheme/grid.hpp"
 #include "parallel/agree.hpp"
-#include "problem/case/edge_absorption.hpp"
+#include "problem/case/edges.hpp"
 #include "problem/medium/body.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/limits.hpp"
+#include "engines/engine.hpp"
 #include "engines/pstd/scene/case_grid.hpp"
 #include "parallel/comm.hpp"
 

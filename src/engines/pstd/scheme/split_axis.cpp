@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/split_axis.hpp"
-#include "fft/reals.hpp"
+#include "fft/aligned.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/pstd/scheme/stepper.hpp"
 
-#include "engines/pstd/scheme/work_kinds.hpp"
+#include "engines/pstd/scheme/stepper.hpp"
 
 #include "parallel/agree.hpp"
 #include "simd/kernels.hpp"

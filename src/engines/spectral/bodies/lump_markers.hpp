@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/vectors.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
 
 #include <array>
@@ -29,5 +30,11 @@ std::array<Vec3, lump_freedoms> motions_at(Vec3 offset_m);
 /// Mass of the body in excess of the background in its place, [row][column] of the degrees of
 /// freedom [kg, kg m, kg m^2]. The mass is accurate to 1e-5 and the inertia to 5e-4.
 std::vector<double> lump_mass(const Body& body, const Domain& domain, const Medium& medium);
+
+/// For markers on a grid and on levels with these spacings: makes those whose depths differ by less
+/// than 0.3 spacings share a depth, since each depth costs one response, and replaces those that
+/// are closer to each other than 0.4 spacings by their mean, since the forces on them are hardly
+/// determined. Preserves the symmetry in x and y. Not collective.
+void join_close_points(double across_m, double down_m, std::vector<Vec3>& points);
 
 } // namespace shearwake::spectral

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "base/block.hpp"
-#include "base/vec3.hpp"
+#include "base/vectors.hpp"
 #include "engines/checkpoint.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "parallel/comm.hpp"

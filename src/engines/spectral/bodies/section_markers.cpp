@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/section_markers.hpp"
 
-#include "problem/medium/bulk_modulus.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/depth/absorbing_bottom.hpp"
-#include "engines/spectral/depth/gauss_lobatto.hpp"
+#include "engines/spectral/depth/mesh_pieces.hpp"
 #include "problem/case/case.hpp"
 
 #include <cstddef>
@@ -10,6 +9,25 @@
 #include <vector>
 
 namespace shearwake::spectral {
+
+/// Gauss-Lobatto-Legendre rule with degree + 1 nodes on [-1, 1] including both ends, exact for
+/// polynomials up to degree 2 degree - 1, and the derivative of the interpolating polynomial,
+/// f'(x_i) = sum_j derivative[i (degree + 1) + j] f(x_j).
+struct GaussLobatto {
+    std::vector<double> nodes;
+    std::vector<double> weights;
+    std::vector<double> derivative;
+};
+
+/// The rule of a degree >= 1.
+GaussLobatto gauss_lobatto(int degree);
+
+/// Weights of the nodal values for the interpolating polynomial (Lagrange) at x in [-1, 1].
+std::vector<double> interpolation_weights(const GaussLobatto& rule, double x);
+/// Weights of the nodal values for the L2 projection of the interpolating polynomial onto
+/// polynomials of two degrees less: sum over n of P_n(x) w_j P_n(x_j) (n + 1/2) with Legendre
+/// polynomials P_n.
+std::vector<double> smoothing_weights(const GaussLobatto& rule, double x);
 
 /// Spectral elements in z with boundaries at the layer interfaces, graded towards the surface. Node
 /// i of element e is the global level e * degree + i. Levels are numbered downward from the surface
@@ -29,7 +47,7 @@ struct DepthMesh {
     std::size_t elements() const { return layers.size(); }
     bool has_light_body(std::size_t element) const { return !light.empty() && light[element]; }
     /// The last level is fixed: the base. An absorber ends in a level that moves and in one that
-    /// holds the unknowns of its termination (kernels/termination.hpp), which have no depth.
+    /// holds the unknowns of its termination (kernels/slices.hpp), which have no depth.
     std::size_t levels() const {
         return elements() * static_cast<std::size_t>(degree) + (bottom ? 3 : 1);
     }

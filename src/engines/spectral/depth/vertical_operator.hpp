@@ -2,13 +2,33 @@
 #pragma once
 
 #include "engines/spectral/depth/depth_mesh.hpp"
-#include "engines/spectral/depth/skyline_matrix.hpp"
+#include "engines/spectral/kernels/skyline.hpp"
 #include "engines/spectral/kernels/vertical.hpp"
 
 #include <optional>
 #include <vector>
 
 namespace shearwake::spectral {
+
+/// Structure of symmetric positive definite matrices of a chain of spectral elements, for eight
+/// wavenumbers in parallel. An unknown couples only to those of its own elements, and the fill-in
+/// of L D L^T stays there. Each row of the lower triangle is stored from the first unknown of its
+/// element to the diagonal, which takes half of the memory of a band. The computations are in
+/// SkylineKernels.
+class SkylineMatrix {
+public:
+    /// Structure for elements of `degree` with `per_level` unknowns at each of the first `levels`
+    /// levels.
+    SkylineMatrix(std::ptrdiff_t levels, std::ptrdiff_t degree, std::ptrdiff_t per_level);
+
+    std::ptrdiff_t entries() const { return entries_; } // per matrix
+    /// Valid for the lifetime of this object.
+    SkylineRows rows() const { return {rows_.data(), static_cast<std::ptrdiff_t>(rows_.size())}; }
+
+private:
+    std::vector<SkylineRow> rows_;
+    std::ptrdiff_t entries_ = 0;
+};
 
 /// The compressional stiffness that the implicit operator contains. A negative lambda is treated
 /// explicitly: otherwise the operator of a background with the least lambda and the least mu of a
@@ -44,7 +64,7 @@ Background background_of(const DepthMesh& mesh, const Medium& medium);
 /// and, in an absorber, a dissipation that acts on curl v alone,
 ///     integral of swirl_viscosity ((U' - kW)^2 + V'^2 + k^2 V^2),   with velocities U, V, W.
 /// It damps shear waves but not potential flow, for which the absorber ends in the impedance of the
-/// half-space (kernels/termination.hpp). The surface traction is the natural condition, the mass is
+/// half-space (kernels/slices.hpp). The surface traction is the natural condition, the mass is
 /// diagonal (quadrature at the nodes), and the last level is fixed (rigid base). A pencil is stored
 /// as [2 level + {U, W}][part] for all moving levels, followed by [level][part] for V. No member
 /// function is collective.

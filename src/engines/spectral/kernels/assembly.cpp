@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/kernels/slices.hpp"
-#include "engines/spectral/kernels/termination.hpp"
 #include "engines/spectral/kernels/vertical.hpp"
 #include "simd/kernels.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "engines/spectral/kernels/parts.hpp"
+#include "engines/spectral/kernels/skyline.hpp"
 
 namespace shearwake::spectral {
 

@@ -20,7 +20,7 @@ struct VerticalElement {
     bool absorbs;     // whether it has swirl viscosity
 };
 
-/// Material below the end of an absorber (kernels/termination.hpp).
+/// Material below the end of an absorber (kernels/slices.hpp).
 struct Termination {
     double density_kg_m3, modulus_Pa; // of compressional waves
 };

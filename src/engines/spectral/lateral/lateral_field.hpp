@@ -5,7 +5,6 @@
 #include "engines/spectral/kernels/strains.hpp"
 #include "engines/spectral/lateral/lateral_variation.hpp"
 #include "parallel/comm.hpp"
-#include "parallel/row_sums.hpp"
 
 #include <utility>
 #include <vector>

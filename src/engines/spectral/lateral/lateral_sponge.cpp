@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/lateral_sponge.hpp"
 
-#include "base/constants.hpp"
-#include "problem/case/edge_absorption.hpp"
+#include "base/units.hpp"
+#include "problem/case/edges.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engines/spectral/depth/vertical_operator.hpp"
-#include "engines/spectral/lateral/plane_cells.hpp"
+#include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/strain_transfer.hpp"
 #include "parallel/comm.hpp"
 

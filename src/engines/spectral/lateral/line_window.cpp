@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/line_window.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "simd/kernels.hpp"
 
 #include <cmath>

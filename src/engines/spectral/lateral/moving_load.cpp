@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/moving_load.hpp"
 
-#include "base/constants.hpp"
-#include "fft/reals.hpp"
+#include "base/units.hpp"
+#include "fft/aligned.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

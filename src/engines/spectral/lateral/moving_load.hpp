@@ -4,7 +4,7 @@
 #include "engines/spectral/kernels/pencils.hpp"
 #include "fft/slab_transform.hpp"
 #include "problem/case/case.hpp"
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 #include "problem/load/load_pattern.hpp"
 
 #include <complex>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/clock.hpp"
+#include "base/work_clock.hpp"
 
 #include <array>
 #include <cstddef>

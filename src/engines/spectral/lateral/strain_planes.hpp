@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "engines/spectral/lateral/cell_materials.hpp"
 #include "engines/spectral/lateral/line_window.hpp"
-#include "engines/spectral/lateral/plane_cells.hpp"
 #include "engines/spectral/lateral/step_clock.hpp"
 #include "engines/work.hpp"
 #include "fft/aligned.hpp"

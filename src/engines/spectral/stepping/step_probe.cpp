@@ -3,7 +3,7 @@
 
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/lateral/moving_load.hpp"
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 #include "simd/kernels.hpp"
 
 #include <algorithm>

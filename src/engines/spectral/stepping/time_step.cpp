@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/stepping/time_step.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/spectral/depth/depth_mesh.hpp"
 #include "engines/spectral/depth/vertical_operator.hpp"
 #include "engines/spectral/stepping/step_probe.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/acoustics/lens.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "problem/load/acoustics/patch.hpp"
 
 #include <algorithm>

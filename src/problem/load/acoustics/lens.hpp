@@ -2,8 +2,8 @@
 #pragma once
 
 #include "base/field.hpp"
-#include "problem/load/acoustics/sound_fields.hpp"
-#include "problem/load/acoustics/target.hpp"
+#include "problem/load/acoustics/hologram.hpp"
+#include "problem/load/acoustics/patch.hpp"
 
 #include <memory>
 

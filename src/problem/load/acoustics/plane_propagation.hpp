@@ -9,6 +9,10 @@
 
 namespace shearwake {
 
+/// Absorption of sound in air by ISO 9613-1 [dB/m] at this frequency, absolute temperature and
+/// relative humidity (0 to 1), at 101.325 kPa.
+double air_absorption_dB_m(double frequency_Hz, double temperature_K, double humidity);
+
 /// Sound of one frequency in air.
 struct Sound {
     double wavenumber_rad_m = 0.0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/motion/lissajous.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/motion/path.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <cmath>

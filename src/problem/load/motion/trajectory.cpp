@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/load/motion/trajectory.hpp"
 
-#include "base/constants.hpp"
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
+#include "base/units.hpp"
 #include "problem/load/motion/course.hpp"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/search/best_envelope.hpp"
 
-#include "base/constants.hpp"
 #include "base/error.hpp"
+#include "base/units.hpp"
 
 #include <algorithm>
 #include <cmath>

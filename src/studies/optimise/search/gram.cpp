@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/search/gram.hpp"
 
-#include "measures/sharpness.hpp"
+#include "measures/spatial_measures.hpp"
 #include "measures/spectrum.hpp"
 #include "measures/surface_sums.hpp"
 #include "measures/window.hpp"
-#include "problem/load/drawn_shape.hpp"
-#include "storage/case_file/surface_reader.hpp"
+#include "problem/load/footprint.hpp"
+#include "storage/case_file/case_file_reader.hpp"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/search/variation.hpp"
 
-#include "base/overloaded.hpp"
+#include "base/field.hpp"
 #include "engines/registry/check.hpp"
 #include "measures/window.hpp"
-#include "problem/load/period.hpp"
+#include "problem/load/load.hpp"
 
 #include <algorithm>
 #include <cmath>

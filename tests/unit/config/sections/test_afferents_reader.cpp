@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "config/afferent_options.hpp"
 #include "config/files/afferents_file.hpp"
+#include "config/job.hpp"
 #include "unit/config/jobs.hpp"
 
 #include <algorithm>

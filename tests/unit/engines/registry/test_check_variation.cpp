@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/engine.hpp"
-#include "engines/registry/check_variation.hpp"
+#include "engines/registry/check.hpp"
 #include "engines/registry/make_engine.hpp"
 
 #include <catch2/catch.hpp>

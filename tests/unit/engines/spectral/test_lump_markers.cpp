@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/lump_markers.hpp"
 #include "engines/spectral/bodies/rigid_choice.hpp"
-#include "engines/spectral/bodies/stress/surface_points.hpp"
+#include "engines/spectral/bodies/stress/surface_patches.hpp"
 
 #include <catch2/catch.hpp>
 #include <algorithm>

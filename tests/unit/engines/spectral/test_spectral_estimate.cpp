@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/spectral_estimate.hpp"
-#include "engines/spectral/spectral_kinds.hpp"
 #include "engines/spectral/stepping/stepper.hpp"
 #include "engines/spectral/stepping/time_step.hpp"
 #include "support/cases.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "neural/fibre/neuron.hpp"
-#include "neural/fibre/noise.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/case/edge_absorption.hpp"
+#include "problem/case/edges.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

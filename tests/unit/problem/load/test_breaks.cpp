@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Instants at which a load is not smooth.
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>

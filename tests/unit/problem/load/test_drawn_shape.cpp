@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/load/drawn_shape.hpp"
+#include "problem/load/footprint.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/load/acoustics/air.hpp"
 #include "problem/load/acoustics/lens_design.hpp"
-#include "problem/load/acoustics/lens_mesh.hpp"
 #include "problem/load/acoustics/plane_propagation.hpp"
 #include "problem/load/load_pattern.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "problem/medium/bulk_modulus.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "schedule/run/bundles.hpp"
+#include "schedule/run/arrangement.hpp"
 
 #include "support/cases.hpp"
 

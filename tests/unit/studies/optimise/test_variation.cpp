@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/optimise/search/variation.hpp"
 
-#include "problem/load/period.hpp"
+#include "problem/load/load.hpp"
 #include "studies/optimise/search/quotient.hpp"
 #include "unit/config/jobs.hpp"
 

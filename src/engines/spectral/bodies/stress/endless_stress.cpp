@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/stress/endless_stress.hpp"
 
-#include "base/constants.hpp"
+#include "base/units.hpp"
 #include "engines/spectral/bodies/section_markers.hpp"
 
 #include <Eigen/Dense>

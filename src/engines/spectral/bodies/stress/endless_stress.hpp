@@ -2,8 +2,8 @@
 #pragma once
 
 #include "engines/spectral/bodies/endless_bodies.hpp"
+#include "engines/spectral/bodies/stress/grid_forces.hpp"
 #include "engines/spectral/bodies/stress/near_stress.hpp"
-#include "engines/spectral/bodies/stress/section_forces.hpp"
 
 namespace shearwake::spectral {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/bodies/stress/near_stress.hpp"
 
-#include "problem/medium/bulk_modulus.hpp"
+#include "problem/medium/material_field.hpp"
 
 #include <algorithm>
 #include <array>

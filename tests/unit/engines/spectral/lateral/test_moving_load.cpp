@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/spectral/lateral/moving_load.hpp"
-#include "problem/load/breaks.hpp"
+#include "problem/load/load.hpp"
 #include "support/cases.hpp"
 
 #include <catch2/catch.hpp>

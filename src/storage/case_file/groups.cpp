@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "storage/case_file/groups.hpp"
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+#include <map>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::storage {
+
+namespace {
+
+void put_words(hid_t object, const Variable& variable) {
+    h5::put_attribute(object, "units", variable.units);
+    h5::put_attribute(object, "long_name", variable.long_name);
+    if (!variable.note.empty()) h5::put_attribute(object, "note", variable.note);
+}
+
+} // namespace
+
+void write_group(hid_t group, const std::vector<Variable>& variables) {
+    std::map<std::string, h5::Id> coordinates;
+    for (const Variable& v : variables) {
+        if (v.dimensions != std::vector{v.name}) continue;
+        const hsize_t extent = v.values.size();
+        h5::Id dataset = h5::create_dataset(group, v.name, std::span(&extent, 1));
+        h5::write_all(dataset, v.values);
+        put_words(dataset.raw(), v);
+        h5::make_scale(dataset, v.name);
+        coordinates.emplace(v.name, std::move(dataset));
+    }
+    for (const Variable& v : variables) {
+        if (v.dimensions == std::vector{v.name}) continue;
+        std::vector<hsize_t> shape;
+        hsize_t count = 1;
+        for (const std::string& dimension : v.dimensions) {
+            shape.push_back(h5::shape(coordinates.at(dimension)).at(0));
+            count *= shape.back();
+        }
+        if (count != v.values.size())
+            throw Error("variable " + v.name + " does not have the expected shape");
+        const h5::Id dataset = h5::create_dataset(group, v.name, shape);
+        h5::write_all(dataset, v.values);
+        put_words(dataset.raw(), v);
+        for (std::size_t d = 0; d < v.dimensions.size(); ++d)
+            h5::attach_scale(dataset, coordinates.at(v.dimensions[d]), static_cast<unsigned>(d));
+    }
+}
+
+void create_field(hid_t group, const Variable& words, const std::vector<hsize_t>& shape) {
+    const h5::Id field = h5::create_dataset(group, words.name, shape);
+    put_words(field.raw(), words);
+    for (unsigned i = 0; i < words.dimensions.size(); ++i)
+        h5::attach_scale(field, h5::open_dataset(group, words.dimensions[i]), i);
+}
+
+std::string warnings_text(const std::vector<Remark>& warnings) {
+    std::vector<std::string> elements;
+    for (const Remark& w : warnings)
+        elements.push_back(JsonLine()
+                               .add("severity", w.severity == Severity::error ? "error" : "warning")
+                               .add("key", w.key)
+                               .add("message", w.message)
+                               .text());
+    return json_array(elements);
+}
+
+std::vector<Remark> warnings_in(const std::string& text) {
+    std::vector<Remark> warnings;
+    try {
+        for (const auto& entry : nlohmann::json::parse(text))
+            warnings.push_back(
+                {entry.at("severity") == "error" ? Severity::error : Severity::warning,
+                 entry.at("key").get<std::string>(), entry.at("message").get<std::string>()});
+    } catch (const nlohmann::json::exception&) {
+        return {};
+    }
+    return warnings;
+}
+
+namespace {
+
+std::string words_of(VolumeField field, const std::string& component) {
+    switch (field) {
+    case VolumeField::u:
+        return fmt::format("displacement along {}{}", component,
+                           component == "z" ? ", positive into the tissue" : "");
+    case VolumeField::strain:
+        return "component " + component + " of the strain tensor";
+    case VolumeField::stress:
+        return fmt::format("component {} of the stress tensor, tension positive", component);
+    }
+    return {};
+}
+
+} // namespace
+
+std::vector<Variable> VolumeLayout::variables() const {
+    std::vector<Variable> variables;
+    for (const VolumeField field : fields)
+        for (const std::string& component : components_of(field))
+            variables.push_back({.name = name_of(field) + "_" + component,
+                                 .dimensions = {"time", "z", "y", "x"},
+                                 .units = units_of(field),
+                                 .long_name = words_of(field, component)});
+    return variables;
+}
+
+std::vector<hsize_t> VolumeLayout::shape() const {
+    return {times_s.size(), z_m.size(), static_cast<hsize_t>(domain.ny),
+            static_cast<hsize_t>(domain.nx)};
+}
+
+double VolumeLayout::bytes() const {
+    double bytes = sizeof(double) * static_cast<double>(variables().size());
+    for (const hsize_t extent : shape())
+        bytes *= static_cast<double>(extent);
+    return bytes;
+}
+
+std::size_t VolumeLayout::variable(std::size_t field, std::size_t component) const {
+    std::size_t before = 0;
+    for (std::size_t i = 0; i < field; ++i)
+        before += components_of(fields[i]).size();
+    return before + component;
+}
+
+void create_volume_group(hid_t file, const VolumeLayout& layout) {
+    const h5::Id group = h5::create_group(file, "volume");
+    const Domain& d = layout.domain;
+    write_group(group.raw(),
+                {{"time", {"time"}, layout.times_s, "s", "time since the load began", ""},
+                 {"z", {"z"}, layout.z_m, "m", "depth below the skin surface", ""},
+                 {"y",
+                  {"y"},
+                  coordinate(d.ny, [&](auto j) { return d.y_m(j); }),
+                  "m",
+                  "position along y",
+                  ""},
+                 {"x",
+                  {"x"},
+                  coordinate(d.nx, [&](auto i) { return d.x_m(i); }),
+                  "m",
+                  "position along x, the scan direction",
+                  ""}});
+    for (const Variable& variable : layout.variables())
+        create_field(group.raw(), variable, layout.shape());
+}
+
+bool has_volume_group(hid_t file, const VolumeLayout& layout) {
+    if (H5Lexists(file, "volume", H5P_DEFAULT) <= 0) return false;
+    try {
+        const h5::Id group = h5::open_group(file, "volume");
+        for (const Variable& variable : layout.variables())
+            if (h5::shape(h5::open_dataset(group.raw(), variable.name)) != layout.shape())
+                return false;
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+} // namespace shearwake::storage
