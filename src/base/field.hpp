@@ -4,6 +4,8 @@
 #include <array>
 #include <concepts>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -127,6 +129,42 @@ constexpr const char* name_in_jobs() {
         return T::name_in_jobs;
     else
         return alternative_name<T>();
+}
+
+/// The walk of range_of().
+class RangeWalk {
+public:
+    explicit RangeWalk(std::string_view key) : key_(key) {}
+    template <class T>
+    void operator()(const T&, const Field& field) {
+        key(field);
+    }
+    void key(const Field& field) {
+        if (key_ == field.key) found_ = field.range;
+    }
+    template <class T>
+    void choice(const T&, const Field&, const auto&...) {}
+    template <class T>
+    void each(const char*, const T&, const Field&) {}
+    template <class T>
+    void maybe(const char*, const T&) {}
+    void section(const char*) {}
+    std::optional<Range> found() const { return found_; }
+
+private:
+    std::string_view key_;
+    std::optional<Range> found_;
+};
+
+/// The range in the description of a key of `Struct`, for a reader that interprets the key itself.
+/// Throws std::logic_error if the key is not described.
+template <class Struct>
+Range range_of(std::string_view key) {
+    RangeWalk walk(key);
+    const Struct example = Example<Struct>::make();
+    walk_fields(walk, example);
+    if (!walk.found()) throw std::logic_error("no description of " + std::string(key));
+    return *walk.found();
 }
 
 /// Calls `use` with an example of each alternative in turn.

@@ -3,7 +3,7 @@
 
 #include "base/field.hpp"
 #include "base/units.hpp"
-#include "config/keys/key_table.hpp"
+#include "config/document/job_keys.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
 
@@ -23,35 +23,6 @@ struct Section {
     std::string rows;
 };
 
-/// A key of a shape of paths that exists only in job files: config makes arcs and polylines of
-/// them.
-struct ShapeKey {
-    const char *shape, *key, *values, *fallback, *meaning;
-};
-constexpr std::array shape_keys = {
-    ShapeKey{"circle", "center_mm", "", "[0, 0]", "centre"},
-    ShapeKey{"circle", "radius_mm", "between 0.001 and 10000", "required",
-             "radius; as the pattern of STP, a circle may also have the radius 0"},
-    ShapeKey{"circle", "start_deg", "", "0", "angle of the starting point, from x towards y"},
-    ShapeKey{"circle", "clockwise", "true or false", "false", "direction of the motion"},
-    ShapeKey{"polygon", "corners_mm", "", "none",
-             "corners `[[x, y], ...]`, at least three; the last one is connected with the first. "
-             "The other keys of this table define a regular polygon instead"},
-    ShapeKey{"polygon", "sides", "between 3 and 1000", "required without `corners_mm`",
-             "number of sides of a regular polygon"},
-    ShapeKey{"polygon", "side_mm", "between 0.001 and 10000", "or `radius_mm`", "length of a side"},
-    ShapeKey{"polygon", "radius_mm", "between 0.001 and 10000", "or `side_mm`",
-             "distance of the corners from the centre"},
-    ShapeKey{"polygon", "center_mm", "", "[0, 0]", "centre"},
-    ShapeKey{"polygon", "start_deg", "", "the polygon stands on a side",
-             "angle of the first corner, from x towards y"},
-    ShapeKey{"csv", "file", "", "required",
-             "CSV file of points; its path is relative to the job file. It has the header "
-             "`x_mm,y_mm` and one point per line"},
-    ShapeKey{"csv", "closed", "true or false", "false",
-             "whether the path returns to its first point"},
-};
-
 /// A walk that lists keys. Alternatives and list elements get their own sections, which follow the
 /// section that selects them.
 class KeyTable {
@@ -64,7 +35,8 @@ public:
     }
 
     void key(const Field& field) {
-        row(field, words_or_range(field),
+        const bool is_flag = field.type == std::string_view("boolean");
+        row(field, is_flag ? "true or false" : words_or_range(field),
             field.given == Given::required ? "required"
             : field.given == Given::preset ? "required without a preset"
                                            : field.fallback);
@@ -143,16 +115,14 @@ public:
     }
 
 private:
+    /// The shapes that exist only in job files.
     void list_shapes(const std::string& heading) {
-        std::string_view shape;
-        for (const ShapeKey& key : shape_keys) {
-            if (shape != key.shape)
-                sections_.push_back(
-                    {.heading = fmt::format("{} and `path.shape = \"{}\"`", heading, key.shape)});
-            shape = key.shape;
-            sections_.back().rows += fmt::format("| `path.{}` | {} | {} | {} |\n", key.key,
-                                                 key.values, key.fallback, key.meaning);
-        }
+        for_each_alternative(std::type_identity<PathShapes>{}, [&](const auto& shape) {
+            open({.heading = fmt::format("{} and `path.shape = \"{}\"`", heading, shape.name),
+                  .prefix = "path."});
+            walk_fields(*this, shape);
+            close();
+        });
     }
     void open(Section section) {
         opened_.push_back(at_);
@@ -185,11 +155,11 @@ private:
         return words_or_range(field);
     }
     static std::string words_or_range(const Field& field) {
-        if (const auto words = words_of(field); !words.empty())
-            return (std::string_view(field.type).starts_with("point") ? "`[x, y]`, " : "") +
-                   list_of(words);
-        const std::string range = field.range.words();
-        return range == Range{}.words() ? "" : range;
+        const std::string range = field.range.words() == Range{}.words() ? "" : field.range.words();
+        const auto words = words_of(field);
+        if (words.empty()) return range;
+        if (!std::string_view(field.type).starts_with("point")) return list_of(words);
+        return fmt::format("{}, or `[x, y]` {}", list_of(words), range);
     }
     static std::string list_of(const auto& names) {
         std::string list;

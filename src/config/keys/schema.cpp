@@ -5,6 +5,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/vectors.hpp"
+#include "config/document/job_keys.hpp"
 #include "config/keys/key_table.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
@@ -196,6 +197,13 @@ public:
         walk_fields(*this, example);
     }
 
+    /// The shapes that exist only in job files, in the table of a path.
+    void shapes() {
+        for_each_alternative(std::type_identity<PathShapes>{}, [&](const auto& shape) {
+            alternative(root_, "shape", "", shape, {});
+        });
+    }
+
     void section(const char* table) {
         const auto [owner, name] = place_of(root_, table);
         Json& made = (*owner)["properties"][name];
@@ -285,35 +293,6 @@ Json take_requirements(Json& schema) {
     return rules;
 }
 
-/// Shapes that exist only in job files and are converted to polylines and arcs.
-void add_shapes(Json& path) {
-    const Json point = list_of(number({}), 2, 2);
-    const Json positive = number(Range::above(0.0));
-    const auto add = [&](const char* shape, Json properties,
-                         const std::vector<std::string>& required) {
-        Json keys = {{"properties", std::move(properties)}};
-        if (!required.empty()) keys[required_keys] = required;
-        path["allOf"].push_back(
-            {{"if", {{"properties", {{"shape", {{"const", shape}}}}}, {"required", {"shape"}}}},
-             {"then", std::move(keys)}});
-    };
-    add("circle",
-        {{"center_mm", point},
-         {"radius_mm", number(Range::at_least(0.0))},
-         {"start_deg", number({})},
-         {"clockwise", {{"type", "boolean"}}}},
-        {"radius_mm"});
-    add("polygon",
-        {{"corners_mm", list_of(point, 3)},
-         {"center_mm", point},
-         {"sides", number(Range::between(3, 1000), true)},
-         {"radius_mm", positive},
-         {"side_mm", positive},
-         {"start_deg", number({})}},
-        {});
-    add("csv", {{"file", {{"type", "string"}}}, {"closed", {{"type", "boolean"}}}}, {"file"});
-}
-
 /// The tables of a job in addition to those of a case.
 void add_job_tables(Json& root) {
     const Json text = {{"type", "string"}};
@@ -376,7 +355,7 @@ std::string job_schema() {
         }
     for (const auto& [key, type] : travel.items()) // of speed and corners
         if (!modulation.contains(key)) modulation[key] = type;
-    add_shapes(path);
+    SchemaWalk(path).shapes();
 
     Json rules = take_requirements(root);
     Json path_rules = take_requirements(path);
@@ -447,27 +426,22 @@ std::string full_key_hint(std::string_view ending) {
     return fmt::format("did you mean {}?", fmt::join(meant, " or "));
 }
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-} // namespace
-
 nlohmann::ordered_json uncertain_schema() {
-    const Json number = {{"type", "number"}}, word = {{"type", "string"}};
+    const Json any_number = number({}), word = {{"type", "string"}};
     const Json pair = {{"type", "array"}, {"items", word}, {"minItems", 2}, {"maxItems", 2}};
-    const Json correlation = {{"type", "object"},
-                              {"properties", {{"keys", pair}, {"rank", number}}},
-                              {"required", {"keys", "rank"}},
-                              {"additionalProperties", false}};
+    const Json correlation = {
+        {"type", "object"},
+        {"properties", {{"keys", pair}, {"rank", number(Range::inside(-1.0, 1.0))}}},
+        {"required", {"keys", "rank"}},
+        {"additionalProperties", false}};
     return {{"type", "object"},
             {"properties",
-             {{"samples", {{"type", "integer"}, {"minimum", 2}}},
+             {{"samples", number(range_of<UncertainTableKeys>("samples"), true)},
               {"sampling", {{"enum", sampling::sampling_names()}}},
               {"analysis", {{"enum", sampling::analysis_names()}}},
-              {"seed", {{"type", "integer"}, {"minimum", 0}}},
+              {"seed", number(range_of<UncertainTableKeys>("seed"), true)},
               {"correlation", {{"type", "array"}, {"items", correlation}}},
-              {"exceedance", {{"type", "object"}, {"additionalProperties", number}}}}},
+              {"exceedance", {{"type", "object"}, {"additionalProperties", any_number}}}}},
             {"additionalProperties", {{"type", "object"}}},
             {"required", {"samples"}},
             {"description", "uncertain keys in full, each with its distribution"}};

@@ -57,8 +57,8 @@ void read_direction(Reader& reader, Cylinder& cylinder) {
 
 /// `center_mm` is [x, y, z], or [x, y] together with `depth_mm`, which can be swept as a number.
 Vec3 read_centre_m(Reader& reader, bool has_depth) {
-    const auto depth_m = reader.find_number("depth_mm", Range::any());
-    const auto values = reader.find_numbers("center_mm", Range::any());
+    const auto depth_m = reader.find_number("depth_mm", range_of<Body>("depth_mm"));
+    const auto values = reader.find_numbers("center_mm", range_of<Body>("center_mm"));
     if (!reader.has("center_mm")) reader.missing("center_mm");
     if (!values) return {0.0, 0.0, depth_m.value_or(0.0)};
     if (values->size() != 2 && values->size() != 3) {

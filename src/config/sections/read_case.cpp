@@ -90,8 +90,10 @@ void check_receptor_depths(const Reader& reader, const Case& c) {
 }
 
 double read_focal_radius_m(Reader& reader, const Load& load) {
-    const auto in_fwhm = reader.find_number("focal_radius_fwhm", Range::above(0.0));
-    const auto radius_m = reader.find_number("focal_radius_mm", Range::above(0.0));
+    const auto in_fwhm =
+        reader.find_number("focal_radius_fwhm", range_of<MeasureOptions>("focal_radius_fwhm"));
+    const auto radius_m =
+        reader.find_number("focal_radius_mm", range_of<MeasureOptions>("focal_radius_mm"));
     if (reader.has("focal_radius_fwhm") && reader.has("focal_radius_mm"))
         reader.error("focal_radius_mm",
                      "and focal_radius_fwhm are both given; specify only one of them");
@@ -104,7 +106,7 @@ Domain read_domain(Reader& reader) {
     if (reader.empty()) return {};
     const Sound sound(reader.diagnostics());
     Domain domain;
-    const Vec2 extent_m = reader.point("extent_mm", Range::above(0.0));
+    const Vec2 extent_m = reader.point("extent_mm", range_of<Domain>("extent_mm"));
     read_fields(reader, domain);
     reader.finish();
     if (!sound) return domain;
@@ -159,8 +161,9 @@ TimeAxis read_time(Reader& reader, const Load* load) {
     if (reader.empty()) return {};
     const Sound sound(reader.diagnostics());
     TimeAxis time;
-    const auto duration_s = reader.find_number("duration_ms", Range::above(0.0));
-    const double longest_s = reader.number_or("longest_period_ms", 1.0, Range::above(0.0));
+    const auto duration_s = reader.find_number("duration_ms", range_of<TimeAxis>("duration_ms"));
+    const double longest_s =
+        reader.number_or("longest_period_ms", 1.0, range_of<TimeAxis>("longest_period_ms"));
     read_fields(reader, time);
     const bool repeats = time.regime == Regime::periodic;
     if (!repeats && !reader.has("duration_ms")) reader.missing("duration_ms");
@@ -176,8 +179,9 @@ TimeAxis read_time(Reader& reader, const Load* load) {
 MeasureOptions read_measure(Reader& reader, const Measured& of) {
     const TimeAxis& time = of.time;
     MeasureOptions measure;
-    const auto at_s = reader.find_number("at_ms", Range::above(0.0));
-    const auto settled_after_s = reader.find_number("settled_after_ms", Range::at_least(0.0));
+    const auto at_s = reader.find_number("at_ms", range_of<MeasureOptions>("at_ms"));
+    const auto settled_after_s =
+        reader.find_number("settled_after_ms", range_of<MeasureOptions>("settled_after_ms"));
     measure.focal_radius_m = read_focal_radius_m(reader, of.load);
     read_fields(reader, measure);
     check_depths(reader, measure.depths_m, of.medium);
@@ -234,7 +238,7 @@ std::vector<VolumeField> read_volume_fields(Reader& reader) {
 }
 
 void read_volumes(Reader& reader, const TimeAxis& time, RecordOptions& record) {
-    const auto volumes_s = reader.find_numbers("volumes_ms", Range::above(0.0));
+    const auto volumes_s = reader.find_numbers("volumes_ms", range_of<RecordOptions>("volumes_ms"));
     const std::vector<VolumeField> fields = read_volume_fields(reader);
     if (reader.has("volume_fields") && !reader.has("volumes_ms"))
         reader.error("volume_fields", "selects what is stored at record.volumes_ms, which is "
@@ -256,7 +260,8 @@ RecordOptions read_record(Reader& reader, const Domain& domain, const TimeAxis& 
                           const MeasureOptions& measure) {
     RecordOptions record;
     record.traces_m = reader.find_points("traces_mm").value_or(std::vector{Vec2{}});
-    const auto snapshots_s = reader.find_numbers("snapshots_ms", Range::above(0.0));
+    const auto snapshots_s =
+        reader.find_numbers("snapshots_ms", range_of<RecordOptions>("snapshots_ms"));
     read_fields(reader, record);
     read_volumes(reader, time, record);
     reader.finish();

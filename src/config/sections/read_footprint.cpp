@@ -46,7 +46,7 @@ const std::vector<std::string>& array_preset_names() {
 
 void read_elements(Reader& reader, ArrayFootprint& array, bool has_preset) {
     if (!has_preset && !reader.has("elements")) reader.missing("elements");
-    const auto counts = reader.find_numbers("elements", Range::between(1, 100));
+    const auto counts = reader.find_numbers("elements", range_of<ArrayFootprint>("elements"));
     if (!counts) return;
     if (counts->size() != 2 || counts->front() != std::floor(counts->front()) ||
         counts->back() != std::floor(counts->back())) {
@@ -94,10 +94,11 @@ FootprintAndPeak read_array(Reader& reader) {
     read_elements(reader, array, has_preset);
     read_missing(reader, array);
     read_fields(reader, array, {.has_preset = has_preset});
-    const auto strength_Pa_m = reader.find_number("pressure_Pa_m", Range::above(0.0));
-    const double density_kg_m3 =
-        reader.number_or("air_density_kg_m3", air_density_kg_m3, Range::above(0.0));
-    const auto reach_m = reader.find_number("reach_mm", Range::between(5.0, 500.0));
+    const auto strength_Pa_m =
+        reader.find_number("pressure_Pa_m", range_of<ArrayFootprint>("pressure_Pa_m"));
+    const double density_kg_m3 = reader.number_or("air_density_kg_m3", air_density_kg_m3,
+                                                  range_of<ArrayFootprint>("air_density_kg_m3"));
+    const auto reach_m = reader.find_number("reach_mm", range_of<ArrayFootprint>("reach_mm"));
     FootprintAndPeak read{.footprint = array, .gives_peak = reader.has("pressure_Pa_m")};
     reader.finish();
     if (reader.diagnostics().errors() != before) return read;

@@ -60,7 +60,8 @@ void read_target(Reader& reader, const TextLoader& load_text, LensFootprint& len
     lens.foci_m = read_points_of(reader, "target_foci_mm", 1);
     lens.polygon_m = read_points_of(reader, "target_polygon_mm", 3);
     lens.image = read_image(reader, load_text);
-    const auto width_m = reader.find_number("target_width_mm", Range::between(1.0, 1000.0));
+    const auto width_m =
+        reader.find_number("target_width_mm", range_of<LensFootprint>("target_width_mm"));
     int targets = 0;
     for (const char* key : {"target_foci_mm", "target_polygon_mm", "target_png"})
         targets += reader.has(key);
@@ -101,13 +102,14 @@ FootprintAndPeak read_lens(Reader& reader, const FileLoaders& files) {
     read_target(reader, files.load_text, lens);
     lens.absorption_dB_m = reader.number_or(
         "absorption_dB_m", air_absorption_dB_m(lens.frequency_Hz, temperature_K, humidity),
-        Range::between(0.0, 1000.0));
-    lens.pixel_m =
-        reader.number_or("pixel_mm", 0.25 * wavelength_m(lens), Range::between(0.1, 50.0));
-    const auto reach_m = reader.find_number("reach_mm", Range::between(5.0, 500.0));
-    const auto pressure_Pa = reader.find_number("pressure_Pa", Range::above(0.0));
-    const double density_kg_m3 =
-        reader.number_or("air_density_kg_m3", air_density_kg_m3, Range::above(0.0));
+        range_of<LensFootprint>("absorption_dB_m"));
+    lens.pixel_m = reader.number_or("pixel_mm", 0.25 * wavelength_m(lens),
+                                    range_of<LensFootprint>("pixel_mm"));
+    const auto reach_m = reader.find_number("reach_mm", range_of<LensFootprint>("reach_mm"));
+    const auto pressure_Pa =
+        reader.find_number("pressure_Pa", range_of<LensFootprint>("pressure_Pa"));
+    const double density_kg_m3 = reader.number_or("air_density_kg_m3", air_density_kg_m3,
+                                                  range_of<LensFootprint>("air_density_kg_m3"));
     FootprintAndPeak read{.gives_peak = reader.has("pressure_Pa")};
     reader.finish();
     if (reader.diagnostics().errors() != before) return read;

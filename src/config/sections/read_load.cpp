@@ -34,7 +34,7 @@ Load read_load(Reader& reader, const Medium& medium, OtherKinds other_kinds,
                const FileLoaders& files) {
     if (reader.empty()) return {};
     Load load;
-    const auto peak_Pa = reader.find_number("peak_Pa", Range::above(0.0));
+    const auto peak_Pa = reader.find_number("peak_Pa", range_of<Load>("peak_Pa"));
     const FootprintAndPeak read = read_footprint(reader.table("footprint"), files);
     load.footprint = read.footprint;
     load.peak_Pa = peak_Pa.value_or(read.peak_Pa.value_or(1.0));

@@ -27,7 +27,8 @@ ShearLoss read_law(Reader reader) {
 }
 
 ShearLoss read_loss(Reader& reader) {
-    const auto viscosity_Pa_s = reader.find_number("viscosity_Pa_s", Range::at_least(0.0));
+    const auto viscosity_Pa_s =
+        reader.find_number("viscosity_Pa_s", range_of<Layer>("viscosity_Pa_s"));
     const NodePtr loss = reader.node("loss");
     if (!loss) return viscosity_Pa_s ? kelvin_voigt(*viscosity_Pa_s) : Lossless{};
     if (reader.has("viscosity_Pa_s"))
@@ -41,7 +42,7 @@ ShearLoss read_loss(Reader& reader) {
 
 void read_thickness(Reader& reader, bool endless, Layer& layer) {
     if (!endless) {
-        layer.thickness_m = reader.number("thickness_mm", Range::above(0.0));
+        layer.thickness_m = reader.number("thickness_mm", range_of<Layer>("thickness_mm"));
     } else if (reader.has("thickness_mm")) {
         reader.error("thickness_mm",
                      "does not apply: with medium.base = \"half-space\", the last layer extends to "

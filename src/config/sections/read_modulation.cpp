@@ -63,8 +63,10 @@ bool holds_word(std::string_view words, std::string_view word) {
 
 /// A short line through the centre, traversed back and forth.
 Swing read_lateral(Reader& reader) {
-    const double angle = reader.number_or("lm_angle_deg", 0.0, Range::any());
-    const double amplitude_m = reader.number("lm_amplitude_mm", Range::between(0.0, 1e3));
+    const double angle =
+        reader.number_or("lm_angle_deg", 0.0, range_of<Modulation>("lm_angle_deg"));
+    const double amplitude_m =
+        reader.number("lm_amplitude_mm", range_of<Modulation>("lm_amplitude_mm"));
     Swing swing{.amplitude_m = {amplitude_m * std::cos(angle), amplitude_m * std::sin(angle)}};
     read_fields(reader, swing, {.prefix = "lm_", .without = {"amplitude_mm"}});
     return swing;
@@ -72,7 +74,8 @@ Swing read_lateral(Reader& reader) {
 
 /// The small, fast figure around the moving centre. Open figures are traversed back and forth.
 Travel read_pattern(Reader& reader, const PathContext& context) {
-    const double frequency_Hz = reader.number("pattern_frequency_Hz", Range::between(1e-3, 1e5));
+    const double frequency_Hz =
+        reader.number("pattern_frequency_Hz", range_of<Modulation>("pattern_frequency_Hz"));
     const PathAndEnd read = read_path(reader.table("pattern"), context, LeastLength::none);
     Travel travel{.path = read.path, .at_end = read.at_end};
     if (!is_closed(read.path) && !read.end_is_given) travel.at_end = AtEnd::back_and_forth;
@@ -160,7 +163,7 @@ Modulation read_modulation(Reader& reader, const Medium& medium, OtherKinds othe
     Modulation modulation;
     if (!reader.has("kind")) reader.missing("kind");
     const auto kind = reader.find_choice("kind", kinds);
-    const auto ramp_s = reader.find_number("ramp_ms", Range::above(0.0));
+    const auto ramp_s = reader.find_number("ramp_ms", range_of<Modulation>("ramp_ms"));
     std::vector<Gain> more_gains;
     for (const Reader& gain : reader.tables("envelope"))
         more_gains.push_back(read_gain(gain));

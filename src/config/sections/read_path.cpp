@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
+#include "config/document/job_keys.hpp"
 #include "config/files/points_file.hpp"
 #include "config/sections/read_fields.hpp"
 
@@ -17,16 +18,12 @@ namespace shearwake::config {
 
 namespace {
 
-const Range path_lengths = Range::between(1e-3, 1e4);
+constexpr double least_radius_m = 1e-6; // of a path
 
 struct Context {
     Reader& reader;
     const PathContext& path;
     LeastLength least;
-
-    Range sizes() const {
-        return least == LeastLength::none ? Range::between(0.0, 1e4) : path_lengths;
-    }
 };
 
 Curve read_line(Context& c) {
@@ -39,16 +36,25 @@ Curve read_line(Context& c) {
     return line;
 }
 
+void check_radius(Context& c, const Arc& arc) {
+    if (c.least == LeastLength::some && c.reader.has("radius_mm") && arc.radius_m < least_radius_m)
+        c.reader.error("radius_mm", fmt::format("must be at least 0.001, so that the path has a "
+                                                "length, but is {:.6g}",
+                                                1e3 * arc.radius_m));
+}
+
 Curve read_circle(Context& c) {
     Arc arc{.sweep_rad = two_pi};
-    read_fields(c.reader, arc, {.ranges = {{"radius_mm", c.sizes()}}, .without = {"sweep_deg"}});
+    read_fields(c.reader, arc, {.without = {"sweep_deg"}});
+    check_radius(c, arc);
     if (c.reader.find_flag("clockwise").value_or(false)) arc.sweep_rad = -two_pi;
     return arc;
 }
 
 Curve read_arc(Context& c) {
     Arc arc;
-    read_fields(c.reader, arc, {.ranges = {{"radius_mm", c.sizes()}}});
+    read_fields(c.reader, arc);
+    check_radius(c, arc);
     if (arc.sweep_rad == 0.0) c.reader.error("sweep_deg", "is 0, so the path has no length");
     return arc;
 }
@@ -88,9 +94,9 @@ Curve read_polygon(Context& c) {
         return checked_polyline(c, "corners_mm", std::move(*points_m), Ends::closed);
     }
     const Vec2 center_m = c.reader.point_or("center_mm", {});
-    const int sides = read_count(c.reader, "sides", Range::between(3, 1000));
-    const auto radius_m = c.reader.find_number("radius_mm", path_lengths);
-    const auto side_m = c.reader.find_number("side_mm", path_lengths);
+    const int sides = read_count(c.reader, "sides", range_of<PolygonKeys>("sides"));
+    const auto radius_m = c.reader.find_number("radius_mm", range_of<PolygonKeys>("radius_mm"));
+    const auto side_m = c.reader.find_number("side_mm", range_of<PolygonKeys>("side_mm"));
     if (c.reader.has("radius_mm") && c.reader.has("side_mm"))
         c.reader.error("side_mm", "and radius_mm are both given; specify only one of them");
     if (!c.reader.has("radius_mm") && !c.reader.has("side_mm")) c.reader.missing("radius_mm");
@@ -104,7 +110,7 @@ Curve read_lissajous(Context& c) {
     Lissajous curve = Example<Lissajous>::make();
     read_fields(c.reader, curve);
     LissajousShape shape = curve.shape();
-    const auto counts = c.reader.find_numbers("frequencies", Range::between(1, 50));
+    const auto counts = c.reader.find_numbers("frequencies", range_of<Lissajous>("frequencies"));
     if (!c.reader.has("frequencies")) c.reader.missing("frequencies");
     if (!counts) return {};
     const bool is_pair = counts->size() == 2 && counts->front() == std::floor(counts->front()) &&
@@ -152,12 +158,12 @@ struct Shape {
 };
 constexpr std::array shapes = {
     Shape{"line", read_line},
-    Shape{"circle", read_circle},
+    Shape{CircleKeys::name, read_circle},
     Shape{"arc", read_arc},
-    Shape{"polygon", read_polygon},
+    Shape{PolygonKeys::name, read_polygon},
     Shape{"lissajous", read_lissajous},
     Shape{"polyline", read_polyline},
-    Shape{"csv", read_csv},
+    Shape{PathFileKeys::name, read_csv},
 };
 
 } // namespace

@@ -72,7 +72,7 @@ std::vector<Vec2> read_region(Reader& reader, const Measured& of) {
         return reader.choice("region_mm", words) == "path" ? around_path(of.load)
                                                            : palm(of.afferents);
     }
-    const Vec2 half_m = 0.5 * reader.point("region_mm", Range::above(0.0));
+    const Vec2 half_m = 0.5 * reader.point("region_mm", range_of<MeasureOptions>("region_mm"));
     std::vector<Vec2> corners = rectangle(center_m - half_m, center_m + half_m);
     if (domain.nx > 0 && !is_in_domain(corners, domain))
         reader.error("region_mm",

@@ -39,9 +39,10 @@ void check_corners(Reader& reader, const Travel& travel) {
 /// against it.
 double read_speed_m_s(Reader& reader, const PathContext& context, const Travel& travel,
                       bool has_path) {
-    const auto speed_m_s = reader.find_number("speed_m_s", Range::between(1e-6, 1000.0));
-    const auto mach = reader.find_number("mach", Range::between(1e-6, 1000.0));
-    const auto draw_Hz = reader.find_number("draw_frequency_Hz", Range::between(1e-3, 1e5));
+    const auto speed_m_s = reader.find_number("speed_m_s", range_of<Travel>("speed_m_s"));
+    const auto mach = reader.find_number("mach", range_of<Travel>("mach"));
+    const auto draw_Hz =
+        reader.find_number("draw_frequency_Hz", range_of<Travel>("draw_frequency_Hz"));
     if (reader.has("speed_m_s") && reader.has("mach"))
         reader.error("mach", "and speed_m_s are both given; specify only one of them");
     const bool has_speed = reader.has("speed_m_s") || reader.has("mach");

@@ -95,7 +95,8 @@ std::vector<Vec2> read_file(Reader& reader, const TextLoader& load_text) {
 std::vector<Vec2> read_scan(Reader& reader, const TextLoader& load_text) {
     const auto given =
         std::count_if(scans.begin(), scans.end(), [&](const char* key) { return reader.has(key); });
-    const auto spacing_m = reader.find_number("spacing_mm", Range::above(0.0));
+    const auto spacing_m =
+        reader.find_number("spacing_mm", range_of<VibrometerOptions>("spacing_mm"));
     const Vec2 centre = reader.point_or("center_mm", {});
     if (given != 1) {
         reader.error("points_mm", "or one of grid_mm, polygon_mm, line_mm and file is required, "
@@ -114,7 +115,7 @@ std::vector<Vec2> read_scan(Reader& reader, const TextLoader& load_text) {
     if (!spacing_m) return {};
     if (reader.has("polygon_mm")) return read_area(reader, *spacing_m);
     if (reader.has("line_mm")) return read_line(reader, *spacing_m);
-    const Vec2 extent = reader.point("grid_mm", Range::above(0.0));
+    const Vec2 extent = reader.point("grid_mm", range_of<VibrometerOptions>("grid_mm"));
     if (is_too_fine(reader, extent, *spacing_m)) return {};
     return lattice_points(centre - 0.5 * extent, centre + 0.5 * extent, *spacing_m);
 }
@@ -147,9 +148,11 @@ std::optional<VibrometerOptions> read_vibrometer(Reader& reader, const Case& c,
         reader.error("points_mm", "must contain at least one point");
     read_fields(reader, options);
     options.noise_m_s_rtHz =
-        micro * reader.number_or("noise_um_s_rtHz", 0.0, Range::between(0.0, 1e6));
+        micro *
+        reader.number_or("noise_um_s_rtHz", 0.0, range_of<VibrometerOptions>("noise_um_s_rtHz"));
     options.missing_share =
-        percent * reader.number_or("missing_percent", 0.0, Range::between(0.0, 99.0));
+        percent *
+        reader.number_or("missing_percent", 0.0, range_of<VibrometerOptions>("missing_percent"));
     reader.finish();
     check_points(reader, options, c.domain);
     if (c.measure.depths_m.empty() || c.measure.depths_m.front() != 0.0)

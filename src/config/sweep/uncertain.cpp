@@ -4,6 +4,7 @@
 #include "base/csv.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "config/document/job_keys.hpp"
 #include "config/document/reader.hpp"
 #include "config/sweep/axis_values.hpp"
 #include "sampling/design.hpp"
@@ -21,7 +22,6 @@ namespace {
 constexpr std::array options = {"samples", "sampling",    "analysis",
                                 "seed",    "correlation", "exceedance"};
 constexpr std::size_t most_uncertain_keys = 30;
-constexpr double largest_seed = 9007199254740992.0; // 2^53, exact as a number
 
 bool is_option(const std::string& key) {
     return std::ranges::find(options, key) != options.end();
@@ -142,13 +142,13 @@ void fill(UncertainKeys& keys, const sampling::Points& points) {
 }
 
 void read_options(Reader& reader, UncertainPlan& plan) {
-    plan.samples = static_cast<std::size_t>(
-        whole_number(reader, "samples", reader.number("samples", Range::between(2.0, 1e12))));
+    plan.samples = static_cast<std::size_t>(whole_number(
+        reader, "samples", reader.number("samples", range_of<UncertainTableKeys>("samples"))));
     const auto &samplings = sampling::sampling_names(), &analyses = sampling::analysis_names();
     plan.sampling = reader.choice_or("sampling", samplings.front(), samplings);
     plan.analysis = reader.choice_or("analysis", analyses.front(), analyses);
     plan.seed = static_cast<std::uint64_t>(whole_number(
-        reader, "seed", reader.number_or("seed", 1.0, Range::between(0.0, largest_seed))));
+        reader, "seed", reader.number_or("seed", 1.0, range_of<UncertainTableKeys>("seed"))));
     plan.exceedance = read_thresholds(reader);
 }
 

@@ -271,12 +271,14 @@ void walk_fields(Walk& walk, Options& o) {
                       .fallback = "[[0, 0]]",
                       .meaning = "points whose u_z(t) and spectrum are stored"});
     walk(o.snapshots_s, {.key = "snapshots_ms",
+                         .range = Range::above(0.0),
                          .given = Given::by_hand,
                          .fallback = "[`at_ms`]",
                          .meaning = "times at which the surface is stored"});
     walk(o.frames,
          {.key = "frames", .meaning = "store every frame, with an .xdmf file for ParaView"});
     walk(o.volumes_s, {.key = "volumes_ms",
+                       .range = Range::above(0.0),
                        .given = Given::by_hand,
                        .in_text = !o.volumes_s.empty(),
                        .fallback = "none",

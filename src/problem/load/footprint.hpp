@@ -55,12 +55,14 @@ template <class Walk>
 void walk_pressure_keys(Walk& walk) {
     walk.key(
         {.key = "pressure_Pa_m",
+         .range = Range::above(0.0),
          .type = "number",
          .fallback = "`load.peak_Pa`",
          .meaning =
              "pressure of one piston on its axis, multiplied by the distance; replaces `peak_Pa`"});
     walk.key(
         {.key = "air_density_kg_m3",
+         .range = Range::above(0.0),
          .type = "number",
          .fallback = "1.184",
          .meaning = "with `pressure_Pa_m`: density of air; the default is for 25 degrees Celsius"});
@@ -75,6 +77,7 @@ void walk_piston_fields(Walk& walk, Footprint& array) {
                   "`\"array-16x16\"`, or `\"array-249\"` (18 x 14 positions at 10.16 mm, three "
                   "of them empty); supplies `elements`, `missing`, `pitch_mm` and `radius_mm`"});
     walk.key({.key = "elements",
+              .range = Range::between(1, 100),
               .given = Given::preset,
               .type = "point",
               .meaning = "number of pistons along x and y, such as `[16, 16]`"});

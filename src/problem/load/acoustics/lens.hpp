@@ -101,11 +101,13 @@ void walk_fields(Walk& walk, Footprint& lens) {
     walk(lens.absorption_dB_m,
          {.key = "absorption_dB_m",
           .text = "absorption_dB_m",
+          .range = Range::between(0.0, 1000.0),
           .given = Given::by_hand,
           .fallback = "by ISO 9613-1, at 25 degrees Celsius and 50 % humidity",
           .meaning = "absorption of the sound in air, in dB per metre"});
     walk(lens.pixel_m,
          {.key = "pixel_mm",
+          .range = Range::between(0.1, 50.0),
           .given = Given::by_hand,
           .fallback = "a quarter of the wavelength",
           .meaning = "side of the square pixels of the lens, which have a uniform thickness"});
@@ -125,11 +127,13 @@ void walk_fields(Walk& walk, Footprint& lens) {
                         .meaning = "distance from the axis beyond which the pattern is faded out, "
                                    "by the factor erfc(8 (r / reach - 1)) / 2"});
     walk.key({.key = "pressure_Pa",
+              .range = Range::above(0.0),
               .type = "number",
               .fallback = "`load.peak_Pa`",
               .meaning = "amplitude of the sound behind the lens; replaces `peak_Pa`"});
     walk.key(
         {.key = "air_density_kg_m3",
+         .range = Range::above(0.0),
          .type = "number",
          .fallback = "1.184",
          .meaning = "with `pressure_Pa`: density of air; the default is for 25 degrees Celsius"});

@@ -38,11 +38,10 @@ struct Arc {
 template <class Walk, Is<Arc> A>
 void walk_fields(Walk& walk, A& arc) {
     walk(arc.center_m, {.key = "center_mm", .meaning = "centre"});
-    walk(arc.radius_m,
-         {.key = "radius_mm",
-          .range = Range::between(1e-3, 1e4),
-          .given = Given::required,
-          .meaning = "radius; as the pattern of STP, a circle or arc may also have the radius 0"});
+    walk(arc.radius_m, {.key = "radius_mm",
+                        .range = Range::between(0.0, 1e4),
+                        .given = Given::required,
+                        .meaning = "radius; at least 0.001, except as the pattern of STP"});
     walk(arc.start_rad,
          {.key = "start_deg", .meaning = "angle of the starting point, from x towards y"});
     walk(arc.sweep_rad, {.key = "sweep_deg",

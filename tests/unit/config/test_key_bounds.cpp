@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every bound of a number in the schema of jobs is that of the reader and of the reference: a value
+// outside it is refused with its words, a value inside it is not, and the reference lists it.
+#include "base/field.hpp"
+#include "config/job.hpp"
+#include "config/keys/key_table.hpp"
+#include "config/keys/schema.hpp"
+
+#include <catch2/catch.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace test_key_bounds {
+
+using namespace shearwake;
+using namespace shearwake::config;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// A number of the schema: its place as a job text with a hole for the value, and its bounds.
+struct Bounded {
+    std::string key;           // "load.footprint.fwhm_mm"
+    std::string before, after; // of the value, as TOML
+    Range range;
+    bool is_whole = false;
+};
+
+/// What a key needs beside it before the reader looks at it; the first entry whose key begins the
+/// name of the key applies.
+const std::vector<std::pair<std::string, std::string>> beside = {
+    {"vibrometer.grid_mm", "spacing_mm = 1"},
+    {"vibrometer.spacing_mm", "grid_mm = [10, 10]"},
+    {"afferents.carrier", "input = \"carrier\""},
+    {"solver.pstd.displacement_um", "load = \"displacement\""},
+    {"solver.pstd.velocity_mm_s", "load = \"velocity\""},
+    {"solver.pstd.fluid_", "top = \"fluid\""},
+    {"load.modulation.am_duty", "kind = \"AM\", am_wave = \"square\""},
+    {"load.modulation.am_edge_us", "kind = \"AM\", am_wave = \"square\""},
+    {"load.modulation.am_", "kind = \"AM\""},
+    {"load.modulation.lm_", "kind = \"LM\""},
+    {"load.modulation.speed_deviation_m_s", "kind = \"SM-STM\""},
+    {"load.modulation.sm_", "kind = \"SM-STM\""},
+    {"load.modulation.pattern", "kind = \"STP\""},
+    {"load.modulation.trajectory[1]", ""},
+    {"load.modulation.trajectory", "kind = \"custom\""},
+    {"load.modulation.path", "kind = \"STM\""},
+    {"load.modulation.",
+     "kind = \"STM\", path = { shape = \"line\", from_mm = [0, 0], to_mm = [9, 0] }"},
+};
+
+class Walk {
+public:
+    explicit Walk(const Json& schema) : schema_(schema) { table(schema, "", "", "", {}); }
+    std::vector<Bounded> found;
+
+private:
+    /// A member, or an empty one.
+    static const Json& member(const Json& node, const char* name) {
+        static const Json none = Json::object();
+        const auto found = node.find(name);
+        return found == node.end() ? none : *found;
+    }
+
+    void table(const Json& node, const std::string& key, const std::string& before,
+               const std::string& after, std::string siblings) {
+        if (node.contains("$ref")) {
+            const std::string name = node["$ref"].get<std::string>();
+            return table(schema_["$defs"][name.substr(name.rfind('/') + 1)], key, before, after,
+                         siblings);
+        }
+        for (const auto& [name, content] : member(node, "properties").items())
+            property(content, name, key, before, after, siblings);
+        for (const Json& rule : member(node, "allOf")) {
+            if (!rule.contains("if") || !rule.contains("then")) continue;
+            std::string chosen = siblings;
+            for (const auto& [selector, is] : member(rule["if"], "properties").items())
+                if (is.contains("const"))
+                    chosen += fmt::format("{} = {}, ", selector, is["const"].dump());
+            table(rule["then"], key, before, after, chosen);
+        }
+    }
+
+    void property(const Json& content, const std::string& name, const std::string& table_key,
+                  const std::string& before, const std::string& after,
+                  const std::string& siblings) {
+        const std::string key = table_key.empty() ? name : table_key + "." + name;
+        // The root table is not an inline one.
+        const bool is_root = table_key.empty();
+        std::string more = siblings;
+        const auto extra = std::ranges::find_if(
+            beside, [&](const auto& entry) { return key.starts_with(entry.first); });
+        if (extra != beside.end() && !extra->second.empty()) more += extra->second + ", ";
+        const std::string open = before + (is_root ? "" : more) + name + " = ";
+        const Json* node = &content;
+        for (const Json& option : member(content, "anyOf"))
+            if (option.contains("type") && option["type"] != "string") node = &option;
+        if (node->value("type", "") == "object" || node->contains("$ref"))
+            table(*node, key, open + "{ ", " }" + after, "");
+        else if (node->value("type", "") == "array" && node->contains("items")) {
+            const Json& item = (*node)["items"];
+            if (item.value("type", "") == "object")
+                table(item, key + "[1]", open + "[{ ", " }]" + after, "");
+            else if (is_number(item))
+                number(item, key, open + "[", (node->contains("minItems") ? ", %]" : "]") + after);
+        } else if (is_number(*node))
+            number(*node, key, open, after);
+    }
+
+    static bool is_number(const Json& node) {
+        return node.value("type", "") == "number" || node.value("type", "") == "integer";
+    }
+
+    void number(const Json& node, const std::string& key, const std::string& before,
+                const std::string& after) {
+        Bounded bounded{key, before, after, {}, node["type"] == "integer"};
+        for (const auto& [bound, value] : node.items()) {
+            if (bound == "minimum" || bound == "exclusiveMinimum") {
+                bounded.range.least = value.get<double>();
+                bounded.range.least_excluded = bound != "minimum";
+            }
+            if (bound == "maximum" || bound == "exclusiveMaximum") {
+                bounded.range.most = value.get<double>();
+                bounded.range.most_excluded = bound != "maximum";
+            }
+        }
+        found.push_back(bounded);
+    }
+
+    const Json& schema_;
+};
+
+std::string number_text(double value) {
+    const std::string text = fmt::format("{}", value);
+    return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
+/// Whether the reader refuses the value because of these bounds.
+bool is_refused(const Bounded& b, double value, std::string& all) {
+    const std::string text = b.is_whole ? fmt::format("{:.0f}", value) : number_text(value);
+    std::string job = b.before + text + b.after;
+    if (const std::size_t hole = job.find('%'); hole != std::string::npos)
+        job.replace(hole, 1, text);
+    std::vector<Diagnostic> diagnostics;
+    try {
+        diagnostics = read_job("schema = 1\n" + job + "\n", "job.toml").diagnostics;
+    } catch (const BadJob& bad) {
+        diagnostics = bad.diagnostics();
+    }
+    const std::string name = b.key.substr(b.key.rfind('.') + 1);
+    all = job + "\n";
+    bool refused = false;
+    for (const Diagnostic& diagnostic : diagnostics) {
+        all += diagnostic.message + "\n";
+        refused = refused || (diagnostic.message.find(name + " must be " + b.range.words()) !=
+                              std::string::npos);
+    }
+    return refused;
+}
+
+/// Whether a row of the reference has this key, perhaps with a prefix, and these values.
+bool has_row(const std::string& reference, const std::string& key, const std::string& words) {
+    if (words == Range{}.words()) return true;
+    std::istringstream rows(reference);
+    for (std::string row; std::getline(rows, row);) {
+        const std::size_t name = row.find(key + "` |");
+        const std::size_t values = row.find(words + " |");
+        if (row.starts_with("| `") && name != std::string::npos && values != std::string::npos &&
+            name < values)
+            return true;
+    }
+    return false;
+}
+
+} // namespace
+
+TEST_CASE("schema and reader and the reference agree on each bound", "[fields][schema]") {
+    const Json schema = Json::parse(job_schema());
+    const Walk walk(schema);
+    const std::string reference = key_reference();
+    std::size_t bounds = 0;
+    for (const Bounded& b : walk.found) {
+        std::string all;
+        const auto outside = [&](double bound, double direction) {
+            // 2 is the spacing of numbers above 2^53.
+            return b.is_whole ? bound + 2.0 * direction
+                              : bound + direction * 1e-3 * (std::abs(bound) + 1e-3);
+        };
+        for (const double direction : {-1.0, 1.0}) {
+            const double bound = direction < 0.0 ? b.range.least : b.range.most;
+            const bool excluded = direction < 0.0 ? b.range.least_excluded : b.range.most_excluded;
+            if (!std::isfinite(bound)) continue;
+            ++bounds;
+            INFO(b.key << ": " << b.range.words());
+            const bool beyond = is_refused(b, excluded ? bound : outside(bound, direction), all);
+            {
+                INFO(all);
+                CHECK(beyond);
+            }
+            const bool within = is_refused(b, excluded ? outside(bound, -direction) : bound, all);
+            {
+                INFO(all);
+                CHECK_FALSE(within);
+            }
+        }
+        if (b.key.starts_with("uncertain")) continue; // its table is not in the reference
+        INFO(b.key);
+        CHECK(has_row(reference, b.key.substr(b.key.rfind('.') + 1), b.range.words()));
+    }
+    CHECK(bounds >= 200);
+}
+
+} // namespace test_key_bounds
