@@ -45,7 +45,7 @@ void copy_known_cases(const schedule::OutputFolder& sweep, const schedule::Outpu
     storage::CaseIndex index(sweep.root);
     storage::make_directory(study.cases());
     for (const PlannedCase& c : plan.cases) {
-        if (fs::exists(study.case_file(c.id)) || !index.is_whole(c.id)) continue;
+        if (fs::exists(study.case_file(c.id)) || !index.is_complete(c.id)) continue;
         const fs::path part = study.case_file(c.id).string() + ".copy.part";
         fs::copy_file(sweep.case_file(c.id), part, fs::copy_options::overwrite_existing);
         storage::publish(part, study.case_file(c.id));

@@ -33,8 +33,8 @@ AfferentOptions options_of(const RespondArguments& arguments) {
 
 /// Reads the motion or the stress from the file; positions and radius of the pins are copied from
 /// the file to the options. For a prescribed carrier the motion is zero and has its duration.
-pipeline::FeltMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
-    pipeline::FeltMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
+pipeline::ReceptorMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
+    pipeline::ReceptorMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
     const auto* carrier = std::get_if<CarrierInput>(&options.input);
     if (carrier && !arguments.motion.empty())
         throw UsageError("a prescribed carrier and a MOTION cannot be combined: specify only one "
@@ -120,7 +120,7 @@ bool RespondArguments::gives_radius() const {
 
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     AfferentOptions options;
-    pipeline::FeltMotion motion;
+    pipeline::ReceptorMotion motion;
     together(world, [&] { // every rank reads the same small files
         check_out(arguments.out);
         options = options_of(arguments);
@@ -129,7 +129,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     motion.name = canonical(options); // seeds the noise
     pipeline::AfferentResult result;
     try {
-        result = pipeline::felt(motion, options, world);
+        result = pipeline::perceived(motion, options, world);
     } catch (const CaseFailure& failure) {
         throw UsageError(failure.what());
     }

@@ -116,7 +116,7 @@ Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& j
 
 void print_verified(const storage::PlanIndex& plan, storage::CaseIndex& index) {
     const auto intact = std::ranges::count_if(
-        plan.cases, [&](const storage::IndexedCase& c) { return index.is_whole(c.id); });
+        plan.cases, [&](const storage::IndexedCase& c) { return index.is_complete(c.id); });
     fmt::print("verified: {} case files match their checksums\n", intact);
 }
 
@@ -156,7 +156,7 @@ std::vector<const storage::IndexedCase*> failed_cases(State& state) {
     std::vector<const storage::IndexedCase*> failed;
     for (const storage::IndexedCase& c : state.plan.cases) {
         const auto entry = state.journal.cases.find(c.id);
-        if (entry != state.journal.cases.end() && !state.index.is_whole(c.id) &&
+        if (entry != state.journal.cases.end() && !state.index.is_complete(c.id) &&
             entry->second.state == storage::CaseHistory::State::failed)
             failed.push_back(&c);
     }

@@ -60,8 +60,8 @@ private:
 Verified verify(const schedule::OutputFolder& folder, storage::CaseIndex& index) {
     const auto began = Clock::now();
     Verified v;
-    std::error_code trouble;
-    if (!std::filesystem::is_directory(folder.cases(), trouble))
+    std::error_code error;
+    if (!std::filesystem::is_directory(folder.cases(), error))
         throw UsageError(
             fmt::format("{} is not an output folder: it contains no folder named cases",
                         folder.root.string()),

@@ -27,21 +27,21 @@ public:
 
 /// Whether a retry may succeed shortly (passing: a network file system that recovers) or only after
 /// an intervention (lasting: a full disk).
-enum class Trouble : int { lasting, passing };
+enum class Persistence : int { lasting, passing };
 
 /// An error that the user can correct. All ranks throw it with identical contents. It carries the
 /// exit code of the program.
 class UsageError : public Error {
 public:
     explicit UsageError(const std::string& what, ExitCode code = ExitCode::usage,
-                        Trouble trouble = Trouble::lasting)
-        : Error(what), code_(code), trouble_(trouble) {}
+                        Persistence persistence = Persistence::lasting)
+        : Error(what), code_(code), persistence_(persistence) {}
     ExitCode code() const { return code_; }
-    Trouble trouble() const { return trouble_; }
+    Persistence persistence() const { return persistence_; }
 
 private:
     ExitCode code_;
-    Trouble trouble_;
+    Persistence persistence_;
 };
 
 /// One case cannot be computed or written. All ranks of its team throw it together. The sweep
@@ -55,11 +55,12 @@ public:
 /// throw it.
 class FileFailure : public CaseFailure {
 public:
-    FileFailure(const std::string& what, Trouble trouble) : CaseFailure(what), trouble_(trouble) {}
-    Trouble trouble() const { return trouble_; }
+    FileFailure(const std::string& what, Persistence persistence)
+        : CaseFailure(what), persistence_(persistence) {}
+    Persistence persistence() const { return persistence_; }
 
 private:
-    Trouble trouble_;
+    Persistence persistence_;
 };
 
 /// The field has grown beyond all bounds. The checkpoints of the case are unusable.

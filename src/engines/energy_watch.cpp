@@ -14,7 +14,7 @@ void EnergyWatch::not_finite(std::ptrdiff_t step) const {
                                     time_ms(step), limits_.advice));
 }
 
-void EnergyWatch::judge(std::ptrdiff_t step, double kinetic_J_m2) {
+void EnergyWatch::check(std::ptrdiff_t step, double kinetic_J_m2) {
     double sums[2] = {kinetic_J_m2, work_J_m2_};
     team_.sum(std::span<double>(sums));
     // Checked first, because comparisons with NaN are false.

@@ -30,7 +30,7 @@ public:
     std::ptrdiff_t interval() const { return limits_.interval; }
     /// Checks the field at a step. `kinetic_J_m2` is this rank's part of the kinetic energy per
     /// area. Throws FieldDiverges on all ranks together. Collective.
-    void judge(std::ptrdiff_t step, double kinetic_J_m2);
+    void check(std::ptrdiff_t step, double kinetic_J_m2);
     /// Instead of a check: takes an energy per area, of which this is the rank's part, as supplied
     /// by sources whose work is not known. Throws FieldDiverges on all ranks together if it is not
     /// finite. Collective.

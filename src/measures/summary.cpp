@@ -215,7 +215,7 @@ public:
 
     void add_peak(const char* name, std::span<const double> values) {
         double peak_Hz = not_a_number;
-        std::string trouble = note_;
+        std::string reason = note_;
         if (note_.empty()) {
             const double duration_s = time_.duration_s();
             const std::vector<double> frequencies = trace_frequencies_Hz(time_);
@@ -223,24 +223,24 @@ public:
             peak_Hz = is_periodic() ? strongest_line_Hz(frequencies, amplitudes)
                                     : peak_frequency_Hz(frequencies, amplitudes, 1.0 / duration_s);
             if (std::isnan(peak_Hz) && !is_periodic())
-                trouble = fmt::format("the spectrum is largest at the edge of the range: no peak "
-                                      "between {:.3g} and 2000 Hz",
-                                      1.0 / duration_s);
+                reason = fmt::format("the spectrum is largest at the edge of the range: no peak "
+                                     "between {:.3g} and 2000 Hz",
+                                     1.0 / duration_s);
         }
-        columns_.add(name, peak_Hz, trouble, where_);
+        columns_.add(name, peak_Hz, reason, where_);
     }
     void add_rms(const Band& band) {
-        const std::string trouble = why_not(band.high_Hz);
+        const std::string reason = why_not(band.high_Hz);
         columns_.add(band.column,
-                     trouble.empty()
+                     reason.empty()
                          ? rms_between(time_, displacement_, {band.low_Hz, band.high_Hz}) * 1e6
                          : not_a_number,
-                     trouble, where_);
+                     reason, where_);
     }
     void add_share(const char* name, std::span<const double> values, const FrequencyBand& band) {
-        const std::string trouble = why_not(band.high_Hz);
+        const std::string reason = why_not(band.high_Hz);
         double share = not_a_number;
-        if (trouble.empty()) {
+        if (reason.empty()) {
             const ShareBands of = share_bands(time_, band);
             share = std::pow(
                 rms_between(time_, values, of.part) / rms_between(time_, values, of.whole), 2);
@@ -248,7 +248,7 @@ public:
         std::vector<Detail> details = where_;
         details.emplace_back("low", fmt::format("{:g}", band.low_Hz));
         details.emplace_back("high", fmt::format("{:g}", band.high_Hz));
-        columns_.add(name, share, trouble, details);
+        columns_.add(name, share, reason, details);
     }
 
 private:

@@ -18,9 +18,9 @@ namespace {
 struct Outcome {
     enum Kind : int { fine, peer_failed, case_failure, field_diverges, usage_error, file_failure };
     int kind = fine;
-    int code = 0;    // of a usage error
-    int trouble = 0; // of a usage error or a file failure
-    int depth = 0;   // of the failure of another rank
+    int code = 0;        // of a usage error
+    int persistence = 0; // of a usage error or a file failure
+    int depth = 0;       // of the failure of another rank
     std::array<char, 4000> message{};
 
     Outcome() = default;
@@ -35,7 +35,7 @@ struct Outcome {
 Outcome outcome_of(const UsageError& error) {
     Outcome outcome(Outcome::usage_error, error.what());
     outcome.code = static_cast<int>(error.code());
-    outcome.trouble = static_cast<int>(error.trouble());
+    outcome.persistence = static_cast<int>(error.persistence());
     return outcome;
 }
 
@@ -69,7 +69,7 @@ Outcome outcome_of(const std::exception_ptr& thrown) {
         return outcome_of(error);
     } catch (const FileFailure& error) {
         Outcome outcome(Outcome::file_failure, error.what());
-        outcome.trouble = static_cast<int>(error.trouble());
+        outcome.persistence = static_cast<int>(error.persistence());
         return outcome;
     } catch (const FieldDiverges& error) {
         return {Outcome::field_diverges, error.what()};
@@ -86,12 +86,12 @@ Outcome outcome_of(const std::exception_ptr& thrown) {
 
 [[noreturn]] void rethrow(const Outcome& outcome) {
     const char* message = outcome.message.data();
-    const auto trouble = static_cast<Trouble>(outcome.trouble);
+    const auto persistence = static_cast<Persistence>(outcome.persistence);
     switch (outcome.kind) {
     case Outcome::usage_error:
-        throw UsageError(message, static_cast<ExitCode>(outcome.code), trouble);
+        throw UsageError(message, static_cast<ExitCode>(outcome.code), persistence);
     case Outcome::file_failure:
-        throw FileFailure(message, trouble);
+        throw FileFailure(message, persistence);
     case Outcome::field_diverges:
         throw FieldDiverges(message);
     default:

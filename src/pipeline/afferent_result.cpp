@@ -23,22 +23,22 @@ using neural::Scene;
 using neural::SpikeTimes;
 
 /// The duration of the motion or stress without its repetitions.
-double once_s(const FeltMotion& motion) {
+double once_s(const ReceptorMotion& motion) {
     const auto& lines = motion.compression_Pa.empty() ? motion.pins.u_m : motion.compression_Pa;
     return static_cast<double>(lines.empty() ? 0 : lines.front().size()) / motion.pins.rate_Hz;
 }
 
-neural::CountedTime counted_time(const FeltMotion& motion) {
+neural::CountedTime counted_time(const ReceptorMotion& motion) {
     if (!motion.repetitions.is_periodic()) return {};
     const double from_s = static_cast<double>(motion.repetitions.run_in) * once_s(motion);
     return {from_s, from_s + static_cast<double>(motion.repetitions.counted) * once_s(motion)};
 }
 
-neural::Course course_of(const FeltMotion& motion) {
+neural::Course course_of(const ReceptorMotion& motion) {
     return motion.repetitions.is_periodic() ? neural::Course::periodic : neural::Course::once;
 }
 
-neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions& options,
+neural::PinStimulus stimulus_of(const ReceptorMotion& motion, const AfferentOptions& options,
                                 const Scene& scene) {
     const PointMotion& pins = motion.pins;
     const double radius_mm = 1e3 * options.pin_radius_m;
@@ -59,7 +59,7 @@ neural::PinStimulus stimulus_of(const FeltMotion& motion, const AfferentOptions&
 }
 
 /// The stress of some afferents, with its repetitions.
-neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t count) {
+neural::Lines stress_of(const ReceptorMotion& motion, std::size_t first, std::size_t count) {
     const auto& all_Pa = motion.compression_Pa;
     neural::Lines lines(count, all_Pa.empty() ? 0 : all_Pa.front().size());
     for (std::size_t i = 0; i < count; ++i)
@@ -70,7 +70,7 @@ neural::Lines stress_of(const FeltMotion& motion, std::size_t first, std::size_t
 
 /// The response to stress of the afferents of this rank. Afferents are processed in groups, since
 /// all of their repeated lines would need too much memory.
-SpikeTimes response_by_group(const FeltMotion& motion, const Scene& scene, std::size_t first,
+SpikeTimes response_by_group(const ReceptorMotion& motion, const Scene& scene, std::size_t first,
                              std::size_t count, const AfferentOptions& options, std::uint64_t key) {
     constexpr std::size_t group = 64; // a multiple of eight
     SpikeTimes all_s;
@@ -128,7 +128,7 @@ SpikeTimes gathered(const SpikeTimes& mine, const Comm& team) {
 }
 
 /// What times of spikes and of pins are relative to.
-std::string since(const FeltMotion& motion) {
+std::string since(const ReceptorMotion& motion) {
     return motion.repetitions.is_periodic() ? "since the counted periods began"
                                             : "since the load began";
 }
@@ -142,7 +142,7 @@ std::string class_numbers() {
     return text;
 }
 
-VariableGroup afferents_group(const FeltMotion& motion, const Scene& scene,
+VariableGroup afferents_group(const ReceptorMotion& motion, const Scene& scene,
                               const SpikeTimes& times_s) {
     std::vector<double> number, x, y, hand_x, hand_y, depth, kind, row, count, spike, time;
     for (std::size_t i = 0; i < scene.afferents.size(); ++i) {
@@ -188,7 +188,7 @@ VariableGroup afferents_group(const FeltMotion& motion, const Scene& scene,
               ""}}};
 }
 
-VariableGroup pins_group(const FeltMotion& motion, const AfferentOptions& options,
+VariableGroup pins_group(const ReceptorMotion& motion, const AfferentOptions& options,
                          const Scene& scene) {
     std::vector<double> number, x, y, hand_x, hand_y, time, u;
     for (std::size_t p = 0; p < scene.pins_mm.size(); ++p) {
@@ -249,7 +249,7 @@ std::string without_locking(const neural::ClassResponse& r, double modulation_Hz
 }
 
 /// The columns that state which periods of a periodic motion count.
-std::vector<measures::Column> columns_of(const FeltMotion& motion) {
+std::vector<measures::Column> columns_of(const ReceptorMotion& motion) {
     if (!motion.repetitions.is_periodic()) return {};
     return {measures::column_of("receptor_periods_1",
                                 static_cast<double>(motion.repetitions.counted), {}),
@@ -257,7 +257,7 @@ std::vector<measures::Column> columns_of(const FeltMotion& motion) {
                                 static_cast<double>(motion.repetitions.run_in), {})};
 }
 
-std::vector<measures::Column> columns_of(const FeltMotion& motion,
+std::vector<measures::Column> columns_of(const ReceptorMotion& motion,
                                          const std::vector<neural::ClassResponse>& classes,
                                          double duration_s) {
     std::vector<measures::Column> columns = columns_of(motion);
@@ -296,12 +296,12 @@ neural::Repetitions receptor_repetitions(const Case& c) {
                                   static_cast<std::size_t>(c.afferents->periods));
 }
 
-FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
+ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder) {
     const Case& c = planned.physics;
-    FeltMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
-                      .modulation_Hz =
-                          modulation_frequency_Hz(c.scene().load.modulation).value_or(0.0),
-                      .name = planned.id};
+    ReceptorMotion motion{.pins = {.at_m = c.afferents->pins_m, .rate_Hz = 1.0 / c.time.interval_s},
+                          .modulation_Hz =
+                              modulation_frequency_Hz(c.scene().load.modulation).value_or(0.0),
+                          .name = planned.id};
     if (const auto* carrier = std::get_if<CarrierInput>(&c.afferents->input)) {
         motion.modulation_Hz = carrier->am_frequency_Hz;
         motion.pins.u_m = {std::vector<double>(static_cast<std::size_t>(c.time.frames))};
@@ -336,7 +336,8 @@ void keep_receptors(const Case& c, SurfaceRecorder& recorder) {
     recorder.keep_stress(at_m, std::move(depths));
 }
 
-AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team) {
+AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
+                         const Comm& team) {
     const Scene scene = neural::make_scene(options);
     const std::size_t n = scene.afferents.size();
     const auto ranks = static_cast<std::size_t>(team.size()),

@@ -25,7 +25,7 @@ struct AfferentResult {
 };
 
 /// Data of a case in addition to its motion.
-struct FeltMotion {
+struct ReceptorMotion {
     PointMotion pins; // for the input "pins"; otherwise only positions and duration are used
     std::vector<std::vector<double>> compression_Pa; // for the input "stress": one row per afferent
     neural::Repetitions repetitions; // of these motions and stresses, in the periodic regime
@@ -37,7 +37,7 @@ struct FeltMotion {
 /// The motion of the pins of a case from t = 0, where nothing has moved, to the last but one frame,
 /// with one sample per interval of the run, and the other inputs of its afferents. In the periodic
 /// regime, one period of the motion, and how often it is repeated.
-FeltMotion felt_motion(const PlannedCase& planned, const SurfaceRecorder& recorder);
+ReceptorMotion receptor_motion(const PlannedCase& planned, const SurfaceRecorder& recorder);
 
 /// How often the receptors of a case feel the run: once, or in the periodic regime the run-in, the
 /// counted periods, and a run-out. Not collective.
@@ -50,7 +50,8 @@ void keep_receptors(const Case& c, SurfaceRecorder& recorder);
 /// Distributes the afferents over the ranks; the result contains all of them on rank 0 and none
 /// elsewhere. The spikes do not depend on the number of ranks. Throws CaseFailure on all ranks if
 /// pins or traces are not valid. Collective.
-AfferentResult felt(const FeltMotion& motion, const AfferentOptions& options, const Comm& team);
+AfferentResult perceived(const ReceptorMotion& motion, const AfferentOptions& options,
+                         const Comm& team);
 
 /// Errors and warnings about the pins or receptors of a case that require no simulation.
 std::vector<Remark> check_afferents(const Case& c);

@@ -64,14 +64,14 @@ void CaseCheckpoints::find_newest() {
     for (std::size_t i = 0; i < paths.size(); ++i) {
         bool is_candidate = false; // according to rank 0, which checks the files
         storage::CheckpointFacts facts;
-        const auto pass_over = [&](const std::string& trouble) {
-            hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), trouble));
+        const auto pass_over = [&](const std::string& reason) {
+            hooks_.say(fmt::format("checkpoint {} {}: it is not used", paths[i].string(), reason));
         };
         on_root(team_, [&] {
             if (!fs::exists(paths[i])) return;
-            const std::string trouble = storage::trouble_with_checkpoint(paths[i], owner_, facts);
-            is_candidate = trouble.empty();
-            if (!is_candidate) pass_over(trouble);
+            const std::string reason = storage::checkpoint_error(paths[i], owner_, facts);
+            is_candidate = reason.empty();
+            if (!is_candidate) pass_over(reason);
         });
         if (!team_.broadcast(is_candidate)) continue;
         facts.sequence = team_.broadcast(facts.sequence);
@@ -89,7 +89,7 @@ CaseCheckpoints::Answer CaseCheckpoints::decide() const {
     if (!stop_failed_ && hooks_.stop_asked()) return Answer::save_and_stop;
     const bool enough_steps = schedule_.steps > 0 && steps_ >= schedule_.steps;
     const bool late = schedule_.interval_s > 0.0 && seconds_since(saved_) >= schedule_.interval_s;
-    return enough_steps || late ? Answer::save : Answer::go_on;
+    return enough_steps || late ? Answer::save : Answer::resume;
 }
 
 long CaseCheckpoints::steps_to_next_look() const {
@@ -113,7 +113,7 @@ bool CaseCheckpoints::due() {
     last_look_ = steps_;
     looked_ = Clock::now();
     stopping_ = static_cast<Answer>(answer) == Answer::save_and_stop;
-    return static_cast<Answer>(answer) != Answer::go_on;
+    return static_cast<Answer>(answer) != Answer::resume;
 }
 
 void CaseCheckpoints::progressed(double share) {
@@ -130,7 +130,7 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
     storage::CheckpointFacts facts{.sequence = newest_ ? newest_->facts.sequence + 1 : 1,
                                    .seconds = earlier_seconds_ + seconds_since(began_),
                                    .part = {}};
-    std::string trouble;
+    std::string reason;
     std::optional<State> saved; // assigned to newest_ on all ranks or on none
     try {
         fail_together_with_files(team_, [&] {
@@ -144,15 +144,15 @@ void CaseCheckpoints::save(const std::function<void(StateWriter&)>& write) {
         });
         newest_.swap(saved);
     } catch (const CaseFailure& failure) {
-        trouble = failure.what();
+        reason = failure.what();
     } catch (const UsageError& failure) { // the file system reports an error
-        trouble = failure.what();
+        reason = failure.what();
     }
-    if (!trouble.empty() && team_.is_root())
+    if (!reason.empty() && team_.is_root())
         hooks_.say(
-            fmt::format("case {} continues without a checkpoint: {}", owner_.case_id, trouble));
+            fmt::format("case {} continues without a checkpoint: {}", owner_.case_id, reason));
     // Without a checkpoint, a stop is delayed until the end of the case.
-    if (stopping_) (trouble.empty() ? stops_ : stop_failed_) = true;
+    if (stopping_) (reason.empty() ? stops_ : stop_failed_) = true;
     next_look_ = std::max(1L, next_look_ - steps_);
     if (schedule_.steps > 0) next_look_ = std::min(next_look_, schedule_.steps);
     steps_ = last_look_ = 0;
@@ -188,8 +188,7 @@ void CaseCheckpoints::discard() {
 bool has_checkpoint(const fs::path& stem, const storage::CheckpointOwner& owner) {
     storage::CheckpointFacts facts;
     for (const fs::path& path : paths_of(stem))
-        if (fs::exists(path) && storage::trouble_with_checkpoint(path, owner, facts).empty())
-            return true;
+        if (fs::exists(path) && storage::checkpoint_error(path, owner, facts).empty()) return true;
     return false;
 }
 
@@ -197,7 +196,7 @@ double seconds_saved(const fs::path& stem, const storage::CheckpointOwner& owner
     double most = 0.0;
     for (const fs::path& path : paths_of(stem)) {
         storage::CheckpointFacts facts;
-        if (fs::exists(path) && storage::trouble_with_checkpoint(path, owner, facts).empty())
+        if (fs::exists(path) && storage::checkpoint_error(path, owner, facts).empty())
             most = std::max(most, facts.seconds);
     }
     return most;

@@ -61,7 +61,7 @@ public:
     double earlier_seconds() const { return earlier_seconds_; }
 
 private:
-    enum class Answer : long { go_on, save, save_and_stop };
+    enum class Answer : long { resume, save, save_and_stop };
     struct State {
         std::filesystem::path path;
         storage::CheckpointFacts facts;

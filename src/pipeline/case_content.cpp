@@ -270,7 +270,7 @@ CaseResults case_results(const PlannedCase& planned, const SurfaceRecorder& reco
                          const Comm& team) {
     const Case& c = planned.physics;
     AfferentResult afferents;
-    if (c.afferents) afferents = felt(felt_motion(planned, recorder), *c.afferents, team);
+    if (c.afferents) afferents = perceived(receptor_motion(planned, recorder), *c.afferents, team);
     CaseResults results;
     on_root(team, [&] {
         results.groups = case_content(c, recorder.depths(), recorder.traces(), recorder.mach(),
@@ -297,7 +297,7 @@ constexpr double invalid_share = 0.05;
 constexpr double negligible_share = 1e-3;
 
 /// Replaces the expectation of `check` by what was computed.
-void judge_returning_waves(double share, std::vector<Remark>& warnings) {
+void check_returning_waves(double share, std::vector<Remark>& warnings) {
     std::erase_if(warnings, [&](const Remark& remark) {
         return remark.key == extent_key && share < negligible_share;
     });
@@ -322,7 +322,7 @@ bool has_a_force(const Case& c) {
     return !options || options->load == PstdLoad::traction;
 }
 
-void judge_image_uplift(const Case& c, const std::vector<double>& mean_u2,
+void check_image_uplift(const Case& c, const std::vector<double>& mean_u2,
                         std::vector<Remark>& warnings) {
     const bool invalid = std::ranges::any_of(warnings, [](const Remark& remark) {
         return remark.key == extent_key && remark.severity == Severity::error;
@@ -371,8 +371,8 @@ std::vector<Remark> case_warnings(const Case& c, const std::vector<Remark>& solv
     std::vector<Remark> warnings = check(c);
     const auto edges = engines::make_engine(c.solver)->edges(c);
     if (!mean_u2.empty() && !c.study() && edges == engines::Edges::periodic) {
-        judge_returning_waves(edge_share(c.domain, mean_u2), warnings);
-        judge_image_uplift(c, mean_u2, warnings);
+        check_returning_waves(edge_share(c.domain, mean_u2), warnings);
+        check_image_uplift(c, mean_u2, warnings);
     }
     for (const Remark& warning : solver) // some follow from the case alone
         if (std::ranges::find(warnings, warning) == warnings.end()) warnings.push_back(warning);

@@ -43,23 +43,23 @@ storage::Beginning beginning_of(const std::filesystem::path& path, const Case& c
                                 CaseCheckpoints& checkpoints) {
     if (!checkpoints.has_state()) {
         checkpoints.discard(); // the remaining checkpoints cannot be used
-        return storage::Beginning::anew;
+        return storage::Beginning::fresh;
     }
     const bool volumes = !c.record.volumes_s.empty();
-    if (layout.empty() && !volumes) return storage::Beginning::anew;
+    if (layout.empty() && !volumes) return storage::Beginning::fresh;
     bool is_usable = false;
     on_root(team, [&] {
-        const std::string trouble = storage::trouble_with_part(
-            path, checkpoints.part_record(), layout,
-            volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
-        is_usable = trouble.empty();
+        const std::string reason =
+            storage::part_error(path, checkpoints.part_record(), layout,
+                                volumes ? storage::KeepsVolume::yes : storage::KeepsVolume::no);
+        is_usable = reason.empty();
         if (!is_usable)
             checkpoints.say(
-                fmt::format("{}.part {}: the case starts from scratch", path.string(), trouble));
+                fmt::format("{}.part {}: the case starts from scratch", path.string(), reason));
     });
-    if (team.broadcast(is_usable)) return storage::Beginning::go_on;
+    if (team.broadcast(is_usable)) return storage::Beginning::resume;
     checkpoints.discard();
-    return storage::Beginning::anew;
+    return storage::Beginning::fresh;
 }
 
 /// Returns early if a stop was requested. After a temporary failure, such as a full disk, the case

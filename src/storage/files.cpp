@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(std::string_view what, const fs::path& path, int error) {
     throw UsageError(fmt::format("{} {}: {}", what, path.string(), std::strerror(error)),
-                     ExitCode::environment, trouble_of(error));
+                     ExitCode::environment, persistence_of(error));
 }
 
 /// Network file systems fail occasionally and recover. All of `work` is repeated, since data lost
@@ -34,7 +34,7 @@ void with_patience(const Work& work) {
         try {
             return work();
         } catch (const UsageError& error) {
-            if (error.trouble() == Trouble::lasting) throw;
+            if (error.persistence() == Persistence::lasting) throw;
             std::this_thread::sleep_for(std::chrono::milliseconds(pause_ms));
         }
     }
@@ -87,9 +87,9 @@ void flush_directory(const fs::path& path) {
 
 } // namespace
 
-Trouble trouble_of(int error) {
+Persistence persistence_of(int error) {
     const bool passing = std::ranges::find(passing_errors, error) != passing_errors.end();
-    return passing ? Trouble::passing : Trouble::lasting;
+    return passing ? Persistence::passing : Persistence::lasting;
 }
 
 std::uintmax_t regular_size_B(const fs::path& path) {

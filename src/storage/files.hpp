@@ -19,7 +19,7 @@ namespace shearwake::storage {
 /// Values of errno after which a retry may succeed.
 inline constexpr std::array passing_errors = {
     EIO, EAGAIN, EBUSY, EINTR, ESTALE, ETIMEDOUT, EREMOTEIO, ENETDOWN, ENETUNREACH, EHOSTUNREACH};
-Trouble trouble_of(int error);
+Persistence persistence_of(int error);
 
 /// Journals of large sweeps have some megabytes.
 inline constexpr std::uintmax_t largest_text_B = std::uintmax_t{1} << 30;

@@ -20,8 +20,8 @@ const Variable& variable(const pipeline::AfferentResult& result, const std::stri
     throw std::runtime_error("no variable " + name);
 }
 
-pipeline::FeltMotion vibration() {
-    pipeline::FeltMotion motion{
+pipeline::ReceptorMotion vibration() {
+    pipeline::ReceptorMotion motion{
         .pins = {.rate_Hz = 20000.0}, .modulation_Hz = 200.0, .name = "a case"};
     motion.path_m = {{}};
     for (int p = 0; p < 2; ++p) {
@@ -39,9 +39,9 @@ TEST_CASE("spikes with noise are identical on any number of ranks", "[mpi][neura
     AfferentOptions options;
     options.noise = Switch::on;
     options.pins_m = {{-3e-3, 0.0}, {3e-3, 0.0}};
-    const pipeline::AfferentResult shared = pipeline::felt(vibration(), options, world);
+    const pipeline::AfferentResult shared = pipeline::perceived(vibration(), options, world);
     const pipeline::AfferentResult alone =
-        pipeline::felt(vibration(), options, world.split(world.rank()));
+        pipeline::perceived(vibration(), options, world.split(world.rank()));
     // Every rank computes all spikes alone. Rank 0 compares, and the result is broadcast.
     long same = 1;
     if (world.is_root())
@@ -56,7 +56,7 @@ TEST_CASE("throws an error in the pins on all ranks", "[mpi][neural]") {
     const Comm world = Comm::world();
     AfferentOptions options;
     options.pins_m = {{1.0, 0.0}, {1.1, 0.0}}; // one metre outside of the hand
-    CHECK_THROWS_AS(pipeline::felt(vibration(), options, world), CaseFailure);
+    CHECK_THROWS_AS(pipeline::perceived(vibration(), options, world), CaseFailure);
 }
 
 } // namespace test_afferents

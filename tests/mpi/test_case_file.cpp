@@ -45,8 +45,8 @@ TEST_CASE("writes the slabs of all ranks as one surface", "[mpi]") {
     }
     bool fine = true;
     on_root(world, [&] {
-        fine = storage::is_whole(folder.file("00ff.h5"), "00ff") &&
-               !storage::is_whole(folder.file("00ff.h5"), "0") &&
+        fine = storage::is_complete(folder.file("00ff.h5"), "00ff") &&
+               !storage::is_complete(folder.file("00ff.h5"), "0") &&
                !std::filesystem::exists(folder.file("00ff.h5.part"));
         const storage::CaseSummary summary = storage::read_case_summary(folder.file("00ff.h5"));
         fine = fine && summary.scalars.at(0).values.at(0) == 0.25 &&
@@ -82,7 +82,7 @@ TEST_CASE("reports a truncated file as damaged", "[mpi]") {
     int fine = 0;
     on_root(world, [&] {
         std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
-        fine = storage::is_whole(path, "00ff") ? 1 : 0;
+        fine = storage::is_complete(path, "00ff") ? 1 : 0;
         CHECK_THROWS_AS(storage::read_case_summary(path), Error);
     });
     CHECK(world.max(fine) == 0);

@@ -59,10 +59,10 @@ void write_state(const std::filesystem::path& path, const Comm& world) {
 }
 
 /// The result of rank 0, on every rank.
-std::string trouble(const std::filesystem::path& path, const storage::CheckpointOwner& wanted,
-                    const Comm& world, storage::CheckpointFacts& facts) {
+std::string reason(const std::filesystem::path& path, const storage::CheckpointOwner& wanted,
+                   const Comm& world, storage::CheckpointFacts& facts) {
     std::string text;
-    on_root(world, [&] { text = storage::trouble_with_checkpoint(path, wanted, facts); });
+    on_root(world, [&] { text = storage::checkpoint_error(path, wanted, facts); });
     return world.broadcast(text);
 }
 
@@ -81,7 +81,7 @@ TEST_CASE("reads a checkpoint back bit by bit for any distribution of rows", "[m
     const SharedFolder folder(world);
     write_state(folder.file("a.h5"), world);
     storage::CheckpointFacts facts;
-    const std::string said = trouble(folder.file("a.h5"), owner, world, facts);
+    const std::string said = reason(folder.file("a.h5"), owner, world, facts);
     CHECK(said.empty());
     const long sequence = world.broadcast(facts.sequence);
     CHECK(sequence == 5);
@@ -143,18 +143,18 @@ TEST_CASE("reports a checkpoint of another case or program and an incomplete one
     const auto path = folder.file("a.h5");
     write_state(path, world);
     storage::CheckpointFacts facts;
-    const std::string other_case = trouble(path, {"0", "abc"}, world, facts);
+    const std::string other_case = reason(path, {"0", "abc"}, world, facts);
     CHECK(other_case == "belongs to another case");
-    const std::string other_program = trouble(path, {"00ff", "abd"}, world, facts);
+    const std::string other_program = reason(path, {"00ff", "abd"}, world, facts);
     CHECK(other_program == "was written by another program, abc");
     on_root(world, [&] {
         h5::Id file = h5::open_file(path, h5::Access::read_write);
         h5::check(H5Adelete(file.raw(), "whole"), "delete");
     });
-    const std::string half = trouble(path, owner, world, facts);
+    const std::string half = reason(path, owner, world, facts);
     CHECK(half == "is not complete");
     on_root(world, [&] { std::filesystem::resize_file(path, 1000); });
-    const std::string truncated = trouble(path, owner, world, facts);
+    const std::string truncated = reason(path, owner, world, facts);
     CHECK(truncated.substr(0, 10) == "is damaged");
 }
 
@@ -171,7 +171,7 @@ TEST_CASE("detects a single changed bit in a checkpoint", "[mpi]") {
         flip_bit(path, static_cast<std::streamoff>(offset) + 11);
     });
     storage::CheckpointFacts facts;
-    const std::string by_attributes = trouble(path, owner, world, facts);
+    const std::string by_attributes = reason(path, owner, world, facts);
     CHECK(by_attributes.empty());
     const std::string damage = storage::CheckpointFileReader(path, world).damage();
     CHECK(damage == "is damaged (u does not match its checksum)");
@@ -181,7 +181,7 @@ TEST_CASE("detects a single changed bit in a checkpoint", "[mpi]") {
         h5::check(H5Adelete(group.raw(), "step"), "delete");
         h5::put_attribute(group.raw(), "step", 16.0);
     });
-    const std::string scalars = trouble(path, owner, world, facts);
+    const std::string scalars = reason(path, owner, world, facts);
     CHECK(scalars == "is damaged (its scalars do not match their checksum)");
 }
 

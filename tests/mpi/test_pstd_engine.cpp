@@ -67,8 +67,8 @@ double apart(const Case& c, const test::VolumeStore& part, const test::VolumeSto
 /// Saves once at a given step and stops, or resumes from what was saved.
 class OneStop : public engines::Checkpoints {
 public:
-    OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool go_on)
-        : path_(path), team_(team), at_(at), go_on_(go_on) {}
+    OneStop(const std::filesystem::path& path, const Comm& team, std::ptrdiff_t at, bool resume)
+        : path_(path), team_(team), at_(at), go_on_(resume) {}
     bool due() override { return ++asked_ == at_; }
     void save(const std::function<void(StateWriter&)>& write) override {
         storage::CheckpointFileWriter file(path_, team_);

@@ -299,7 +299,7 @@ TEST_CASE("fail_together keeps the types of errors", "[mpi][faults]") {
         };
     };
     CHECK_THROWS_AS(fail_together(team, of_last_rank(UsageError("a"))), UsageError);
-    CHECK_THROWS_AS(fail_together(team, of_last_rank(FileFailure("a", Trouble::passing))),
+    CHECK_THROWS_AS(fail_together(team, of_last_rank(FileFailure("a", Persistence::passing))),
                     FileFailure);
     CHECK_THROWS_AS(fail_together(team, of_last_rank(FieldDiverges("a"))), FieldDiverges);
     CHECK_THROWS_WITH(fail_together(team, of_last_rank(Error("the reason"))), "the reason");

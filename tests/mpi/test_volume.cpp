@@ -120,25 +120,25 @@ TEST_CASE("resumes a volume in the unfinished file", "[mpi]") {
         record = writer.part_record();
         writer.leave_for_later();
     }
-    std::string trouble, without, flipped, unrecorded;
+    std::string reason, without, flipped, unrecorded;
     on_root(world, [&] {
-        trouble = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::yes);
-        without = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::no);
-        unrecorded = storage::trouble_with_part(path, "", {}, storage::KeepsVolume::yes);
+        reason = storage::part_error(path, record, {}, storage::KeepsVolume::yes);
+        without = storage::part_error(path, record, {}, storage::KeepsVolume::no);
+        unrecorded = storage::part_error(path, "", {}, storage::KeepsVolume::yes);
         const std::string part = path.string() + ".part", sound = storage::read_file(part);
         std::string damaged = sound;
         damaged[40] = static_cast<char>(damaged[40] ^ 1); // in HDF5's own metadata
         storage::write_file(part, damaged);
-        flipped = storage::trouble_with_part(path, record, {}, storage::KeepsVolume::yes);
+        flipped = storage::part_error(path, record, {}, storage::KeepsVolume::yes);
         storage::write_file(part, sound);
     });
-    CHECK(world.broadcast(trouble) == "");
+    CHECK(world.broadcast(reason) == "");
     CHECK(world.broadcast(flipped) == "is damaged (it does not match the checksum in the "
                                       "checkpoint)");
     CHECK(world.broadcast(unrecorded) == "has no checksum in the checkpoint");
     CHECK(world.broadcast(without) == "was left incomplete by an interrupted run");
     {
-        storage::CaseFileWriter writer(path, world, {}, storage::Beginning::go_on, record);
+        storage::CaseFileWriter writer(path, world, {}, storage::Beginning::resume, record);
         pipeline::SurfaceRecorder recorder(c, world, &writer, {});
         run_fake_engine(c, world, recorder, 0);
         writer.commit({}, {});

@@ -81,9 +81,9 @@ TEST_CASE("the stress around a cylinder follows a load along the axis", "[verify
     const Case c = stress_case(Along::y);
     Case moved = c;
     constexpr std::ptrdiff_t points = 7;
-    const double way_m = points * c.domain.spacing_m;
+    const double path_length_m = points * c.domain.spacing_m;
     std::get<Travel>(moved.scene().load.modulation.trajectory.parts[0]).path =
-        Curve({-7e-3, 2e-3 + way_m}, {7e-3, 1e-3 + way_m});
+        Curve({-7e-3, 2e-3 + path_length_m}, {7e-3, 1e-3 + path_length_m});
     const std::ptrdiff_t ny = c.domain.ny;
     for (const Difference& d : differences(
              c, stresses(c), stresses(moved), not_swapped, everywhere,

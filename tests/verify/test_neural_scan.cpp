@@ -38,7 +38,7 @@ TEST_CASE("first spikes along a scan are delayed by the travel time of the focus
     engines::make_engine(c.solver)->run(c, alone, recorder);
     recorder.finish();
     const pipeline::AfferentResult result =
-        pipeline::felt(pipeline::felt_motion(planned, recorder), *c.afferents, alone);
+        pipeline::perceived(pipeline::receptor_motion(planned, recorder), *c.afferents, alone);
 
     const VariableGroup& group = result.groups.at(0);
     const auto &counts = values(group, "spike_count"), &times_s = values(group, "spike_time"),

@@ -115,7 +115,7 @@ TEST_CASE("the steady state is the last of many repetitions", "[long][steady_sta
             c.scene().load.footprint = load.footprint;
             c.scene().load.modulation = {load.name, load.trajectory, load.envelope, load.foci_m};
             const LoadPeriod period = least_period(c.scene().load, 1.0);
-            REQUIRE(period.trouble.empty());
+            REQUIRE(period.reason.empty());
             REQUIRE(std::abs(period.period_s - period_s) < 1e-12);
             Case run = c;
             run.time = {repetitions * c.time.frames, c.time.interval_s};

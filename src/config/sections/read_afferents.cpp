@@ -20,7 +20,7 @@ constexpr double most_points = 1e5; // limit for a grid of pins or afferents
 /// Limit for pins that are placed along a long path; their spacing is increased accordingly.
 constexpr double most_default_pins = 100.0;
 
-void refuse_unless(Reader& reader, const char* key, bool has_use, const char* where) {
+void require(Reader& reader, const char* key, bool has_use, const char* where) {
     if (!has_use && reader.has(key)) reader.error(key, fmt::format("applies only with {}", where));
 }
 
@@ -56,11 +56,10 @@ AfferentPlaces read_grid(Reader& reader) {
 AfferentPlaces read_places(Reader& reader, const TextLoader& load_text) {
     static const std::array<std::string, 5> all = {"palm", "fingertip", "hand", "grid", "csv"};
     const std::string where = reader.choice_or("where", "palm", all);
-    refuse_unless(reader, "extent_mm", where == "grid", "where = \"grid\"");
-    refuse_unless(reader, "pitch_mm", where == "grid", "where = \"grid\"");
-    refuse_unless(reader, "file", where == "csv", "where = \"csv\"");
-    if (where == "csv" || where == "grid")
-        refuse_unless(reader, "digit", false, "where = \"fingertip\"");
+    require(reader, "extent_mm", where == "grid", "where = \"grid\"");
+    require(reader, "pitch_mm", where == "grid", "where = \"grid\"");
+    require(reader, "file", where == "csv", "where = \"csv\"");
+    if (where == "csv" || where == "grid") require(reader, "digit", false, "where = \"fingertip\"");
     if (where == "csv" && reader.has("classes"))
         reader.error("classes",
                      "does not apply to where = \"csv\": the file specifies the classes");
@@ -112,7 +111,7 @@ CarrierInput read_carrier(Reader table) {
 AfferentInput read_input(Reader& reader) {
     const std::string input =
         reader.find_choice("input", alternative_names<AfferentInput>()).value_or(PinInput::name);
-    refuse_unless(reader, "carrier", input == "carrier", "input = \"carrier\"");
+    require(reader, "carrier", input == "carrier", "input = \"carrier\"");
     if (input == "stress") return StressInput{};
     if (input == "carrier") return read_carrier(reader.table("carrier"));
     return PinInput{};

@@ -67,12 +67,12 @@ Vec3 read_centre_m(Reader& reader, bool has_depth) {
                                  values->size()));
         return {};
     }
-    const bool is_whole = values->size() == 3;
-    if (is_whole && reader.has("depth_mm"))
+    const bool is_complete = values->size() == 3;
+    if (is_complete && reader.has("depth_mm"))
         reader.error("depth_mm",
                      "and the z of center_mm = [x, y, z] are both given; remove one of them");
-    if (!is_whole && !reader.has("depth_mm") && has_depth) reader.missing("depth_mm");
-    return {(*values)[0], (*values)[1], is_whole ? (*values)[2] : depth_m.value_or(0.0)};
+    if (!is_complete && !reader.has("depth_mm") && has_depth) reader.missing("depth_mm");
+    return {(*values)[0], (*values)[1], is_complete ? (*values)[2] : depth_m.value_or(0.0)};
 }
 
 void check_properties(Reader& reader, const Body& body) {

@@ -126,8 +126,8 @@ namespace {
 /// The frames of one period of the load.
 void set_period(const Reader& reader, const Load& load, double longest_s, TimeAxis& time) {
     const LoadPeriod period = least_period(load, longest_s);
-    if (!period.trouble.empty()) {
-        reader.error("regime", "is \"periodic\", but the load " + period.trouble);
+    if (!period.reason.empty()) {
+        reader.error("regime", "is \"periodic\", but the load " + period.reason);
         return;
     }
     const double frames = std::ceil(period.period_s / time.interval_s - 1e-9);

@@ -49,9 +49,9 @@ std::vector<Remark> resolution_remarks(const Case& c) {
 std::vector<Remark> PstdEngine::limits(const Case& c) const {
     if (auto refused = engines::refused_edges(c); !refused.empty()) return refused;
     if (c.study()) {
-        const std::string trouble = study_trouble(c);
-        if (trouble.empty()) return study_step_remarks(*c.study());
-        return {{Severity::error, "solver.pstd.study", trouble}};
+        const std::string reason = study_error(c);
+        if (reason.empty()) return study_step_remarks(*c.study());
+        return {{Severity::error, "solver.pstd.study", reason}};
     }
     const auto& options = std::get<PstdOptions>(c.solver);
     std::vector<Remark> refused;

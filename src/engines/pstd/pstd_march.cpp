@@ -37,7 +37,7 @@ void PstdMarch<Real>::watch() {
     if (static_cast<double>(step - watch_.interval()) < stepper_.unknown_until())
         watch_.accept(step, 2.0 * (stepper_.kinetic_J() + stepper_.elastic_J()) / area_m2);
     else
-        watch_.judge(step, stepper_.kinetic_J() / area_m2);
+        watch_.check(step, stepper_.kinetic_J() / area_m2);
 }
 
 template <class Real>

@@ -134,7 +134,7 @@ engines::Estimate estimate_study(const Case& c, int ranks) {
 
 void run_study(const Case& c, const Comm& team, engines::Observer& observer,
                engines::Checkpoints* checkpoints) {
-    if (const std::string trouble = study_trouble(c); !trouble.empty()) throw CaseFailure(trouble);
+    if (const std::string reason = study_error(c); !reason.empty()) throw CaseFailure(reason);
     if (std::get<PstdOptions>(c.solver).precision == Precision::single_precision)
         run_with<float>(c, team, observer, checkpoints);
     else
@@ -178,7 +178,7 @@ Extremes extremes_of(const StudyData& study, double spacing_m) {
 
 } // namespace
 
-std::string study_trouble(const Case& c) {
+std::string study_error(const Case& c) {
     if (!c.study()) return "";
     const StudyData& study = *c.study();
     const double d_m = c.domain.spacing_m;

@@ -31,7 +31,7 @@ engines::Estimate estimate_study(const Case& c, int ranks);
 
 /// The reason why a case does not match the grid study of its solver: domain, times, depths, or
 /// keys that have no effect with a study. Empty if it matches or has no study.
-std::string study_trouble(const Case& c);
+std::string study_error(const Case& c);
 
 /// An error if the time step of the study is certainly unstable, a warning if it may be.
 std::vector<Remark> study_step_remarks(const StudyData& study);

@@ -167,7 +167,7 @@ void ReceptorStress::each_pencil(const Part& part, Use use) {
 }
 
 void ReceptorStress::remember(const Block* before) {
-    const engines::Timed timed(kinds::of_felt);
+    const engines::Timed timed(kinds::of_receptor_planes);
     for (const Part& part : parts_)
         each_pencil(part,
                     [&](std::ptrdiff_t row, std::ptrdiff_t block, std::ptrdiff_t at, Block* kept) {
@@ -178,7 +178,7 @@ void ReceptorStress::remember(const Block* before) {
 
 void ReceptorStress::give(const Steps& steps, const std::vector<double>& forces,
                           std::ptrdiff_t frame, engines::Observer& observer) {
-    const engines::Timed timed(kinds::of_felt);
+    const engines::Timed timed(kinds::of_receptor_planes);
     const fft::SlabShare& slab = slabs_.share();
     const std::ptrdiff_t ny = case_.domain.ny;
     if (near_) near_->take(forces);

@@ -97,7 +97,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     const double sponge_B = sponge_values_of(sponge, levels) * sizeof(double) /
                             std::min<double>(ranks, static_cast<double>(sponge.ny));
     const bool tensors = records_tensors(c.record);
-    const double felt = ReceptorStress::planes(c, mesh);
+    const double perceived = ReceptorStress::planes(c, mesh);
     Memory memory;
     memory.iterated_B = factors_B + strain_planes_B(v, nx, ny, ranks);
     // With a box, the next step is predicted.
@@ -107,7 +107,7 @@ Memory memory_of(const Case& c, const DepthMesh& mesh, const VariationEstimate& 
     memory.all_B = engines::program_B + map_bytes(c.scene().medium) +
                    std::max(memory.stepper_B, sampled_B) + (ranks > 1 ? 3.0 : 2.0) * plane_B +
                    (tensors ? displacement_B + (24.0 + nodes) * plane_B : 0.0) +
-                   (felt > 0.0 ? (2.0 + 2.0 * felt) * plane_B : 0.0);
+                   (perceived > 0.0 ? (2.0 + 2.0 * perceived) * plane_B : 0.0);
     return memory;
 }
 
@@ -198,7 +198,7 @@ engines::Estimate estimate_spectral(const Case& c, const DepthMesh& mesh,
               .steps = steps,
               .sponge_values = sponge_values_of(sponge, levels),
               .sponge_every = static_cast<double>(sponge.every),
-              .felt = ReceptorStress::planes(layers, mesh),
+              .perceived = ReceptorStress::planes(layers, mesh),
               .reactions = reactions,
               .lumps = lumps,
               .near_pairs = rigid ? lump_stress_pairs(c, mesh) : 0.0,
@@ -362,7 +362,7 @@ void add_work(const Case& c, const Measures& m, engines::Estimate& e) {
     for (const VolumeField field : c.record.volume_fields)
         add(field == VolumeField::u ? of_displacement : of_tensor, snapshots * m.levels * points);
     add(of_tensor, pair_cost * snapshots * m.near_pairs);
-    add(of_felt, points * frames * m.felt);
+    add(of_receptor_planes, points * frames * m.perceived);
 }
 
 std::vector<engines::Calibration> calibrations() {
@@ -411,17 +411,17 @@ std::vector<engines::Calibration> calibrations() {
     std::get<SpectralOptions>(frame.solver).longest_element_m = 16e-3;
     for (int depth = 1; depth < 40; ++depth)
         frame.measure.depths_m.push_back(4e-4 * depth);
-    Case displacement = calibration_case(96, 72, 1), tensor = displacement, felt = one;
+    Case displacement = calibration_case(96, 72, 1), tensor = displacement, perceived = one;
     for (Case* c : {&displacement, &tensor})
         c->record.volumes_s = {c->time.duration_s()};
     displacement.record.volume_fields = {VolumeField::u};
     tensor.record.volume_fields = {VolumeField::strain};
-    felt.time.frames = 6;
-    felt.measure.at_s = felt.time.duration_s();
-    felt.afferents = AfferentOptions{.places = AfferentList{{{{}, AfferentClass::SA1, 0},
-                                                             {{}, AfferentClass::RA, 0},
-                                                             {{}, AfferentClass::PC, 0}}},
-                                     .input = StressInput{}};
+    perceived.time.frames = 6;
+    perceived.measure.at_s = perceived.time.duration_s();
+    perceived.afferents = AfferentOptions{.places = AfferentList{{{{}, AfferentClass::SA1, 0},
+                                                                  {{}, AfferentClass::RA, 0},
+                                                                  {{}, AfferentClass::PC, 0}}},
+                                          .input = StressInput{}};
     return {{of_solve.name, near},
             {of_far_solve.name, far},
             {of_iteration.name, iteration},
@@ -440,7 +440,7 @@ std::vector<engines::Calibration> calibrations() {
             {of_frame.name, frame},
             {of_displacement.name, displacement},
             {of_tensor.name, tensor},
-            {of_felt.name, felt}};
+            {of_receptor_planes.name, perceived}};
 }
 
 } // namespace shearwake::spectral::kinds

@@ -58,7 +58,7 @@ struct Measures {
     const VariationEstimate& variation;
     double nodes = 0.0, levels = 0.0, steps = 0.0;
     double sponge_values = 0.0, sponge_every = 0.0; // 0: no sponge
-    double felt = 0.0;                              // planes of receptor stress per frame
+    double perceived = 0.0;                         // planes of receptor stress per frame
     double reactions = 0.0;                         // solves per step for forces of rigid bodies
     LumpSizes lumps;                                // rigid ones
     double near_pairs = 0.0;                        // lump_stress_pairs()

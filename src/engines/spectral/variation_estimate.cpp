@@ -247,10 +247,12 @@ void add_element(const Setting& s, std::size_t element, VariationEstimate& v, Co
 double iterations_per_step(const Setting& s, const Contrast& contrast) {
     const bool only_boxes = std::ranges::all_of(s.medium, &Inclusion::is_box);
     const double residual = std::get<SpectralOptions>(s.c.solver).residual;
-    const double way_m = contrast.c_s_m_s * s.step_s; // that a shear wave travels in one step
+    const double path_length_m =
+        contrast.c_s_m_s * s.step_s; // that a shear wave travels in one step
     return std::max(1.0, 1.22 * (contrast.of_density ? 1.16 : 1.0) * (only_boxes ? 0.86 : 1.0) *
-                             std::pow(contrast.stiffness, 0.59) * std::pow(way_m / 0.25e-3, 0.17) *
-                             std::log(2.0 / residual) / std::log(2.0 / 1e-3));
+                             std::pow(contrast.stiffness, 0.59) *
+                             std::pow(path_length_m / 0.25e-3, 0.17) * std::log(2.0 / residual) /
+                             std::log(2.0 / 1e-3));
 }
 
 } // namespace

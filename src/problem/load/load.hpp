@@ -90,7 +90,7 @@ std::vector<double> forces_N(const Load& load, std::span<const double> times_s);
 /// The period of a load that repeats for ever, or the reason why it has none.
 struct LoadPeriod {
     double period_s = 0.0;
-    std::string trouble; // a sentence without a subject: "has ..."; empty: there is a period
+    std::string reason; // a sentence without a subject: "has ..."; empty: there is a period
 };
 
 /// The frequencies with which the parts of a load repeat [Hz]: of its paths, swings, speeds and

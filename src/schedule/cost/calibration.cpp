@@ -83,7 +83,8 @@ void run_alone(const Case& c, engines::Engine& engine, const Comm& alone, Interr
     recorder.finish();
     const PlannedCase planned{
         .id = "calibration", .physics = c, .settings = {}, .reference_id = ""};
-    if (c.afferents) pipeline::felt(pipeline::felt_motion(planned, recorder), *c.afferents, alone);
+    if (c.afferents)
+        pipeline::perceived(pipeline::receptor_motion(planned, recorder), *c.afferents, alone);
 }
 
 /// Measures the time of the stage to which the kind of work belongs, and returns it with the work

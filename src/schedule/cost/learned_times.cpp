@@ -51,7 +51,7 @@ void LearnedTimes::add(int number, double seconds, double estimated_s) {
     counters_->fetch_add(group(number).estimated, std::lround(1e6 * estimated_s));
 }
 
-void LearnedTimes::recall(const storage::JournalContents& journal) {
+void LearnedTimes::load(const storage::JournalContents& journal) {
     for (const auto& [id, history] : journal.cases) {
         const storage::CaseTimes& times = history.times;
         const auto engine = numbers_.find(times.engine);

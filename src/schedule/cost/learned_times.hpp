@@ -39,7 +39,7 @@ public:
                  Clock_us clock = steady_clock_us());
 
     /// Adds the times of earlier runs. On one rank only.
-    void recall(const storage::JournalContents& journal);
+    void load(const storage::JournalContents& journal);
     void begin(std::size_t index);
     /// The share of a running case that is complete, 0 to 1. From then on, its remaining time
     /// follows from the time that the second half of these steps took, since the first steps may be

@@ -82,8 +82,8 @@ std::filesystem::path OutputFolder::index(const std::string& part, const std::st
 }
 
 bool OutputFolder::has_lost_plan() const {
-    std::error_code trouble;
-    return !std::filesystem::exists(plan(), trouble) && !trouble;
+    std::error_code error;
+    return !std::filesystem::exists(plan(), error) && !error;
 }
 
 OutputFolder folder_of_results(const std::filesystem::path& path) {
@@ -159,7 +159,7 @@ void clear_half_written(const OutputFolder& folder, const Plan& plan,
         remove_left_over(place, beside);
     if (!std::filesystem::exists(folder.root / "checkpoints")) return;
     for (const PlannedCase& c : plan.cases)
-        if (index.is_whole(c.id)) pipeline::remove_checkpoints(folder.checkpoints(c.id));
+        if (index.is_complete(c.id)) pipeline::remove_checkpoints(folder.checkpoints(c.id));
 }
 
 std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& plan,
@@ -173,15 +173,15 @@ std::vector<SetAside> set_damaged_aside(const OutputFolder& folder, const Plan& 
         if (!digest || !digest->is_lost || !claims.claim(number)) continue;
         const std::filesystem::path place = folder.damaged_file(id);
         storage::make_directory(place.parent_path());
-        std::error_code trouble;
-        std::filesystem::rename(folder.case_file(id), place, trouble);
+        std::error_code error;
+        std::filesystem::rename(folder.case_file(id), place, error);
         claims.release(number);
-        if (!trouble)
+        if (!error)
             moved.push_back({id, digest->damage, place});
-        else if (trouble != std::errc::no_such_file_or_directory) // another run has
+        else if (error != std::errc::no_such_file_or_directory) // another run has
             throw UsageError(fmt::format("cannot move the damaged case file {} to {}: {}",
                                          folder.case_file(id).string(), place.string(),
-                                         trouble.message()),
+                                         error.message()),
                              ExitCode::environment);
     }
     return moved;

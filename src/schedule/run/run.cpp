@@ -96,7 +96,7 @@ Beginning begin_run(const config::Job& job, const OutputFolder& folder,
 
 /// Throws UsageError if the folder or case files have been removed during the run, so that the
 /// sweep is not reported as complete. Not collective.
-void must_be_there(const OutputFolder& folder, const Plan& plan,
+void require_files(const OutputFolder& folder, const Plan& plan,
                    const std::vector<std::size_t>& there, const WorkResult& result) {
     if (result.folder_gone || folder.has_lost_plan())
         throw UsageError(
@@ -109,9 +109,9 @@ void must_be_there(const OutputFolder& folder, const Plan& plan,
     for (const auto* numbers : {&there, &result.computed})
         for (const std::size_t number : *numbers) {
             const std::string& id = plan.cases[number].id;
-            std::error_code trouble;
-            const bool is_there = std::filesystem::exists(folder.case_file(id), trouble);
-            if (!is_there && !trouble) lost.push_back(id);
+            std::error_code error;
+            const bool is_there = std::filesystem::exists(folder.case_file(id), error);
+            if (!is_there && !error) lost.push_back(id);
         }
     if (lost.empty()) return;
     throw UsageError(fmt::format("{} case files were removed from {} during the run, the first is "
@@ -167,7 +167,8 @@ ExitCode concluded(const OutputFolder& folder, const config::Job& job, const Sel
     return code;
 }
 
-void say_beginning(const Beginning& beginning, const RunArguments& arguments, Progress& progress) {
+void print_beginning(const Beginning& beginning, const RunArguments& arguments,
+                     Progress& progress) {
     if (!beginning.warning.empty() && !arguments.quiet)
         progress.say("warning: " + beginning.warning);
     for (const SetAside& damaged : beginning.damaged)
@@ -261,8 +262,8 @@ storage::RunStart start_of(const RunArguments& arguments, int ranks) {
 }
 
 /// Prints what is doubtful about the job and the arguments, on rank 0.
-void say_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
-                  Progress& progress) {
+void print_warnings(const config::Job& job, const RunArguments& arguments, int ranks,
+                    Progress& progress) {
     if (!job.diagnostics.empty()) fmt::print(stderr, "{}", warnings_of(job));
     const std::string excess = excessive_team(arguments.ranks_per_case, ranks);
     if (!excess.empty()) progress.say("warning: " + excess);
@@ -302,12 +303,12 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const double memory_B = pipeline::memory_per_rank_B(world);
     if (!arguments.force)
         on_root(world, [&] { must_fit(job, folder, arguments, world.size(), memory_B); });
-    if (world.is_root() && !arguments.quiet) say_warnings(job, arguments, world.size(), progress);
+    if (world.is_root() && !arguments.quiet) print_warnings(job, arguments, world.size(), progress);
     Beginning beginning;
     std::vector<std::unique_ptr<storage::RunLock>> locks; // held until the end of the run
     storage::RunStart start = start_of(arguments, world.size());
     on_root(world, [&] { beginning = begin_run(job, folder, arguments, locks, start); });
-    say_beginning(beginning, arguments, progress);
+    print_beginning(beginning, arguments, progress);
     Selection selection = share(beginning.selection, world);
     selection.others = beginning.selection.others;
     std::vector<const PlannedCase*> cases;
@@ -343,7 +344,7 @@ ExitCode run_job(const config::Job& job, const RunArguments& arguments, const Co
     const WorkResult result = worker.wait_for_others();
     progress.finish();
 
-    on_root(world, [&] { must_be_there(folder, job.plan, beginning.selection.there, result); });
+    on_root(world, [&] { require_files(folder, job.plan, beginning.selection.there, result); });
     return concluded(folder, job, selection, result, arguments, world, document);
 }
 

@@ -69,7 +69,7 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
             selection.others.push_back(i);
             continue;
         }
-        if (index.is_whole(id)) {
+        if (index.is_complete(id)) {
             ++selection.whole;
             selection.there.push_back(i);
             continue;
@@ -77,7 +77,7 @@ Selection select_cases(const Plan& plan, const storage::JournalContents& journal
         const auto history = journal.cases.find(id);
         const bool failed = history != journal.cases.end() &&
                             history->second.state == storage::CaseHistory::State::failed &&
-                            history->second.blame == storage::Blame::case_itself;
+                            history->second.cause == storage::Cause::case_itself;
         if (failed && !arguments.retry_failed)
             ++selection.failed_before;
         else

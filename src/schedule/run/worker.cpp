@@ -32,8 +32,8 @@ constexpr int most_file_failures_in_a_row = 3;
 
 struct CaseError {
     std::string reason;
-    storage::Blame blame = storage::Blame::case_itself;
-    Trouble trouble = Trouble::lasting;
+    storage::Cause cause = storage::Cause::case_itself;
+    Persistence persistence = Persistence::lasting;
 };
 
 /// The error that ends `work`, if any. The errors of a case do not end the run.
@@ -43,11 +43,11 @@ std::optional<CaseError> error_of(const Work& work) {
         try {
             work();
         } catch (const FileFailure& failure) {
-            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+            return CaseError{failure.what(), storage::Cause::files, failure.persistence()};
         } catch (const CaseFailure& failure) {
             return CaseError{failure.what()};
         } catch (const UsageError& failure) { // of the file system
-            return CaseError{failure.what(), storage::Blame::files, failure.trouble()};
+            return CaseError{failure.what(), storage::Cause::files, failure.persistence()};
         }
     } catch (const std::bad_alloc&) {
         return CaseError{"out of memory"};
@@ -73,7 +73,7 @@ Worker::Worker(const WorkList& list, const storage::JournalContents& learned, co
         if (team_.is_root()) claims_.emplace(list_.folder.claims());
     });
     computed_.reserve(list_.cases.size());
-    if (world.is_root()) times_.recall(learned);
+    if (world.is_root()) times_.load(learned);
 }
 
 void Worker::work() {
@@ -117,7 +117,7 @@ long Worker::next() {
             if (claim(place)) return static_cast<long>(place);
         } catch (const std::exception& error) { // the file system fails, or memory is lacking
             counters_.fetch_add(begun, 1);
-            record(*list_.cases[place], error.what(), storage::Blame::files);
+            record(*list_.cases[place], error.what(), storage::Cause::files);
         }
         times_.end(place);
     }
@@ -136,7 +136,7 @@ bool Worker::claim(std::size_t place) {
         counters_.fetch_add(elsewhere, 1);
         return false;
     }
-    if (!storage::is_whole(list_.folder.case_file(planned.id), planned.id)) return true;
+    if (!storage::is_complete(list_.folder.case_file(planned.id), planned.id)) return true;
     claims_->release(number);
     counters_.fetch_add(elsewhere, 1);
     return false;
@@ -177,9 +177,9 @@ bool Worker::one_case(const PlannedCase& planned) {
         }
         is_done = false;
         engine_.reset(); // its data may be incomplete
-        const bool passing = error && error->trouble == Trouble::passing;
+        const bool passing = error && error->persistence == Persistence::passing;
         if (!team_.all(passing) || attempt == waits_for_files.size()) {
-            if (team_.is_root() && error) record(planned, error->reason, error->blame);
+            if (team_.is_root() && error) record(planned, error->reason, error->cause);
             break;
         }
         if (team_.is_root())
@@ -239,24 +239,24 @@ void Worker::report(const PlannedCase& planned, const engines::SolverReport& sol
         news.push_back(fmt::format("{} steps, {} iterations, {} at most in a step", solver.steps,
                                    solver.iterations, solver.most_iterations));
     for (const std::string& note : solver.notes)
-        if (told_.insert(note).second) news.push_back(note);
+        if (reported_.insert(note).second) news.push_back(note);
     if (team_.is_root() && !news.empty() && !list_.arguments.quiet)
         progress_.say(fmt::format("case {}: {}", planned.id, fmt::join(news, "; ")));
 } catch (const std::bad_alloc&) { // the case is complete
 }
 
 /// On the root of the team.
-void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Blame blame) {
+void Worker::record(const PlannedCase& planned, const std::string& reason, storage::Cause cause) {
     counters_.fetch_add(failed, 1);
     try {
         say(fmt::format("case {} failed: {}", planned.id, reason));
-        journal_.failed(planned.id, reason, blame);
+        journal_.failed(planned.id, reason, cause);
         keep_failure(planned, reason);
     } catch (const std::exception& error) {
         progress_.say(fmt::format("and this could not be recorded: {}", error.what()));
     }
     if (list_.arguments.fail_fast) give_up();
-    if (blame != storage::Blame::files) return;
+    if (cause != storage::Cause::files) return;
     counters_.fetch_add(failed_files, 1);
     last_folder_ = {}; // now
     look_for_folder();

@@ -93,7 +93,7 @@ private:
     bool one_case(const PlannedCase& planned);
     bool compute(const PlannedCase& planned);
     void report(const PlannedCase& planned, const engines::SolverReport& solver);
-    void record(const PlannedCase& planned, const std::string& reason, storage::Blame blame);
+    void record(const PlannedCase& planned, const std::string& reason, storage::Cause cause);
     void give_up(); // no further case is started
     void keep_failure(const PlannedCase& planned, const std::string& reason) const;
     void say(const std::string& text);
@@ -118,7 +118,7 @@ private:
     const Case* before_ =
         nullptr; // previous case of the team, which may share work with the next one
     std::vector<std::string> case_log_; // messages about the running case
-    std::set<std::string> told_;        // each is reported once
+    std::set<std::string> reported_;    // each is reported once
     int file_failures_in_a_row_ = 0;
     std::vector<double> computed_; // positions in the plan; on the root of the team
     long partial_ppm_ = 0;         // complete share of the running case of this team

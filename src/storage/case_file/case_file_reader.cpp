@@ -70,7 +70,7 @@ CaseSummary read_unverified_summary(const std::filesystem::path& path) {
     return summary;
 }
 
-bool is_whole(const std::filesystem::path& path, const std::string& id) {
+bool is_complete(const std::filesystem::path& path, const std::string& id) {
     if (!std::filesystem::exists(path)) return false;
     try {
         if (!check_integrity(path).damage.empty()) return false;

@@ -28,7 +28,7 @@ CaseSummary read_case_summary(const std::filesystem::path& path);
 CaseSummary read_unverified_summary(const std::filesystem::path& path);
 
 /// Whether the file exists, can be opened, is complete and belongs to the case with that id.
-bool is_whole(const std::filesystem::path& path, const std::string& id);
+bool is_complete(const std::filesystem::path& path, const std::string& id);
 
 /// Reads the stored surfaces of a complete case file. Does not verify the checksum
 /// (read_case_summary does). Throws FileFailure. Not collective.

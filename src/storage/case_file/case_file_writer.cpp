@@ -32,9 +32,9 @@ CaseFileWriter::CaseFileWriter(const std::filesystem::path& path, const Comm& te
                                SurfaceLayout surface, Beginning beginning,
                                const std::string& record)
     : path_(path), part_(path.string() + ".part"), team_(team), surface_(std::move(surface)) {
-    if (beginning == Beginning::go_on) resumed_ = fields_of(team_.broadcast(record));
+    if (beginning == Beginning::resume) resumed_ = fields_of(team_.broadcast(record));
     on_root(team_, [&] {
-        if (beginning == Beginning::go_on) return;
+        if (beginning == Beginning::resume) return;
         refuse_if_full(surface_.bytes());
         try {
             create_surface();
@@ -84,7 +84,7 @@ void CaseFileWriter::refuse_if_full(double needed_B) const {
             fmt::format(
                 "cannot write {}: it requires {:.1f} MB, but the disk has only {:.1f} MB left",
                 path_.string(), needed / 1e6, free / 1e6),
-            Trouble::lasting);
+            Persistence::lasting);
 }
 
 CaseFileWriter::~CaseFileWriter() {
@@ -205,12 +205,11 @@ void CaseFileWriter::flush() {
     on_root(team_, [&] { flush_to_disk(part_); });
 }
 
-std::string trouble_with_part(const std::filesystem::path& path, const std::string& record,
-                              const SurfaceLayout& surface, KeepsVolume volume) {
+std::string part_error(const std::filesystem::path& path, const std::string& record,
+                       const SurfaceLayout& surface, KeepsVolume volume) {
     const std::filesystem::path part = path.string() + ".part";
     if (!std::filesystem::exists(part)) return "is missing";
-    if (const std::string trouble = trouble_with_bytes(part, record); !trouble.empty())
-        return trouble;
+    if (const std::string reason = bytes_error(part, record); !reason.empty()) return reason;
     // Its structure matches what was written.
     try {
         const h5::Id file = h5::open_file(part, h5::Access::read);

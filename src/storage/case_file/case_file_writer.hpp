@@ -25,7 +25,7 @@ struct SurfaceLayout {
 };
 
 /// Whether a case file is created from scratch or that of an earlier run is continued.
-enum class Beginning { anew, go_on };
+enum class Beginning { fresh, resume };
 
 /// Writes a case file: `<path>.part` until it is committed, then complete and renamed. It is
 /// removed if it is not committed, unless it is left for a later run. xarray can open the result:
@@ -36,7 +36,7 @@ public:
     /// will be written. Throws CaseFailure on all ranks (no space, no permission). `record`: that
     /// of the file that is continued, see part_record().
     CaseFileWriter(const std::filesystem::path& path, const Comm& team, SurfaceLayout surface,
-                   Beginning beginning = Beginning::anew, const std::string& record = "");
+                   Beginning beginning = Beginning::fresh, const std::string& record = "");
     /// Not collective: rank 0 removes what was not committed. An open file is abandoned (h5::Id).
     ~CaseFileWriter();
     CaseFileWriter(const CaseFileWriter&) = delete;
@@ -102,7 +102,7 @@ enum class KeepsVolume { no, yes };
 /// The reason why `<path>.part` cannot be continued, as a phrase that follows its name. Empty if
 /// its bytes match the record in the checkpoint, and it has these surface fields and, if stored, a
 /// volume. Not collective.
-std::string trouble_with_part(const std::filesystem::path& path, const std::string& record,
-                              const SurfaceLayout& surface, KeepsVolume volume = KeepsVolume::no);
+std::string part_error(const std::filesystem::path& path, const std::string& record,
+                       const SurfaceLayout& surface, KeepsVolume volume = KeepsVolume::no);
 
 } // namespace shearwake::storage

@@ -48,9 +48,9 @@ CaseDigest lost(const std::string& id, const std::string& why) {
 /// The disk failed, perhaps temporarily: the file may be intact.
 bool is_of_the_system(const FileFailure& error) {
     const std::string_view words = error.what();
-    return error.trouble() == Trouble::lasting || std::ranges::any_of(passing_errors, [&](int e) {
-               return words.ends_with(std::strerror(e));
-           });
+    return error.persistence() == Persistence::lasting ||
+           std::ranges::any_of(passing_errors,
+                               [&](int e) { return words.ends_with(std::strerror(e)); });
 }
 
 CaseDigest read_digest(const fs::path& path, const std::string& id) {

@@ -73,7 +73,7 @@ public:
     long lines_passed_over() const { return lines_passed_over_; }
     /// Number of bytes that were read to verify checksums.
     double verified_B() const { return verified_B_; }
-    bool is_whole(const std::string& id) {
+    bool is_complete(const std::string& id) {
         const CaseDigest* digest = find(id);
         return digest && digest->whole();
     }

@@ -105,7 +105,7 @@ void CheckpointFileWriter::put(const std::string& name, const DistributedRows& r
             throw FileFailure(
                 fmt::format("it requires {:.1f} MB, but the disk has only {:.1f} MB left",
                             needed / 1e6, free / 1e6),
-                Trouble::lasting);
+                Persistence::lasting);
     });
     const hsize_t shape[2] = {static_cast<hsize_t>(rows.total),
                               static_cast<hsize_t>(rows.row_length)};
@@ -156,8 +156,8 @@ void CheckpointFileWriter::commit(const CheckpointOwner& owner, const Checkpoint
     });
 }
 
-std::string trouble_with_checkpoint(const std::filesystem::path& path, const CheckpointOwner& owner,
-                                    CheckpointFacts& facts) {
+std::string checkpoint_error(const std::filesystem::path& path, const CheckpointOwner& owner,
+                             CheckpointFacts& facts) {
     try {
         must_survive(path, [&] { look_at_all(path); });
         const h5::Id file = h5::open_file(path, h5::Access::read);

@@ -70,8 +70,8 @@ private:
 
 /// The reason why a file is not a checkpoint of this owner, as a phrase that follows its name. If
 /// its attributes are valid, returns an empty string and fills `facts`. Not collective.
-std::string trouble_with_checkpoint(const std::filesystem::path& path, const CheckpointOwner& owner,
-                                    CheckpointFacts& facts);
+std::string checkpoint_error(const std::filesystem::path& path, const CheckpointOwner& owner,
+                             CheckpointFacts& facts);
 
 /// A complete checkpoint, opened by the team. Collective, as the writer. Abandoned by the
 /// destructor if it is not closed (h5::Id).

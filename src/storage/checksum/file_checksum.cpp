@@ -36,7 +36,7 @@ constexpr std::size_t piece_B = std::size_t{1} << 18;
 
 [[noreturn]] void cannot_read(const fs::path& path, int error) {
     throw UsageError(fmt::format("cannot read {}: {}", path.string(), std::strerror(error)),
-                     ExitCode::environment, trouble_of(error));
+                     ExitCode::environment, persistence_of(error));
 }
 
 /// A file that is open for reading.

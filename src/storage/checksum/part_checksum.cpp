@@ -72,7 +72,8 @@ std::string rest_of(std::ifstream& file, const std::filesystem::path& path,
 std::ifstream opened(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file)
-        throw UsageError("cannot read " + path.string(), ExitCode::environment, Trouble::passing);
+        throw UsageError("cannot read " + path.string(), ExitCode::environment,
+                         Persistence::passing);
     return file;
 }
 
@@ -123,7 +124,7 @@ std::vector<FieldBytes> fields_of(const std::string& record) {
     return fields;
 }
 
-std::string trouble_with_bytes(const std::filesystem::path& part, const std::string& record) {
+std::string bytes_error(const std::filesystem::path& part, const std::string& record) {
     if (record.empty()) return "has no checksum in the checkpoint";
     try {
         const std::vector<FieldBytes> fields = fields_of(record);

@@ -43,7 +43,7 @@ std::vector<FieldBytes> fields_of(const std::string& record);
 
 /// The reason why the file does not match the record, as a phrase that follows its name; empty if
 /// it matches. Does not interpret the file. Not collective.
-std::string trouble_with_bytes(const std::filesystem::path& part, const std::string& record);
+std::string bytes_error(const std::filesystem::path& part, const std::string& record);
 
 struct VerifyProgress {
     std::size_t files = 0, all_files = 0;

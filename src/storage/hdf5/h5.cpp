@@ -80,10 +80,10 @@ void must_be_single(const Id& attribute, const std::string& name) {
 
 /// Classifies the message of HDF5, which ends in that of the operating system, if any. MPI gives no
 /// reason.
-Trouble trouble_of_words(const std::string& reason) {
+Persistence persistence_of_words(const std::string& reason) {
     for (const int error : {ENOSPC, EDQUOT, EROFS, EACCES, EPERM, ENOENT, ENOTDIR, EISDIR, EFBIG})
-        if (reason.ends_with(std::strerror(error))) return Trouble::lasting;
-    return Trouble::passing;
+        if (reason.ends_with(std::strerror(error))) return Persistence::lasting;
+    return Persistence::passing;
 }
 
 } // namespace
@@ -103,17 +103,18 @@ std::string last_error() {
 
 void check_together(herr_t status, const std::string& what, const Comm& comm) {
     const std::string reason = status < 0 ? last_error() : "";
-    const bool passing = trouble_of_words(reason) == Trouble::passing;
+    const bool passing = persistence_of_words(reason) == Persistence::passing;
     const int worst = comm.max(status >= 0 ? 0 : passing ? 1 : 2);
     if (worst != 0)
         throw FileFailure(fmt::format("HDF5 cannot {} {}", what, reason),
-                          worst == 1 ? Trouble::passing : Trouble::lasting);
+                          worst == 1 ? Persistence::passing : Persistence::lasting);
 }
 
 void check(herr_t status, const std::string& what) {
     if (status >= 0) return;
     const std::string reason = last_error();
-    throw FileFailure(fmt::format("HDF5 cannot {}: {}", what, reason), trouble_of_words(reason));
+    throw FileFailure(fmt::format("HDF5 cannot {}: {}", what, reason),
+                      persistence_of_words(reason));
 }
 
 void never_tidy_up() {

@@ -59,7 +59,7 @@ void take(const Json& line, JournalContents& contents) {
     } else if (name == "failed") {
         history.state = CaseHistory::State::failed;
         history.reason = line.at("reason");
-        history.blame = line.at("blame") == "files" ? Blame::files : Blame::case_itself;
+        history.cause = line.at("blame") == "files" ? Cause::files : Cause::case_itself;
     }
 }
 
@@ -127,10 +127,10 @@ void Journal::finished(const std::string& id, const CaseTimes& times) const {
     append_line(path_, seal(line.text()));
 }
 
-void Journal::failed(const std::string& id, const std::string& reason, Blame blame) const {
+void Journal::failed(const std::string& id, const std::string& reason, Cause cause) const {
     JsonLine line = event("failed");
     line.add("id", id);
-    line.add("blame", blame == Blame::files ? "files" : "case");
+    line.add("blame", cause == Cause::files ? "files" : "case");
     line.add("reason", reason);
     append_line(path_, seal(line.text()));
 }

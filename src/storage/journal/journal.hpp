@@ -9,7 +9,7 @@
 namespace shearwake::storage {
 
 /// The cause of a failure: the case itself, or files and disks, which may be repaired.
-enum class Blame { case_itself, files };
+enum class Cause { case_itself, files };
 
 /// Data of a run that are recorded when it starts.
 struct RunStart {
@@ -53,7 +53,7 @@ public:
     void checkpointed(const std::string& id, long step) const;
     void resumed(const std::string& id, long step) const;
     void finished(const std::string& id, const CaseTimes& times) const;
-    void failed(const std::string& id, const std::string& reason, Blame blame) const;
+    void failed(const std::string& id, const std::string& reason, Cause cause) const;
     /// The case file was damaged and was moved aside.
     void damaged(const std::string& id, const std::string& reason) const;
 
@@ -65,7 +65,7 @@ private:
 struct CaseHistory {
     enum class State { started, finished, failed } state = State::started;
     std::string reason; // reason of the failure
-    Blame blame = Blame::case_itself;
+    Cause cause = Cause::case_itself;
     CaseTimes times; // of the last finished computation
     std::string host;
     double unix_time_s = 0.0;

@@ -175,10 +175,10 @@ PlanMatch compare_plan(const std::string& text, const Plan& plan) {
 }
 
 PlanIndex read_plan(const std::filesystem::path& path) {
-    std::error_code trouble; // other than a missing file; read_file reports it
-    if (!std::filesystem::exists(path, trouble) && !trouble) {
+    std::error_code file_error; // other than a missing file; read_file reports it
+    if (!std::filesystem::exists(path, file_error) && !file_error) {
         const std::filesystem::path folder = path.parent_path();
-        const bool is_folder = std::filesystem::is_directory(folder, trouble);
+        const bool is_folder = std::filesystem::is_directory(folder, file_error);
         const char* reason = is_folder ? " is not an output folder, since it contains no plan.json"
                                        : ": no such output folder";
         throw UsageError(fmt::format("{}{}; run the job first", folder.string(), reason),

@@ -29,7 +29,7 @@ int open_or_throw(const std::filesystem::path& file) {
     const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (fd < 0)
         throw UsageError(fmt::format("cannot open {}: {}", file.string(), std::strerror(errno)),
-                         ExitCode::environment, trouble_of(errno));
+                         ExitCode::environment, persistence_of(errno));
     return fd;
 }
 

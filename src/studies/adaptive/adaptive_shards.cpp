@@ -42,7 +42,7 @@ std::vector<std::size_t> OtherShards::open_cases(const Plan& plan) const {
         const auto history = journal.cases.find(id);
         const bool failed = history != journal.cases.end() &&
                             history->second.state == storage::CaseHistory::State::failed;
-        if (!failed && !index.is_whole(id)) open.push_back(i);
+        if (!failed && !index.is_complete(id)) open.push_back(i);
     }
     return open;
 }

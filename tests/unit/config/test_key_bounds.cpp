@@ -25,7 +25,7 @@ struct Bounded {
     std::string key;           // "load.footprint.fwhm_mm"
     std::string before, after; // of the value, as TOML
     Range range;
-    bool is_whole = false;
+    bool is_complete = false;
 };
 
 /// What a key needs beside it before the reader looks at it; the first entry whose key begins the
@@ -139,7 +139,7 @@ std::string number_text(double value) {
 
 /// Whether the reader refuses the value because of these bounds.
 bool is_refused(const Bounded& b, double value, std::string& all) {
-    const std::string text = b.is_whole ? fmt::format("{:.0f}", value) : number_text(value);
+    const std::string text = b.is_complete ? fmt::format("{:.0f}", value) : number_text(value);
     std::string job = b.before + text + b.after;
     if (const std::size_t hole = job.find('%'); hole != std::string::npos)
         job.replace(hole, 1, text);
@@ -185,8 +185,8 @@ TEST_CASE("schema and reader and the reference agree on each bound", "[fields][s
         std::string all;
         const auto outside = [&](double bound, double direction) {
             // 2 is the spacing of numbers above 2^53.
-            return b.is_whole ? bound + 2.0 * direction
-                              : bound + direction * 1e-3 * (std::abs(bound) + 1e-3);
+            return b.is_complete ? bound + 2.0 * direction
+                                 : bound + direction * 1e-3 * (std::abs(bound) + 1e-3);
         };
         for (const double direction : {-1.0, 1.0}) {
             const double bound = direction < 0.0 ? b.range.least : b.range.most;

@@ -39,8 +39,9 @@ std::vector<double> one_period(double amplitude, std::size_t shift) {
     return line;
 }
 
-FeltMotion repeating(const AfferentOptions& options, std::size_t counted, std::size_t shift = 0) {
-    FeltMotion motion{.pins = {.rate_Hz = rate_Hz}, .modulation_Hz = 50.0, .name = "a case"};
+ReceptorMotion repeating(const AfferentOptions& options, std::size_t counted,
+                         std::size_t shift = 0) {
+    ReceptorMotion motion{.pins = {.rate_Hz = rate_Hz}, .modulation_Hz = 50.0, .name = "a case"};
     const auto afferents = neural::make_scene(options).afferents;
     motion.repetitions = neural::repetitions_of(afferents, period_s, counted);
     motion.path_m = {{}};
@@ -51,8 +52,8 @@ FeltMotion repeating(const AfferentOptions& options, std::size_t counted, std::s
     return motion;
 }
 
-AfferentResult felt_alone(const FeltMotion& motion, const AfferentOptions& options) {
-    return felt(motion, options, Comm::world().split(Comm::world().rank()));
+AfferentResult felt_alone(const ReceptorMotion& motion, const AfferentOptions& options) {
+    return perceived(motion, options, Comm::world().split(Comm::world().rank()));
 }
 
 std::vector<double> values(const AfferentResult& result, const std::string& name) {
@@ -105,7 +106,7 @@ TEST_CASE("spikes per period do not depend on the number of periods of an endles
 TEST_CASE("receptors state the counted periods of an endless loop and have no first spike",
           "[neural][periodic]") {
     const AfferentOptions options = all_neurons(PinInput{});
-    FeltMotion motion = repeating(options, 8);
+    ReceptorMotion motion = repeating(options, 8);
     const AfferentResult result = felt_alone(motion, options);
     CHECK(result.notes.empty()); // the motion does not begin, so it begins with no step
     CHECK(column(result, "receptor_periods_1").value == 8.0);

@@ -62,7 +62,7 @@ TEST_CASE("every case is a row with its status", "[reduce]") {
     write("reference", 0.1, 2.0, "");
     storage::write_file(folder / "cases/damaged.h5", "no HDF5");
     storage::Journal(folder / "journal.jsonl")
-        .failed("failed", "out of memory", storage::Blame::case_itself);
+        .failed("failed", "out of memory", storage::Cause::case_itself);
 
     const reduce::ReduceInput input{folder / "", folder / "plan.json", folder / "tables"};
     const reduce::Table table = reduce::table_of(input);

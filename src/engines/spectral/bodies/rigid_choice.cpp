@@ -80,7 +80,7 @@ void each_layer_around(const Body& body, const Medium& medium, const Use& use) {
     }
 }
 
-std::string trouble_of(const Case& c, const Body& body, Endless along) {
+std::string reason_against(const Case& c, const Body& body, Endless along) {
     if (!(bounds(body).low_m.z > 0.0))
         return fmt::format("a rigid body must not touch the surface, but it begins at {:.4g} mm",
                            1e3 * bounds(body).low_m.z);
@@ -243,9 +243,9 @@ std::vector<Remark> rigid_limits(const Case& c) {
                 {Severity::error, fmt::format("medium.body[{}].rigid", i + 1), std::move(message)});
         };
         const Endless along = endless_along(bodies[i], c.domain);
-        const std::string trouble = trouble_of(c, bodies[i], along);
-        if (!trouble.empty()) {
-            refuse(trouble);
+        const std::string reason = reason_against(c, bodies[i], along);
+        if (!reason.empty()) {
+            refuse(reason);
             continue;
         }
         for (std::size_t j = 0; j < bodies.size(); ++j)

@@ -36,7 +36,7 @@ inline constexpr engines::WorkKind of_displacement = {"spectral.volume.u",
                                                       1e-8}; // per point and level of a snapshot
 /// Per point and level of a snapshot.
 inline constexpr engines::WorkKind of_tensor = {"spectral.volume.tensor", 1e-7};
-inline constexpr engines::WorkKind of_felt = {"spectral.receptor_stress",
-                                              2e-8}; // per point and plane of stress
+inline constexpr engines::WorkKind of_receptor_planes = {"spectral.receptor_stress",
+                                                         2e-8}; // per point and plane of stress
 
 } // namespace shearwake::spectral::kinds

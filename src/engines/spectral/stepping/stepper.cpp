@@ -165,7 +165,7 @@ void Stepper::first_pass() {
         if (!bodies_->empty()) bodies_->evaluate(row, block, before);
         clock_.lap(Phase::solves);
     });
-    if (watch_.due(step_)) watch_.judge(step_, 0.5 * kinetic_.mine());
+    if (watch_.due(step_)) watch_.check(step_, 0.5 * kinetic_.mine());
     watch_.add_work(scale * work_.mine());
     if (solver_) reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);

@@ -58,7 +58,7 @@ void Stepper::respond_to_plane(std::ptrdiff_t plane, StrainPlanes& planes) {
 // The box yields G, so that t is known before B is solved for it.
 void Stepper::advance_on_box() {
     if (!predicted_.valid) predict_all();
-    if (watch_.due(step_)) watch_.judge(step_, 0.5 * kinetic_.mine());
+    if (watch_.due(step_)) watch_.check(step_, 0.5 * kinetic_.mine());
     watch_.add_work(first_step_scale() * work_.mine());
     reference_ = std::max(kinetic_.of(team_), std::abs(work_.of(team_)));
     clock_.lap(Phase::rest);

@@ -63,7 +63,7 @@ EnergyBalance Stepper::energy() {
         lateral += 0.25 * inner(difference, stress_);
         lateral *= per_point;
     }
-    watch_.judge(step_, kinetic);
+    watch_.check(step_, kinetic);
     const double bodies = team_.is_root() ? bodies_->twice_kinetic_J_m2() : 0.0;
     const double mine = 0.5 * (implicit - 0.5 * viscous + stored + bodies) + lateral;
     const double area_m2 = case_.domain.extent_x_m() * case_.domain.extent_y_m();

@@ -81,7 +81,7 @@ bool can_be_computed(const Case& c) {
     const Modulation& modulation = c.scene().load.modulation;
     if (c.time.regime == Regime::periodic) {
         const LoadPeriod period = least_period(c.scene().load, 1.01 * c.time.duration_s());
-        if (!period.trouble.empty()) return false;
+        if (!period.reason.empty()) return false;
         const double periods = c.time.duration_s() / period.period_s;
         if (std::abs(periods - std::round(periods)) > 1e-6) return false;
     }

@@ -28,8 +28,8 @@ Travel circle(double draws_per_s, AtEnd at_end = AtEnd::repeat) {
 
 double period_ms(const Load& load) {
     const LoadPeriod period = least_period(load, 1.0);
-    INFO(period.trouble);
-    REQUIRE(period.trouble.empty());
+    INFO(period.reason);
+    REQUIRE(period.reason.empty());
     return 1e3 * period.period_s;
 }
 
@@ -58,13 +58,13 @@ TEST_CASE("the period of a load is the least common one of its parts", "[period]
 }
 
 TEST_CASE("a load without a period states the reason", "[period]") {
-    const auto trouble = [](const Load& load) { return least_period(load, 1.0).trouble; };
-    CHECK_THAT(trouble(load_of({circle(std::sqrt(5e3))}, {SineGain{.frequency_Hz = 200.0}})),
+    const auto reason = [](const Load& load) { return least_period(load, 1.0).reason; };
+    CHECK_THAT(reason(load_of({circle(std::sqrt(5e3))}, {SineGain{.frequency_Hz = 200.0}})),
                Contains("70.710678 and 200 Hz") && Contains("no common period of up to 1000 ms"));
-    CHECK_THAT(trouble(load_of({circle(0.5)})), Contains("the frequency 0.5 Hz"));
-    CHECK_THAT(trouble(load_of({circle(50.0, AtEnd::off)})), Contains("a path that ends"));
-    CHECK_THAT(trouble(load_of({Hold{}})), Contains("is constant"));
-    CHECK_THAT(trouble(load_of({circle(50.0)}, {RampGain{.duration_s = 1e-2}})),
+    CHECK_THAT(reason(load_of({circle(0.5)})), Contains("the frequency 0.5 Hz"));
+    CHECK_THAT(reason(load_of({circle(50.0, AtEnd::off)})), Contains("a path that ends"));
+    CHECK_THAT(reason(load_of({Hold{}})), Contains("is constant"));
+    CHECK_THAT(reason(load_of({circle(50.0)}, {RampGain{.duration_s = 1e-2}})),
                Contains("rises or falls once"));
 }
 

@@ -154,7 +154,7 @@ TEST_CASE("earlier runs are recalled by their engine", "[learned]") {
     journal.cases["x"].times = {.seconds = 8.0, .estimated_seconds = 2.0, .engine = "pstd"};
     journal.cases["y"].times = {.seconds = 8.0, .estimated_seconds = 0.0, .engine = "pstd"};
     journal.cases["z"].times = {.seconds = 8.0, .estimated_seconds = 1.0, .engine = "unknown"};
-    times.recall(journal);
+    times.load(journal);
     CHECK(times.factor(3) == Approx(4.0));
     CHECK(times.factor(0) == 1.0);
     CHECK(times.left_s() == Approx(60.0 + 160.0));

@@ -47,7 +47,7 @@ TEST_CASE("an index gives the content of the case files without opening them aga
         CHECK(index.find("1")->scalars.at(1).note == "why not");
         CHECK(index.find("1")->git_id == "0abc");
         CHECK(index.find("2")->scalars.at(0).value == 2.0);
-        CHECK_FALSE(index.is_whole("3"));
+        CHECK_FALSE(index.is_complete("3"));
         CHECK(index.find("3")->status == "damaged");
         CHECK(index.find("4") == nullptr);
         CHECK(std::filesystem::exists(folder / "index.jsonl") == saved);
@@ -69,14 +69,14 @@ TEST_CASE("journals of shards and hosts are combined, and the latest entry count
     const storage::Journal first(folder / storage::journal_name("1-of-2")),
         second(folder / storage::journal_name("2-of-2"));
     first.run_started({.overrides = {"a=1"}});
-    first.failed("x", "at first", storage::Blame::case_itself);
-    second.failed("y", "for good", storage::Blame::files);
+    first.failed("x", "at first", storage::Cause::case_itself);
+    second.failed("y", "for good", storage::Cause::files);
     second.finished("x", {1.0, 2.0, "layered"});
     const storage::JournalContents all = storage::read_journals(folder / "");
     CHECK(all.running);
     CHECK(all.overrides == std::vector<std::string>{"a=1"});
     CHECK(all.cases.at("x").state == storage::CaseHistory::State::finished);
-    CHECK(all.cases.at("y").blame == storage::Blame::files);
+    CHECK(all.cases.at("y").cause == storage::Cause::files);
     CHECK(storage::read_journals(folder / "none").cases.empty());
 }
 

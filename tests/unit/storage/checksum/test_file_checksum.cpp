@@ -148,7 +148,7 @@ TEST_CASE("detected damage is recorded for the next run", "[checksum]") {
     put_bytes(path, bytes);
     {
         CaseIndex index(folder / "", CaseIndex::Trust::checksum);
-        CHECK_FALSE(index.is_whole("00ff"));
+        CHECK_FALSE(index.is_complete("00ff"));
         index.save();
     }
     CHECK(read_file(folder / "index.jsonl").find("do not match") != std::string::npos);

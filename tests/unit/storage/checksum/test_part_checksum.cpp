@@ -34,20 +34,20 @@ TEST_CASE("an unfinished file is compared with its state at the checkpoint", "[c
     const std::vector<FieldBytes> fields = {{500, 300, 100}, {100, 200, 200}};
     PartChecksum checksum;
     const std::string record = checksum.record(path, fields);
-    CHECK(trouble_with_bytes(path, record).empty());
+    CHECK(bytes_error(path, record).empty());
     CHECK(fields_of(record).at(1).written == 200);
     // What is not written yet may change: the run went on after the checkpoint.
     put_bytes(path, with_flip(bytes, 650));
-    CHECK(trouble_with_bytes(path, record).empty());
+    CHECK(bytes_error(path, record).empty());
     for (const std::size_t at : {0U, 99U, 100U, 299U, 300U, 499U, 500U, 599U, 800U, 999U}) {
         put_bytes(path, with_flip(bytes, at));
         INFO(at);
-        CHECK_FALSE(trouble_with_bytes(path, record).empty());
+        CHECK_FALSE(bytes_error(path, record).empty());
     }
     put_bytes(path, bytes.substr(0, 700));
-    CHECK_FALSE(trouble_with_bytes(path, record).empty());
-    CHECK_FALSE(trouble_with_bytes(folder / "none", record).empty());
-    CHECK_FALSE(trouble_with_bytes(path, "").empty());
+    CHECK_FALSE(bytes_error(path, record).empty());
+    CHECK_FALSE(bytes_error(folder / "none", record).empty());
+    CHECK_FALSE(bytes_error(path, "").empty());
 }
 
 TEST_CASE("an incremental checksum equals that of the whole file", "[checksum]") {

@@ -108,7 +108,7 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     journal.started("a", 2);
     journal.finished("a", {0.5, 0.25, "layered"});
     journal.started("b", 2);
-    journal.failed("b", "a reason with \"quotes\",\na line break and \xff", storage::Blame::files);
+    journal.failed("b", "a reason with \"quotes\",\na line break and \xff", storage::Cause::files);
     journal.resumed("b", 20); // does not change the state of a case that has failed
     journal.started("c", 2);
     journal.checkpointed("c", 40);
@@ -118,7 +118,7 @@ TEST_CASE("the journal gives the latest state of each case and ignores a truncat
     CHECK(contents.cases.at("a").state == storage::CaseHistory::State::finished);
     CHECK(contents.cases.at("a").times.seconds == 0.5);
     CHECK(contents.cases.at("a").times.estimated_seconds == 0.25);
-    CHECK(contents.cases.at("b").blame == storage::Blame::files);
+    CHECK(contents.cases.at("b").cause == storage::Cause::files);
     CHECK(contents.cases.at("b").state == storage::CaseHistory::State::failed);
     CHECK(contents.cases.at("b").reason.find("line break") != std::string::npos);
     CHECK(contents.cases.at("c").state == storage::CaseHistory::State::started);
