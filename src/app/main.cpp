@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "app/commands.hpp"
+#include "app/program.hpp"
 #include "parallel/session.hpp"
 #include "storage/hdf5/h5.hpp"
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "app/command_line_text.hpp"
-#include "app/commands.hpp"
-#include "app/declare_commands.hpp"
-#include "app/interactive_commands.hpp"
-#include "app/laboratory_commands.hpp"
-#include "app/optional_commands.hpp"
+#include "app/program.hpp"
 
+#include "app/command_line_text.hpp"
+#include "app/commands/commands.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "config/job.hpp"
@@ -62,17 +59,6 @@ void add_help(CLI::App& app, Action& action) {
     });
 }
 
-/// A command without arguments that prints a text about the program itself.
-void add_text(CLI::App& app, Action& action, const std::string& name, const std::string& what,
-              std::function<std::string()> text) {
-    app.add_subcommand(name, what)->callback([=, &action] {
-        action = [=](const Comm& world) {
-            if (world.is_root()) fmt::print("{}", text());
-            return ExitCode::done;
-        };
-    });
-}
-
 /// Advice on an option that another command has; otherwise empty.
 std::string advice_on(const std::string& command, const std::string& option) {
     if (option == "--out" && (command == "plan" || command == "check"))
@@ -89,8 +75,9 @@ std::string unexpected_arguments(const CLI::App& app) {
     const std::string name =
         selected.empty() ? "shearwake" : fmt::format("shearwake {}", command.get_name());
     const std::vector<std::string> extra = app.remaining(true);
-    const auto option = std::find_if(extra.begin(), extra.end(),
-                                     [](const std::string& word) { return word.starts_with('-'); });
+    const auto option = std::find_if(extra.begin(), extra.end(), [](const std::string& argument) {
+        return argument.starts_with('-');
+    });
     const std::string hint = fmt::format("{} --help lists the arguments", name);
     if (option == extra.end())
         return fmt::format("unexpected argument: {}; {}", printable(extra.front()), hint);
@@ -160,10 +147,9 @@ ExitCode program(int argc, char** argv, const Comm& world) {
     app.require_subcommand(1);
     app.footer("shearwake --help explains the exit codes."); // of each command
     app.set_version_flag("--version", full_version_text());
-    add_job_commands(app, action);
-    add_result_commands(app, action);
-    add_laboratory_commands(app, action);
-    add_interactive_commands(app, action);
+#define SHEARWAKE_ADD_COMMAND(name) add_##name(app, action);
+    SHEARWAKE_COMMANDS(SHEARWAKE_ADD_COMMAND)
+#undef SHEARWAKE_ADD_COMMAND
     add_help(app, action);
     add_text(app, action, "version", "print the version of the program and its libraries",
              [] { return full_version_text() + "\n"; });

@@ -64,6 +64,11 @@ struct OutputFolder {
     }
 };
 
+/// The folder `out`, or out/<name> if `out` is empty.
+inline OutputFolder output_folder(const std::filesystem::path& out, const std::string& name) {
+    return {out.empty() ? std::filesystem::path("out") / name : out};
+}
+
 /// The output folder that a user names. Throws UsageError if the path is a file, for a job file
 /// with the default folder of its runs. Not collective.
 OutputFolder folder_of_results(const std::filesystem::path& path);

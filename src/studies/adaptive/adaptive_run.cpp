@@ -6,12 +6,12 @@
 #include "base/work_clock.hpp"
 #include "parallel/agree.hpp"
 #include "reduce/adaptive_tables.hpp"
-#include "reduce/reduce.hpp"
 #include "schedule/run/job_source.hpp"
 #include "schedule/run/run.hpp"
 #include "schedule/run/run_arguments.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "studies/adaptive/adaptive_shards.hpp"
+#include "studies/tables.hpp"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -76,8 +76,7 @@ struct Round {
 /// Evaluates the results of a plan in a folder, which other shards may extend at any time.
 Round evaluated(const schedule::OutputFolder& folder, const Plan& plan, const OtherShards& others) {
     const storage::PlanIndex index = storage::read_plan(folder.plan());
-    const reduce::Table table =
-        reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
+    const reduce::Table table = studies::table_of(folder);
     // Plans only grow: if this is still the plan of the run, both of them belong to it.
     Round round{.has_ended = !others.is_extended(plan), .next = {}, .sentences = {}};
     if (!round.has_ended) return round;
@@ -105,12 +104,9 @@ std::string counts_text(const AxisPoints& points) {
 class AdaptiveRun {
 public:
     AdaptiveRun(const schedule::RunArguments& arguments, config::Job first, const Comm& world)
-        : arguments_(arguments), world_(world),
-          deadline_(arguments.walltime, world), folder_{arguments.out.empty()
-                                                            ? std::filesystem::path("out") /
-                                                                  first.plan.name
-                                                            : arguments.out},
-          job_(std::move(first)), points_(points_of(job_.plan)), round_(arguments) {
+        : arguments_(arguments), world_(world), deadline_(arguments.walltime, world),
+          folder_(schedule::output_folder(arguments.out, first.plan.name)), job_(std::move(first)),
+          points_(points_of(job_.plan)), round_(arguments) {
         on_root(world, [&] { shards_.emplace(folder_, arguments_, deadline_); });
         round_.is_round = arguments_.only.empty();
     }

@@ -11,7 +11,15 @@
 namespace shearwake::laboratory {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
+
+std::filesystem::path description_file(const std::filesystem::path& prefix) {
+    return prefix.string() + ".json";
+}
+
+std::filesystem::path numbers_file(const std::filesystem::path& prefix) {
+    return prefix.string() + ".f64";
+}
 
 template <class Read>
 ConvertedData read_description(const std::filesystem::path& prefix, const Read& read) {
@@ -37,14 +45,6 @@ Vec2 vec2(const Json& pair) {
 }
 
 } // namespace
-
-std::filesystem::path description_file(const std::filesystem::path& prefix) {
-    return prefix.string() + ".json";
-}
-
-std::filesystem::path numbers_file(const std::filesystem::path& prefix) {
-    return prefix.string() + ".f64";
-}
 
 ConvertedData read_surface(const std::filesystem::path& prefix) {
     return read_description(prefix, [](const Json& root, ConvertedData& data) {
@@ -80,6 +80,12 @@ void read_numbers(const std::filesystem::path& prefix, std::size_t first,
     if (!file)
         throw UsageError(fmt::format("{} is shorter than its description states", path.string()),
                          ExitCode::environment);
+}
+
+void remove_converted(const std::filesystem::path& prefix) {
+    std::error_code ignored;
+    std::filesystem::remove(description_file(prefix), ignored);
+    std::filesystem::remove(numbers_file(prefix), ignored);
 }
 
 } // namespace shearwake::laboratory

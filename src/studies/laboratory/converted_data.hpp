@@ -12,8 +12,8 @@
 namespace shearwake::laboratory {
 
 /// The files that analysis/laboratory/measure_scan.py writes: <prefix>.json and <prefix>.f64. None
-/// of these functions is collective. All throw UsageError (environment) if a file does not have the
-/// expected content.
+/// of these functions is collective. Those that read throw UsageError (environment) if a file does
+/// not have the expected content.
 struct ConvertedData {
     std::string data, sha256; // the file of the user
     std::vector<std::string> notes;
@@ -30,13 +30,13 @@ struct ConvertedData {
     bool is_line = false;
 };
 
-std::filesystem::path description_file(const std::filesystem::path& prefix);
-std::filesystem::path numbers_file(const std::filesystem::path& prefix);
-
 ConvertedData read_surface(const std::filesystem::path& prefix);
 ConvertedData read_velocities(const std::filesystem::path& prefix);
 
 /// Reads `values.size()` numbers from position `first` on.
 void read_numbers(const std::filesystem::path& prefix, std::size_t first, std::span<double> values);
+
+/// Removes both files.
+void remove_converted(const std::filesystem::path& prefix);
 
 } // namespace shearwake::laboratory

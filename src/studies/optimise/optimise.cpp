@@ -23,8 +23,8 @@ Study read_study(const schedule::RunArguments& arguments, const Comm& world) {
                          ExitCode::bad_job);
     const OptimiseOptions options = *job.optimise;
     std::vector<OptimisedCase> cases = optimised_cases(job.plan, options);
-    const schedule::OutputFolder folder{
-        arguments.out.empty() ? fs::path("out") / (job.plan.name + ".optimise") : arguments.out};
+    const schedule::OutputFolder folder =
+        schedule::output_folder(arguments.out, job.plan.name + ".optimise");
     schedule::RunArguments run{arguments};
     run.resumed_by = schedule::command_line("optimise", arguments);
     return {.job = std::move(job),

@@ -3,11 +3,11 @@
 
 #include "base/units.hpp"
 #include "parallel/agree.hpp"
-#include "reduce/reduce.hpp"
 #include "storage/files.hpp"
 #include "storage/journal/plan_file.hpp"
 #include "studies/optimise/optimise_job.hpp"
 #include "studies/optimise/search/waveform.hpp"
+#include "studies/tables.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -152,8 +152,7 @@ void write_waveforms(const Study& study, const Optima& results, std::size_t i, s
 } // namespace
 
 Readings readings_of(const schedule::OutputFolder& folder, const std::string& maximised) {
-    const reduce::Table table =
-        reduce::table_of({.folder = folder.root, .plan = folder.plan(), .tables = folder.tables()});
+    const reduce::Table table = studies::table_of(folder);
     const auto place = [&](const std::string& name) {
         return static_cast<std::size_t>(std::ranges::find(table.columns, name) -
                                         table.columns.begin());

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+
+#include "base/json.hpp"
+#include "pipeline/memory.hpp"
+#include "schedule/cost/case_costs.hpp"
+#include "schedule/run/job_source.hpp"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace shearwake::app {
+namespace {
+
+struct CheckArguments : schedule::JobArguments {
+    bool json = false;
+    schedule::Target target = schedule::Target::this_machine;
+};
+
+void print_json(const CheckArguments& arguments, const std::optional<config::Job>& job,
+                const std::vector<config::Diagnostic>& diagnostics) {
+    const auto errors =
+        std::count_if(diagnostics.begin(), diagnostics.end(),
+                      [](const config::Diagnostic& d) { return d.severity == Severity::error; });
+    nlohmann::ordered_json members;
+    members["job"] = arguments.job.string();
+    members["cases"] = job ? nlohmann::ordered_json(job->plan.cases.size()) : nullptr;
+    members["errors"] = errors;
+    members["warnings"] = std::ssize(diagnostics) - errors;
+    members["diagnostics"] = config::json_of(diagnostics);
+    fmt::print("{}", json_document("check", members));
+}
+
+ExitCode check_command(const CheckArguments& arguments, const Comm& world) {
+    std::optional<config::Job> job;
+    std::vector<config::Diagnostic> diagnostics;
+    try {
+        job = schedule::load_job(arguments.job, arguments.overrides, world);
+        diagnostics = job->diagnostics;
+    } catch (const config::BadJob& bad) {
+        if (!arguments.json) throw;
+        diagnostics = bad.diagnostics();
+    } catch (const UsageError& error) { // the job cannot be read
+        if (arguments.json && world.is_root())
+            print_json(arguments, {},
+                       {{.severity = Severity::error,
+                         .file = arguments.job.string(),
+                         .message = error.what()}});
+        if (!arguments.json) throw;
+        return error.code();
+    }
+    const double memory_B = pipeline::memory_per_rank_B(world);
+    if (!world.is_root()) return ExitCode::done;
+    const std::size_t of_job = diagnostics.size();
+    std::string error;
+    if (job && arguments.target == schedule::Target::this_machine)
+        error = schedule::excess(schedule::least_demand(cases_of(job->plan), world.size()),
+                                 memory_B, std::filesystem::path("out") / job->plan.name,
+                                 schedule::run_elsewhere);
+    if (!error.empty())
+        diagnostics.push_back(
+            {.severity = Severity::error, .file = arguments.job.string(), .message = error});
+    const bool is_bad = !job || !error.empty();
+    if (arguments.json) {
+        print_json(arguments, job, diagnostics);
+        return is_bad ? ExitCode::bad_job : ExitCode::done;
+    }
+    for (std::size_t i = 0; i < of_job; ++i)
+        fmt::print("{}\n", config::text(diagnostics[i]));
+    if (!error.empty()) {
+        fmt::print("error: {}\n", error);
+        return ExitCode::bad_job;
+    }
+    fmt::print("{}: {} case{}, {} warning{}, no errors\n", arguments.job.string(),
+               job->plan.cases.size(), job->plan.cases.size() == 1 ? "" : "s", of_job,
+               of_job == 1 ? "" : "s");
+    return ExitCode::done;
+}
+
+} // namespace
+
+void add_check(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<CheckArguments>(
+        app, action, "check", "report all errors in a job file", check_command);
+    add_job(command, arguments);
+    add_elsewhere(command, arguments.target);
+    add_json(command, arguments.json);
+}
+
+} // namespace shearwake::app

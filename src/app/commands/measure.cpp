@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "studies/laboratory/measure.hpp"
+
+#include "app/commands/commands.hpp"
+#include "parallel/agree.hpp"
+#include "studies/tables.hpp"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::app {
+namespace {
+
+struct MeasureArguments : laboratory::MeasureArguments {
+    bool draws_report = true;
+};
+
+/// Writes and prints the table.
+void print_measurement(const laboratory::Measurement& measured, reduce::ErrorColumns columns) {
+    const schedule::OutputFolder& folder = measured.folder;
+    const reduce::ReducedTables written = studies::reduce_folder(folder, columns);
+    for (const std::string& note : measured.notes)
+        fmt::print("{}\n", note);
+    const reduce::Table table = studies::table_of(folder);
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        const auto* value = std::get_if<double>(&table.rows.front()[i]);
+        if (!value || std::isnan(*value) || table.columns[i] == "wall_s") continue;
+        const auto error = measured.errors.find(table.columns[i]);
+        const bool is_known = error != measured.errors.end() && !std::isnan(error->second);
+        fmt::print("{} = {:.6g}{}\n", table.columns[i], *value,
+                   is_known ? fmt::format(" +- {:.2g}", error->second) : "");
+    }
+    if (!measured.warning.empty()) fmt::print(stderr, "{}\n", measured.warning);
+    fmt::print("case: {}\ntable: {}\n", folder.case_file(measured.id).string(),
+               written.csv.string());
+}
+
+ExitCode measure_command(const MeasureArguments& arguments, const Comm& world) {
+    const laboratory::Measurement measured = laboratory::measure(arguments, world);
+    on_root(world, [&] {
+        print_measurement(measured, arguments.repetitions > 1 ? reduce::ErrorColumns::added
+                                                              : reduce::ErrorColumns::omitted);
+    });
+    return arguments.draws_report ? draw_report(measured.folder.root, world) : ExitCode::done;
+}
+
+} // namespace
+
+void add_measure(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<MeasureArguments>(
+        app, action, "measure",
+        "compute the table and the figures of a measured scan of the surface", measure_command);
+    add_scan(command, "DATA", arguments.data);
+    command
+        .add_option("--options", arguments.job,
+                    "job with the load that was played, the grid, the times, and [vibrometer]")
+        ->type_name("JOB")
+        ->required();
+    add_scan_options(command, arguments.overrides, arguments.out, arguments.least_quality);
+    command
+        .add_option("--fit", arguments.fit,
+                    "fit.json of shearwake fit, whose estimates (alignment, material) replace the "
+                    "values of the job")
+        ->type_name("FILE");
+    command
+        .add_option("--high-pass-Hz", arguments.high_pass_Hz,
+                    "high-pass before the integration to displacement (default 0: none)")
+        ->type_name("F")
+        ->check(CLI::Range(0.0, 1e6));
+    command
+        .add_option("--gaps", arguments.gaps,
+                    "points without a signal: interpolate (default), or mask: at rest")
+        ->check(one_of({"interpolate", "mask"}));
+    command
+        .add_option("--repetitions", arguments.repetitions,
+                    "repetitions with added noise and left-out points, from which the "
+                    "uncertainty follows (default 8)")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000));
+    command.add_flag_callback(
+        "--no-report", [&draws = arguments.draws_report] { draws = false; }, "draw no figures");
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,369 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "engines/registry/make_engine.hpp"
+#include "pipeline/memory.hpp"
+#include "schedule/cost/calibration.hpp"
+#include "schedule/cost/case_costs.hpp"
+#include "schedule/run/job_source.hpp"
+#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/teams.hpp"
+#include "storage/journal/plan_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::app {
+namespace {
+
+struct PlanArguments : schedule::JobArguments {
+    bool json = false;
+    schedule::Target target = schedule::Target::this_machine;
+    int ranks = 0;          // 0: the number of ranks of this program
+    int ranks_per_case = 0; // 0: choose
+    bool all_cases = false; // list every case of a long plan
+};
+
+using Json = nlohmann::ordered_json;
+
+/// The last word of a key, or the complete key if another swept key ends in the same word.
+std::string label_of(const std::string& key, const std::vector<Setting>& settings) {
+    const std::string ending = key.substr(key.rfind('.') + 1);
+    const auto with_ending = std::ranges::count_if(settings, [&](const Setting& other) {
+        return other.key.substr(other.key.rfind('.') + 1) == ending;
+    });
+    return with_ending > 1 ? key : ending;
+}
+
+std::string settings_of(const PlannedCase& planned) {
+    std::string text = planned.is_reference ? "reference" : "";
+    for (const Setting& setting : planned.settings) {
+        const std::string value = std::visit(
+            [](const auto& v) {
+                if constexpr (std::is_same_v<std::decay_t<decltype(v)>, double>)
+                    return exact(v);
+                else
+                    return v;
+            },
+            setting.value);
+        text += fmt::format("{}{} = {}", text.empty() ? "" : ", ",
+                            label_of(setting.key, planned.settings), value);
+    }
+    return text;
+}
+
+/// Grid points per width of the focus.
+double points_per_focus(const Case& c) {
+    return fwhm_m(c.scene().load.footprint) / c.domain.spacing_m;
+}
+
+/// Grid points per shortest shear wavelength that the focus can excite: the wavenumber at which the
+/// spectrum of the footprint has fallen to 1 %.
+double points_per_wave(const Case& c) {
+    return two_pi / bandwidth_rad_m(c.scene().load.footprint, 0.01) / c.domain.spacing_m;
+}
+
+/// The estimates of a case on a team of the layout.
+struct PlannedCost {
+    const PlannedCase* planned;
+    double seconds, memory_per_rank_B, disk_B;
+};
+
+/// A choice of an engine, and the number of cases to which it applies.
+struct Choice {
+    std::string text;
+    std::size_t cases;
+};
+
+/// Where the time of the teams goes, in s, summed over the cases.
+struct TimeParts {
+    double compute_s = 0.0, transposes_s = 0.0, files_s = 0.0, longest_s = 0.0;
+};
+
+/// The estimates of a plan, for text and JSON.
+struct Estimates {
+    std::vector<PlannedCost> cases;
+    std::vector<Choice> choices;
+    std::size_t probed = 0; // cases whose time step is known before they run
+    schedule::TeamLayout layout;
+    int ranks = 1;
+    int busy = 1; // teams that have a case
+    TimeParts parts;
+    schedule::Demand demand;
+    std::string calibrated; // empty: not calibrated
+    std::string error;      // memory or disk do not suffice; empty: they do
+
+    /// Ranks times wall time, including idle ranks.
+    double core_hours() const { return layout.seconds * ranks / 3600.0; }
+};
+
+/// The choices of the engines: each distinct line once, in the order of the cases.
+void add_choices(Estimates& e, const cost::CaseCosts& costs) {
+    for (const PlannedCost& cost : e.cases) {
+        const Case& c = cost.planned->physics;
+        if (!costs.is_probed(c)) continue;
+        ++e.probed;
+        for (const std::string& note : engines::make_engine(c.solver)->choices(c)) {
+            const auto known = std::find_if(e.choices.begin(), e.choices.end(),
+                                            [&](const Choice& n) { return n.text == note; });
+            if (known == e.choices.end())
+                e.choices.push_back({note, 1});
+            else
+                ++known->cases;
+        }
+    }
+}
+
+TimeParts parts_of(const std::vector<const PlannedCase*>& cases, const schedule::TeamLayout& layout,
+                   int busy, cost::CaseCosts& costs) {
+    TimeParts parts;
+    const cost::Machine& machine = costs.machine();
+    for (const PlannedCase* planned : cases) {
+        cost::CaseCost cost = costs.of(planned->physics);
+        const double all = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
+        parts.longest_s = std::max(parts.longest_s, all);
+        cost.transposes = 0.0;
+        const double without = cost::seconds_on(cost, layout.ranks_per_case, busy, machine);
+        const double files = machine.file_s + cost.written_B * busy / machine.written_B_s;
+        parts.transposes_s += all - without;
+        parts.files_s += files;
+        parts.compute_s += without - files;
+    }
+    return parts;
+}
+
+Estimates estimates_of(const std::vector<const PlannedCase*>& cases,
+                       const schedule::TeamLayout& layout, int ranks, cost::CaseCosts& costs) {
+    Estimates e;
+    e.layout = layout;
+    e.ranks = ranks;
+    e.busy = static_cast<int>(std::min(static_cast<std::size_t>(layout.teams), cases.size()));
+    e.calibrated = costs.machine().measured;
+    for (const PlannedCase* planned : cases) {
+        const cost::CaseCost& cost = costs.of(planned->physics);
+        e.cases.push_back(
+            {planned, cost::seconds_on(cost, layout.ranks_per_case, layout.teams, costs.machine()),
+             costs.memory_per_rank_B(planned->physics, layout.ranks_per_case), cost.written_B});
+        e.demand.memory_per_rank_B =
+            std::max(e.demand.memory_per_rank_B, e.cases.back().memory_per_rank_B);
+        e.demand.disk_B += e.cases.back().disk_B;
+    }
+    e.parts = parts_of(cases, layout, e.busy, costs);
+    add_choices(e, costs);
+    return e;
+}
+
+void print_case(const PlannedCost& cost) {
+    const Case& c = cost.planned->physics;
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8.0f}  {:>7.2g}  {}\n", cost.planned->id,
+               fmt::format("{} x {}", c.domain.nx, c.domain.ny), c.time.frames,
+               fmt::format("{:.1f} / {:.1f}", points_per_focus(c), points_per_wave(c)),
+               cost.memory_per_rank_B / 1e6, cost.seconds, settings_of(*cost.planned));
+}
+
+/// All cases of a short plan. Of a long one, the first and the longest cases, unless all are
+/// wanted.
+void print_cases(const std::vector<PlannedCost>& cases, bool all) {
+    constexpr std::size_t most = 30, first = 15, longest = 5;
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}  settings\n", "id", "grid", "frames",
+               "points per", "MB/rank", "seconds");
+    fmt::print("{:<16}  {:>11}  {:>6}  {:>14}  {:>8}  {:>7}\n", "", "", "", "focus / wave", "", "");
+    const std::size_t listed = all || cases.size() <= most ? cases.size() : first;
+    for (std::size_t i = 0; i < listed; ++i)
+        print_case(cases[i]);
+    if (listed == cases.size()) return;
+    std::vector<PlannedCost> others(cases.begin() + first, cases.end());
+    std::partial_sort(
+        others.begin(), others.begin() + longest, others.end(),
+        [](const PlannedCost& a, const PlannedCost& b) { return a.seconds > b.seconds; });
+    fmt::print("{} further cases, of which the longest {} are:\n", others.size(), longest);
+    for (std::size_t i = 0; i < longest; ++i)
+        print_case(others[i]);
+    fmt::print("--all lists every case\n");
+}
+
+/// Choices that are not already among the warnings.
+void print_choices(const Estimates& e, const std::vector<config::Diagnostic>& warnings) {
+    if (!e.choices.empty()) fmt::print("\n");
+    for (const auto& [note, count] : e.choices) {
+        const auto is_note = [ending = ": " + note](const config::Diagnostic& warning) {
+            return warning.message.find(ending) != std::string::npos;
+        };
+        const bool known = std::ranges::any_of(warnings, is_note);
+        if (known) continue;
+        fmt::print("{}{}\n", note,
+                   count == e.probed ? "" : fmt::format(" ({} of {} cases)", count, e.probed));
+    }
+    if (e.probed < e.cases.size())
+        fmt::print("the time steps of the other {} cases are chosen when they run; their times are "
+                   "estimated from the most similar of these {} cases\n",
+                   e.cases.size() - e.probed, e.probed);
+}
+
+/// Teams, parts of the estimated time and, at last, the totals.
+void print_totals(const Estimates& e) {
+    const TimeParts& p = e.parts;
+    const double sum_s = std::max(p.compute_s + p.transposes_s + p.files_s, 1e-300);
+    const Domain& d = e.cases.front().planned->physics.domain;
+    fmt::print("\nthe grid of the first case covers {:g} x {:g} mm\n", 1e3 * d.extent_x_m(),
+               1e3 * d.extent_y_m());
+    fmt::print("time of a team: {:.0f} % computing, {:.0f} % transposing, {:.0f} % writing files; "
+               "longest case: {:.2g} s; teams are busy {:.0f} % of the time\n",
+               100.0 * p.compute_s / sum_s, 100.0 * p.transposes_s / sum_s,
+               100.0 * p.files_s / sum_s, p.longest_s, 100.0 * std::min(1.0, e.layout.busy));
+    fmt::print("performance model: {}\n", e.calibrated.empty()
+                                              ? "not calibrated, assumes a server of 2020"
+                                              : "calibrated " + e.calibrated);
+    fmt::print("{} case{} on {} rank{} ({} team{} of {}{}): {:.2g} core hours, about {} of wall "
+               "time, at most {:.0f} MB per rank, {:.3g} MB on disk\n",
+               e.cases.size(), e.cases.size() == 1 ? "" : "s", e.ranks, e.ranks == 1 ? "" : "s",
+               e.busy, e.busy == 1 ? "" : "s", e.layout.ranks_per_case,
+               schedule::idle_ranks_text(e.layout, e.ranks, e.cases.size()), e.core_hours(),
+               e.layout.seconds < 60.0 ? fmt::format("{:.2g} s", e.layout.seconds)
+                                       : hours_and_minutes(e.layout.seconds),
+               e.demand.memory_per_rank_B / 1e6, e.demand.disk_B / 1e6);
+}
+
+/// States what the estimates cover if results add further points.
+void print_adaptive(const Estimates& e, const std::vector<AdaptiveAxis>& axes) {
+    double ratio = 1.0;
+    for (const AdaptiveAxis& axis : axes) {
+        ratio *= static_cast<double>(axis.most) / static_cast<double>(axis.initial);
+        std::string likely;
+        if (axis.is_extremum()) {
+            const double spacing = (axis.last - axis.first) / static_cast<double>(axis.initial - 1);
+            const double rounds = std::max(0.0, std::ceil(std::log2(spacing / axis.tolerance)));
+            likely = fmt::format(", about {:.0f} for one curve",
+                                 static_cast<double>(axis.initial) + 2.0 * rounds);
+        }
+        fmt::print("adaptive axis {}: {} points in the first round{}, at most {}\n", axis.key,
+                   axis.initial, likely, axis.most);
+    }
+    if (!axes.empty())
+        fmt::print(
+            "the estimates above cover the first round only; all rounds together take at most "
+            "{:.0f} cases and {:.2g} core hours\n",
+            std::ceil(ratio * static_cast<double>(e.cases.size())), ratio * e.core_hours());
+}
+
+nlohmann::ordered_json json_of(const AdaptiveAxis& axis) {
+    return {{"key", axis.key},
+            {"goal", name_of(axis.goal)},
+            {"column", axis.column},
+            {"tolerance", axis.tolerance},
+            {"first_points", axis.initial},
+            {"most_points", axis.most}};
+}
+
+nlohmann::ordered_json json_of(const PlannedCost& cost) {
+    const Case& c = cost.planned->physics;
+    return {{"id", cost.planned->id},
+            {"settings", storage::settings_json(cost.planned->settings)},
+            {"is_reference", cost.planned->is_reference},
+            {"grid", {c.domain.nx, c.domain.ny}},
+            {"spacing_m", c.domain.spacing_m},
+            {"frames", c.time.frames},
+            {"points_per_focus", points_per_focus(c)},
+            {"points_per_wave", points_per_wave(c)},
+            {"seconds", cost.seconds},
+            {"memory_per_rank_B", cost.memory_per_rank_B},
+            {"disk_B", cost.disk_B}};
+}
+
+void print_json(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
+                const std::string& next) {
+    Json cases = Json::array(), choices = Json::array(), adaptive = Json::array();
+    for (const AdaptiveAxis& axis : job.plan.adaptive)
+        adaptive.push_back(json_of(axis));
+    for (const PlannedCost& cost : e.cases)
+        cases.push_back(json_of(cost));
+    for (const Choice& choice : e.choices)
+        choices.push_back({{"text", choice.text}, {"cases", choice.cases}});
+    fmt::print("{}", json_document("plan", {{"job", arguments.job.string()},
+                                            {"name", job.plan.name},
+                                            {"diagnostics", config::json_of(job.diagnostics)},
+                                            {"cases", cases},
+                                            {"choices", choices},
+                                            {"adaptive", adaptive},
+                                            {"ranks", e.ranks},
+                                            {"teams", e.busy},
+                                            {"ranks_per_case", e.layout.ranks_per_case},
+                                            {"core_hours", e.core_hours()},
+                                            {"wall_s", e.layout.seconds},
+                                            {"longest_case_s", e.parts.longest_s},
+                                            {"busy_share", std::min(1.0, e.layout.busy)},
+                                            {"memory_per_rank_B", e.demand.memory_per_rank_B},
+                                            {"disk_B", e.demand.disk_B},
+                                            {"is_calibrated", !e.calibrated.empty()},
+                                            {"error", e.error.empty() ? Json() : Json(e.error)},
+                                            {"next", e.error.empty() ? Json(next) : Json()}}));
+}
+
+void print_text(const Estimates& e, const PlanArguments& arguments, const config::Job& job,
+                const std::string& next) {
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        fmt::print("{}\n", config::text(diagnostic));
+    print_cases(e.cases, arguments.all_cases);
+    print_choices(e, job.diagnostics);
+    print_totals(e);
+    print_adaptive(e, job.plan.adaptive);
+    if (e.error.empty())
+        fmt::print("next: {}\n", next);
+    else
+        fmt::print("error: {}\n", e.error);
+}
+
+ExitCode plan_command(const PlanArguments& arguments, const Comm& world) {
+    const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
+    // With --ranks the plan may be for another machine, whose memory is unknown.
+    const bool elsewhere = arguments.ranks > 0 || arguments.target == schedule::Target::elsewhere;
+    const double available_B =
+        elsewhere ? std::numeric_limits<double>::infinity() : pipeline::memory_per_rank_B(world);
+    const int ranks = arguments.ranks > 0 ? arguments.ranks : world.size();
+    const std::vector<const PlannedCase*> cases = cases_of(job.plan);
+    cost::CaseCosts costs(cases, {});
+    calibrate_for(costs, ranks, world,
+                  [](const std::string& text) { fmt::print(stderr, "{}\n", text); });
+    if (!world.is_root()) return ExitCode::done;
+    Estimates estimates = estimates_of(
+        cases, schedule::choose_teams(cases, ranks, arguments.ranks_per_case, available_B, costs),
+        ranks, costs);
+    if (!elsewhere)
+        estimates.error =
+            schedule::excess(estimates.demand, available_B,
+                             std::filesystem::path("out") / job.plan.name, schedule::run_elsewhere);
+    const std::string too_many = schedule::excessive_team(arguments.ranks_per_case, ranks);
+    if (!too_many.empty()) fmt::print(stderr, "warning: {}\n", too_many);
+    const std::string next =
+        schedule::planned_command_line(arguments.job, arguments.overrides, ranks,
+                                       too_many.empty() ? arguments.ranks_per_case : ranks);
+    if (arguments.json)
+        print_json(estimates, arguments, job, next);
+    else
+        print_text(estimates, arguments, job, next);
+    return estimates.error.empty() ? ExitCode::done : ExitCode::bad_job;
+}
+
+} // namespace
+
+void add_plan(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<PlanArguments>(
+        app, action, "plan", "list the cases with their ids, grids, memory and time", plan_command);
+    add_job(command, arguments);
+    add_elsewhere(command, arguments.target);
+    command
+        .add_option("-n,--ranks", arguments.ranks,
+                    "plan for N ranks (default: the number of ranks that run this command)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000));
+    add_ranks_per_case(command, arguments.ranks_per_case);
+    command.add_flag("--all", arguments.all_cases, "list every case, also of a long plan");
+    add_json(command, arguments.json);
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "base/json.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "studies/tables.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::app {
+namespace {
+
+struct ReduceArguments {
+    std::filesystem::path folder;
+    bool json = false;
+    reduce::ErrorColumns errors = reduce::ErrorColumns::omitted;
+};
+
+using Json = nlohmann::ordered_json;
+
+std::string report_line(const std::filesystem::path& folder) {
+    return "shearwake report " + schedule::shell_word(folder.string());
+}
+
+void print_counts(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
+    fmt::print("{} case{}: {} complete, {} failed or missing\n", written.rows,
+               written.rows == 1 ? "" : "s", written.whole, written.rows - written.whole);
+    if (const std::size_t left = written.rows - written.whole; left > 0 && written.whole > 0)
+        fmt::print(stderr,
+                   "warning: the table is partial: {} of {} cases ha{} no result, and {} empty; "
+                   "shearwake status {} lists the reasons\n",
+                   left, written.rows, left == 1 ? "s" : "ve",
+                   left == 1 ? "its row is" : "their rows are", folder.string());
+    if (written.not_valid > 0)
+        fmt::print("the readings of {} case{} are not valid: see the column note\n",
+                   written.not_valid, written.not_valid == 1 ? "" : "s");
+    if (written.programs.size() > 1)
+        fmt::print("warning: {} versions of the program computed the cases: {}\n",
+                   written.programs.size() == 2 ? "two" : std::to_string(written.programs.size()),
+                   fmt::join(written.programs, ", "));
+}
+
+void print_damaged(const reduce::ReducedTables& written) {
+    if (!written.damaged.empty())
+        fmt::print(stderr,
+                   "error: {} damaged case file{}: {}; the rows of these cases are empty, the "
+                   "next run computes them again\n",
+                   written.damaged.size(), written.damaged.size() == 1 ? "" : "s",
+                   fmt::join(written.damaged, ", "));
+}
+
+void print_files(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
+    fmt::print("table: {}\n       {}\n", written.csv.string(), written.markdown.string());
+    for (const auto& file : {written.statistics, written.sensitivity, written.adaptive})
+        if (!file.empty()) fmt::print("       {}\n", file.string());
+    fmt::print("next: {}\n", report_line(folder));
+}
+
+void print_json(const reduce::ReducedTables& written, const std::filesystem::path& folder) {
+    const auto path = [](const std::filesystem::path& file) {
+        return file.empty() ? Json() : Json(file.string());
+    };
+    fmt::print("{}", json_document("reduce", {{"folder", folder.string()},
+                                              {"cases", written.rows},
+                                              {"complete", written.whole},
+                                              {"not_valid", written.not_valid},
+                                              {"damaged", written.damaged},
+                                              {"programs", written.programs},
+                                              {"csv", path(written.csv)},
+                                              {"markdown", path(written.markdown)},
+                                              {"statistics", path(written.statistics)},
+                                              {"sensitivity", path(written.sensitivity)},
+                                              {"adaptive", path(written.adaptive)},
+                                              {"next", report_line(folder)}}));
+}
+
+ExitCode reduce_command(const ReduceArguments& arguments, const Comm& world) {
+    const std::filesystem::path& path = arguments.folder;
+    bool is_damaged = false;
+    on_root(world, [&] {
+        const reduce::ReducedTables written =
+            studies::reduce_folder(schedule::folder_of_results(path), arguments.errors);
+        is_damaged = !written.damaged.empty();
+        if (!arguments.json) print_counts(written, path);
+        print_damaged(written);
+        if (written.whole == 0)
+            throw UsageError(fmt::format("no case of {} is complete, so there is nothing to "
+                                         "reduce; shearwake status {} lists the reasons",
+                                         path.string(), path.string()),
+                             ExitCode::some_cases_failed);
+        if (arguments.json)
+            print_json(written, path);
+        else
+            print_files(written, path);
+    });
+    return world.broadcast(is_damaged) ? ExitCode::some_cases_failed : ExitCode::done;
+}
+
+} // namespace
+
+void add_reduce(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<ReduceArguments>(
+        app, action, "reduce", "write tables (CSV, Markdown) from the case files", reduce_command);
+    command.add_option("DIR", arguments.folder, "output folder of a run")->required();
+    command.add_flag_callback(
+        "--errors", [&errors = arguments.errors] { errors = reduce::ErrorColumns::added; },
+        "add columns <column>_error with the errors that shearwake converge estimated");
+    add_json(command, arguments.json);
+}
+
+} // namespace shearwake::app

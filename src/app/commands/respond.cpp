@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+
+#include "base/text.hpp"
+#include "config/job.hpp"
+#include "parallel/agree.hpp"
+#include "pipeline/afferent_result.hpp"
+#include "pipeline/case_content.hpp"
+#include "pipeline/provenance.hpp"
+#include "problem/case/text_walk.hpp"
+#include "schedule/run/job_source.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/files.hpp"
+#include "storage/input/motion_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace shearwake::app {
+namespace {
+
+struct RespondArguments {
+    std::filesystem::path motion;  // CSV or HDF5; empty: a prescribed carrier
+    std::string group;             // of the HDF5 file; empty: /traces or the root group
+    std::filesystem::path options; // TOML with [afferents]; empty: defaults
+    std::vector<std::string> overrides;
+    std::filesystem::path out;   // HDF5; empty: only the summary is printed
+    double duration_ms = 1000.0; // of a prescribed carrier
+    double modulation_Hz = 0.0;  // reference frequency of phase locking for a motion; 0: none
+
+    bool overrides_radius() const {
+        return std::ranges::any_of(overrides, [](const std::string& text) {
+            return text.starts_with("afferents.pin_radius");
+        });
+    }
+};
+
+AfferentOptions options_of(const RespondArguments& arguments) {
+    std::vector<config::Override> overrides;
+    for (const std::string& text : arguments.overrides)
+        overrides.push_back(schedule::parse_override(text));
+    const bool has_file = !arguments.options.empty();
+    const std::filesystem::path folder = has_file ? arguments.options.parent_path() : ".";
+    return read_afferent_options(
+        has_file ? storage::read_file(arguments.options) : "",
+        has_file ? arguments.options.string() : "options", overrides,
+        [&](const std::string& file) { return storage::read_file(folder / file); });
+}
+
+/// Reads the motion or the stress from the file; positions and radius of the pins are copied from
+/// the file to the options. For a prescribed carrier the motion is zero and has its duration.
+pipeline::ReceptorMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
+    pipeline::ReceptorMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
+    const auto* carrier = std::get_if<CarrierInput>(&options.input);
+    if (carrier && !arguments.motion.empty())
+        throw UsageError("a prescribed carrier and a MOTION cannot be combined: specify only one "
+                         "of them");
+    if (!carrier && arguments.motion.empty())
+        throw UsageError("respond needs a MOTION (CSV or HDF5), or a carrier: -S "
+                         "afferents.input=carrier -S 'afferents.carrier={amplitude_um = 50}'");
+    if (carrier) {
+        const auto samples =
+            static_cast<std::size_t>(std::llround(1e-3 * arguments.duration_ms * 5000.0));
+        motion.pins = {.rate_Hz = 5000.0, .u_m = {std::vector<double>(samples)}};
+        motion.modulation_Hz = carrier->am_frequency_Hz;
+    } else if (std::holds_alternative<StressInput>(options.input)) {
+        PointStress stress = storage::read_stress(arguments.motion, arguments.group);
+        motion.pins.rate_Hz = stress.rate_Hz;
+        motion.compression_Pa = std::move(stress.compression_Pa);
+    } else {
+        motion.pins = storage::read_motion(arguments.motion, arguments.group);
+        if (!motion.pins.at_m.empty()) options.pins_m = motion.pins.at_m;
+        if (motion.pins.radius_m && !arguments.overrides_radius())
+            options.pin_radius_m = *motion.pins.radius_m;
+        if (options.pins_m.size() != motion.pins.u_m.size())
+            throw UsageError(fmt::format("[afferents] defines {} pins, but {} has {} traces: the "
+                                         "numbers must be equal",
+                                         options.pins_m.size(), arguments.motion.string(),
+                                         motion.pins.u_m.size()));
+    }
+    motion.path_m = options.pins_m;
+    return motion;
+}
+
+/// Checks the output path before anything is computed.
+void check_out(const std::filesystem::path& out) {
+    const std::filesystem::path folder = out.has_parent_path() ? out.parent_path() : ".";
+    if (!out.empty() && !std::filesystem::is_directory(folder))
+        throw UsageError(
+            fmt::format("--out {}: the folder {} does not exist", out.string(), folder.string()),
+            ExitCode::environment);
+}
+
+void write(const std::filesystem::path& out, const std::vector<VariableGroup>& groups,
+           const std::vector<Attribute>& attributes) {
+    try {
+        storage::write_record(out, groups, attributes);
+    } catch (const UsageError&) {
+        throw;
+    } catch (const Error& error) {
+        throw UsageError(error.what(), ExitCode::environment);
+    }
+}
+
+std::string canonical(const AfferentOptions& options) {
+    TextWalk text;
+    text.section("afferents");
+    walk_fields(text, options);
+    return text.take();
+}
+
+void print(const pipeline::AfferentResult& result, const std::filesystem::path& out) {
+    for (const std::string& note : result.notes)
+        fmt::print(stderr, "warning: {}\n", note);
+    fmt::print("{:>5} {:>10} {:>7} {:>9} {:>9} {:>10} {:>8} {:>14}\n", "class", "afferents",
+               "active", "spikes", "rate_Hz", "spread_mm", "locking", "first_spike_ms");
+    for (const neural::ClassResponse& r : result.classes) {
+        const auto shown = [](double value, const char* form) {
+            return std::isnan(value) ? std::string("-") : fmt::format(fmt::runtime(form), value);
+        };
+        fmt::print("{:>5} {:>10} {:>7} {:>9} {:>9} {:>10} {:>8} {:>14}\n", name_of(r.kind),
+                   r.afferents, r.active, r.spikes, shown(r.mean_rate_Hz, "{:.2f}"),
+                   shown(r.spread_mm, "{:.2f}"), shown(r.locking, "{:.3f}"),
+                   shown(r.first_spike_ms, "{:.1f}"));
+    }
+    if (!out.empty()) fmt::print("spikes: {}, group afferents\n", out.string());
+}
+
+ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
+    AfferentOptions options;
+    pipeline::ReceptorMotion motion;
+    together(world, [&] { // every rank reads the same small files
+        check_out(arguments.out);
+        options = options_of(arguments);
+        motion = motion_of(arguments, options);
+    });
+    motion.name = canonical(options); // seeds the noise
+    pipeline::AfferentResult result;
+    try {
+        result = pipeline::perceived(motion, options, world);
+    } catch (const CaseFailure& failure) {
+        throw UsageError(failure.what());
+    }
+    on_root(world, [&] {
+        std::vector<VariableGroup> groups = {{"", {}}};
+        pipeline::add_columns(result.columns, groups.front());
+        for (const VariableGroup& group : result.groups)
+            groups.push_back(group);
+        std::vector<Attribute> attributes = {
+            {"title", std::string("responses of afferents")},
+            {"motion", arguments.motion.string()},
+            {"afferents", motion.name},
+            {"notes", fmt::format("{}", fmt::join(result.notes, "\n"))}};
+        for (Attribute& attribute : pipeline::program_attributes())
+            attributes.push_back(std::move(attribute));
+        if (!arguments.out.empty()) write(arguments.out, groups, attributes);
+        print(result, arguments.out);
+    });
+    return ExitCode::done;
+}
+
+} // namespace
+
+void add_respond(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<RespondArguments>(
+        app, action, "respond",
+        "compute the spikes of nerve fibres for a given motion of the skin, without a simulation",
+        respond_command);
+    command.add_option(
+        "MOTION", arguments.motion,
+        "CSV or HDF5 file with the displacement at points (with afferents.input=stress: the stress "
+        "at the receptors). If it is omitted, the carrier of afferents.carrier is used");
+    command.add_option("--group", arguments.group,
+                       "group of the HDF5 file (default: traces, or the root group)");
+    command
+        .add_option("--options", arguments.options,
+                    "file with a table [afferents], for example a job")
+        ->type_name("FILE");
+    add_overrides(command, arguments.overrides, "override a key: -S afferents.where=hand");
+    command.add_option("--out", arguments.out, "write the spikes to this file (HDF5)")
+        ->type_name("FILE");
+    command
+        .add_option("--duration-ms", arguments.duration_ms,
+                    "duration of a prescribed carrier (default 1000)")
+        ->check(CLI::Range(1.0, 1e5));
+    command
+        .add_option("--modulation-Hz", arguments.modulation_Hz,
+                    "reference frequency for the phase locking of spikes")
+        ->check(CLI::Range(1e-3, 1e6));
+}
+
+} // namespace shearwake::app

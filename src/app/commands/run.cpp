@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "studies/adaptive/adaptive_run.hpp"
+
+namespace shearwake::app {
+
+void add_run(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<schedule::RunArguments>(
+        app, action, "run", "run a job, or resume it: complete cases are skipped",
+        adaptive::adaptive_run);
+    add_job(command, arguments);
+    command.add_option("--out", arguments.out, "output folder (default: out/<job name>)");
+    add_ranks_per_case(command, arguments.ranks_per_case);
+    command.add_option("--only", arguments.only, "only these cases, by id")
+        ->type_name("ID[,ID]")
+        ->delimiter(',');
+    command.add_option("--shard", arguments.shard, "only every N-th case, starting from the I-th")
+        ->type_name("I/N");
+    command
+        .add_option("--checkpoint-interval", arguments.checkpoints.interval_s,
+                    "seconds between checkpoints of a running case (default 300; 0: only when "
+                    "the run is stopped)")
+        ->type_name("S")
+        ->check(CLI::NonNegativeNumber);
+    command
+        .add_option("--checkpoint-steps", arguments.checkpoints.steps,
+                    "write a checkpoint every N steps in addition (default 0: never)")
+        ->type_name("N")
+        ->check(CLI::NonNegativeNumber);
+    command
+        .add_option("--walltime", arguments.walltime,
+                    "start no case that cannot finish within this time (default: the limit of the "
+                    "Slurm job)")
+        ->type_name("S|H:MM:SS");
+    command
+        .add_option("--log-json", arguments.log_json,
+                    "append progress to this file as lines of JSON")
+        ->type_name("FILE");
+    command.add_flag("--allow-mixed", arguments.allow_mixed,
+                     "continue in a folder with results of another version of the program");
+    command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
+    command.add_flag("--fail-fast", arguments.fail_fast, "stop at the first failed case");
+    command.add_flag("--force", arguments.force,
+                     "run although the estimates exceed the memory or the disk");
+    command.add_flag("--quiet", arguments.quiet, "print only errors");
+    add_json(command, arguments.json);
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "serve/serve.hpp"
+
+namespace shearwake::app {
+
+void add_serve(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<serve::ServeArguments>(
+        app, action, "serve",
+        "compute cases on request: reads JSON lines, and keeps transfer functions and "
+        "FFTW plans between them (docs/reference/serve.md)",
+        serve::serve_command);
+    command
+        .add_option("--time-limit", arguments.time_limit_s,
+                    "seconds after which a request is ended (default 60)")
+        ->type_name("S")
+        ->check(CLI::Range(0.001, 1e6));
+    command
+        .add_option("--memory", arguments.memory_MB,
+                    "memory per rank in MB that a request may use (default 2000)")
+        ->type_name("MB")
+        ->check(CLI::Range(50.0, 1e9));
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+
+#include "base/json.hpp"
+#include "base/python_script.hpp"
+#include "base/text.hpp"
+#include "parallel/agree.hpp"
+#include "schedule/run/job_source.hpp"
+#include "storage/case_file/case_file_reader.hpp"
+#include "storage/case_file/groups.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <unistd.h>
+
+namespace shearwake::app {
+namespace {
+
+struct ShowArguments : schedule::JobArguments { // a case file, or a job with a modulation
+    std::filesystem::path case_file;
+    std::filesystem::path picture; // empty: <job name>.modulation.png in the working directory
+    bool json = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const storage::CaseSummary& summary, const std::string& name) {
+    const auto found = summary.texts.find(name);
+    return found == summary.texts.end() ? "unknown" : printable(found->second);
+}
+
+void print_solver(const storage::CaseSummary& s) {
+    const auto number = [&](const std::string& name) {
+        const auto found = s.numbers.find(name);
+        return found == s.numbers.end() ? 0.0 : found->second;
+    };
+    std::string indent = "solver:   ";
+    const auto line = [&](std::string_view text) {
+        fmt::print("{}{}\n", indent, text);
+        indent = "          ";
+    };
+    if (number("solver_steps") > 0.0)
+        line(fmt::format("{:.0f} steps, {:.0f} iterations, at most {:.0f} per step",
+                         number("solver_steps"), number("solver_iterations"),
+                         number("solver_most_iterations")));
+    if (const double work_J = number("solver_work_J"); work_J > 0.0)
+        line(fmt::format("work of the load: {:.3g} J; share that remains at the end as kinetic "
+                         "and strain energy: {:.3g}",
+                         work_J, number("solver_energy_J") / work_J));
+    if (s.numbers.contains("period_work_J"))
+        line(fmt::format(
+            "per period: {:.5g} J of work of the load, {:.5g} J absorbed in the layers, "
+            "{:.5g} J radiated into the half-space; the balance differs by {:.1e} of "
+            "the work",
+            number("period_work_J"), number("period_absorbed_J"), number("period_radiated_J"),
+            number("period_imbalance")));
+    if (!s.texts.contains("solver_notes")) return;
+    std::istringstream notes(s.texts.at("solver_notes"));
+    for (std::string note; next_line(notes, note);)
+        line(note);
+}
+
+storage::CaseSummary read_summary(const std::filesystem::path& path) {
+    try {
+        return storage::read_case_summary(path);
+    } catch (const Error& error) {
+        throw UsageError(
+            path.extension() == ".toml"
+                ? fmt::format("{0} is a job file; shearwake show --modulation {0} draws "
+                              "its modulation",
+                              path.string())
+                : path.string() + " is not a complete case file: " + error.what(),
+            ExitCode::environment);
+    }
+}
+
+void print_json(const storage::CaseSummary& s) {
+    Json texts = Json::object(), measures = Json::array(), series = Json::array();
+    for (const auto& [name, text] : s.texts)
+        if (name != "settings") texts[name] = text;
+    for (const Variable& v : s.scalars)
+        measures.push_back({{"name", v.name},
+                            {"value", v.values.at(0)},
+                            {"units", v.units},
+                            {"meaning", v.long_name},
+                            {"note", v.note}});
+    for (const Variable& v : s.shapes)
+        series.push_back({{"name", v.name},
+                          {"dimensions", v.dimensions},
+                          {"units", v.units},
+                          {"meaning", v.long_name}});
+    Json members;
+    members["id"] = text_of(s, "case_id");
+    members["settings"] =
+        Json::parse(s.texts.contains("settings") ? s.texts.at("settings") : "{}", nullptr, false);
+    members["is_reference"] = text_of(s, "is_reference") == "yes";
+    members["measures"] = measures;
+    members["series"] = series;
+    members["numbers"] = s.numbers;
+    members["texts"] = texts;
+    fmt::print("{}", json_document("show", members));
+}
+
+void print_text(const storage::CaseSummary& s) {
+    fmt::print("case {}{}: {}\n", text_of(s, "case_id"),
+               text_of(s, "is_reference") == "yes" ? " (reference)" : "", text_of(s, "title"));
+    fmt::print("swept:    {}\n", text_of(s, "settings"));
+    if (s.texts.contains("overrides")) fmt::print("override: -S {}\n", text_of(s, "overrides"));
+    fmt::print("status:   {}, checksum verified\n", text_of(s, "status"));
+    const double wall_s = s.numbers.contains("wall_s") ? s.numbers.at("wall_s") : 0.0;
+    const double ranks = s.numbers.contains("ranks") ? s.numbers.at("ranks") : 0.0;
+    fmt::print("computed: {} to {} on {}, {:.0f} rank{}, {:.3g} s\n", text_of(s, "started"),
+               text_of(s, "ended"), text_of(s, "host"), ranks, ranks == 1.0 ? "" : "s", wall_s);
+    fmt::print("program:  {}, git {}, {} ({}), {}, {}, HDF5 {}\n", text_of(s, "program"),
+               text_of(s, "git_id"), text_of(s, "compiler"), text_of(s, "build_type"),
+               text_of(s, "mpi_version"), text_of(s, "fftw_version"), text_of(s, "hdf5_version"));
+    print_solver(s);
+    if (s.texts.contains("warnings"))
+        for (const Remark& w : storage::warnings_in(s.texts.at("warnings")))
+            fmt::print("{}: {}: {}\n", w.severity == Severity::error ? "not valid" : "warning",
+                       w.key, w.message);
+    fmt::print("\nmeasures:\n");
+    for (const Variable& v : s.scalars) {
+        const double value = v.values.at(0);
+        const std::string shown = std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
+        fmt::print("  {:<28} {:>12}  {}{}\n", v.name, shown, v.long_name,
+                   v.note.empty() ? "" : " [" + v.note + "]");
+    }
+    fmt::print("\nseries in the root group (dimensions depth, time):\n");
+    for (const Variable& v : s.shapes) {
+        std::string shape;
+        for (const std::string& extent : v.dimensions)
+            shape += (shape.empty() ? "" : " x ") + extent;
+        fmt::print("  {:<28} {:>12}  {} [{}]\n", v.name, shape, v.long_name, v.units);
+    }
+    fmt::print("\nthe case, in SI units:\n{}", text_of(s, "case"));
+}
+
+/// Position, speed and gain of the focus, sampled from t = 0 on, as JSON in SI units.
+std::string samples(const Modulation& modulation, double span_s) {
+    constexpr int count = 4000; // finer than the width of a printed line for up to 40 periods
+    std::vector<double> t, x, y, speed, strength;
+    for (int n = 0; n <= count; ++n) {
+        const double t_s = span_s * n / count;
+        const Vec2 at = position(modulation.trajectory, t_s);
+        t.push_back(t_s);
+        x.push_back(at.x);
+        y.push_back(at.y);
+        speed.push_back(norm(velocity(modulation.trajectory, t_s)));
+        strength.push_back(gain(modulation.envelope, t_s));
+    }
+    return fmt::format(R"({{"t_s": [{:.9g}], "x_m": [{:.9g}], "y_m": [{:.9g}], )"
+                       R"("speed_m_s": [{:.9g}], "gain": [{:.9g}]}})",
+                       fmt::join(t, ","), fmt::join(x, ","), fmt::join(y, ","),
+                       fmt::join(speed, ","), fmt::join(strength, ","));
+}
+
+std::string description(const Case& c) {
+    const Modulation& modulation = c.scene().load.modulation;
+    const double run_s = std::min(c.time.duration_s(), off_time_s(modulation.trajectory));
+    const double frequency_Hz = modulation_frequency_Hz(modulation).value_or(0.0);
+    const double period_s = frequency_Hz > 0.0 ? std::min(run_s, 1.0 / frequency_Hz) : run_s;
+    std::vector<double> foci_x, foci_y;
+    for (const Vec2 focus : modulation.foci_m) {
+        foci_x.push_back(focus.x);
+        foci_y.push_back(focus.y);
+    }
+    return fmt::format("{{\"kind\": \"{}\", \"frequency_Hz\": {:.9g}, \"foci_x_m\": [{}], "
+                       "\"foci_y_m\": [{}],\n\"run\": {},\n\"period\": {}}}\n",
+                       modulation.kind, frequency_Hz, fmt::join(foci_x, ","),
+                       fmt::join(foci_y, ","), samples(modulation, run_s),
+                       samples(modulation, period_s));
+}
+
+void draw_modulation(const ShowArguments& arguments, const Comm& world) {
+    const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
+    on_root(world, [&] {
+        std::filesystem::path picture = arguments.picture;
+        if (picture.empty()) picture = arguments.job.stem().string() + ".modulation.png";
+        const std::filesystem::path data = picture.string() + fmt::format(".{}.json", ::getpid());
+        std::ofstream file(data);
+        file << description(job.plan.cases.at(0).physics);
+        file.close();
+        if (!file)
+            throw UsageError("cannot write " + data.string() +
+                                 "; use --picture to choose another folder",
+                             ExitCode::environment);
+        int status = -1;
+        try {
+            status = run_python_script("report/modulation.py", {data.string(), picture.string()});
+        } catch (...) {
+            std::filesystem::remove(data);
+            throw;
+        }
+        std::filesystem::remove(data);
+        if (status != 0)
+            throw UsageError(fmt::format("drawing the picture failed (exit {})", status),
+                             ExitCode::environment);
+        fmt::print("picture: {}\n", picture.string());
+    });
+}
+
+ExitCode show_command(const ShowArguments& arguments, const Comm& world) {
+    if (arguments.case_file.empty()) {
+        draw_modulation(arguments, world);
+        return ExitCode::done;
+    }
+    on_root(world, [&] {
+        const storage::CaseSummary summary = read_summary(arguments.case_file);
+        if (arguments.json)
+            print_json(summary);
+        else
+            print_text(summary);
+    });
+    return ExitCode::done;
+}
+
+} // namespace
+
+void add_show(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<ShowArguments>(
+        app, action, "show", "describe one case, or draw a modulation", show_command);
+    CLI::App* what = command.add_option_group("what"); // exactly one of the two
+    CLI::Option* case_file = what->add_option("CASE", arguments.case_file, "case file (HDF5)");
+    CLI::Option* job =
+        what->add_option("--modulation", arguments.job,
+                         "draw path, speed and envelope of the first case of this job")
+            ->type_name("JOB");
+    what->require_option(1);
+    command
+        .add_option("--picture", arguments.picture,
+                    "file for the drawing: .png, .svg or .pdf (default: JOB.modulation.png)")
+        ->type_name("FILE")
+        ->needs(job);
+    add_overrides(command, arguments.overrides, "override a key of the job")->needs(job);
+    add_json(command, arguments.json)->needs(case_file);
+}
+
+} // namespace shearwake::app

@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "parallel/agree.hpp"
+#include "reduce/adaptive_tables.hpp"
+#include "schedule/run/output_folder.hpp"
+#include "schedule/run/progress.hpp"
+#include "schedule/run/run_arguments.hpp"
+#include "schedule/run/select_cases.hpp"
+#include "storage/case_file/case_index.hpp"
+#include "storage/journal/journal.hpp"
+#include "storage/journal/plan_file.hpp"
+#include "storage/journal/run_lock.hpp"
+#include "studies/tables.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace shearwake::app {
+namespace {
+
+struct StatusArguments {
+    std::filesystem::path folder;
+    bool verify = false; // read the case files and check their checksums
+    bool json = false;
+};
+
+using Json = nlohmann::ordered_json;
+
+struct Tally {
+    std::size_t done = 0, running = 0, interrupted = 0, failed = 0, left = 0;
+    double seconds = 0.0;          // of the complete cases
+    std::vector<std::size_t> open; // positions in the plan of the cases to do
+    std::vector<std::string> damaged;
+    std::vector<std::string> not_valid; // complete cases whose readings are not valid
+    bool is_active = false;             // a run currently computes into the folder
+    bool is_preparing = false;          // it chooses time steps and has not started its cases
+    std::string host;                   // of that run; empty: this host, or unknown
+    int teams = 1;                      // of that run, or of the last one
+    double elapsed_s = 0.0;             // of the running cases together
+    std::optional<schedule::RecordedProgress> progress; // of the active runs
+
+    std::size_t to_do() const { return left + interrupted + running; }
+    double seconds_per_case() const { return done > 0 ? seconds / static_cast<double>(done) : 0.0; }
+    /// Computing time of all teams together that remains, in s. Of the running cases, the elapsed
+    /// time is subtracted, but at most half of an average case.
+    double work_left_s() const {
+        const double all_s = static_cast<double>(to_do()) * seconds_per_case();
+        const double running_s = static_cast<double>(running) * seconds_per_case();
+        return all_s - std::min(elapsed_s, 0.5 * running_s);
+    }
+    /// Time in s until the teams have computed all cases; nothing if it is unknown.
+    std::optional<double> time_left_s() const {
+        if (to_do() == 0) return 0.0;
+        if (progress && progress->left >= static_cast<long>(to_do())) return progress->left_s;
+        if (!(seconds > 0.0)) return std::nullopt;
+        const auto rounds = static_cast<double>(std::max<std::size_t>(1, to_do()));
+        return work_left_s() / std::min(static_cast<double>(teams), rounds);
+    }
+};
+
+/// Number of teams of the active runs, or of the last run if none is active. A killed run leaves no
+/// final entry in the journal, but the lock of its part has been released.
+int teams_of(const storage::JournalContents& journal, const schedule::OutputFolder& folder) {
+    int active = 0; // in runs of parts, which exclude a run of the complete sweep
+    for (const auto& [part, teams] : journal.teams_of_parts) {
+        const auto lock = folder.part_lock(part);
+        if (!part.empty() && std::filesystem::exists(lock) &&
+            storage::is_locked(lock).value_or(true))
+            active += teams;
+    }
+    return std::max(1, active > 0 ? active : journal.teams);
+}
+
+Tally tally_of(const storage::PlanIndex& plan, const storage::JournalContents& journal,
+               const schedule::OutputFolder& folder, storage::CaseIndex& index) {
+    Tally tally;
+    tally.teams = teams_of(journal, folder);
+    const double now_s = static_cast<double>(std::time(nullptr));
+    // A killed run leaves no final entry in the journal, but its lock has been released.
+    tally.is_active = std::filesystem::exists(folder.run_lock())
+                          ? storage::is_locked(folder.run_lock()).value_or(false)
+                          : journal.running;
+    if (!tally.is_active) {
+        const auto holder = storage::holder_in(folder.run_lock().parent_path());
+        tally.is_active = holder.has_value();
+        if (holder) tally.host = holder->host;
+    }
+    for (std::size_t i = 0; i < plan.cases.size(); ++i) {
+        const storage::IndexedCase& c = plan.cases[i];
+        const auto entry = journal.cases.find(c.id);
+        const bool known = entry != journal.cases.end();
+        const storage::CaseDigest* digest = index.find(c.id);
+        if (digest && digest->whole()) {
+            ++tally.done;
+            if (digest->wall_s > 0.0) tally.seconds += digest->wall_s;
+            if (!digest->is_valid()) tally.not_valid.push_back(c.id);
+            continue;
+        }
+        if (digest) tally.damaged.push_back(c.id);
+        if (known && entry->second.state == storage::CaseHistory::State::failed) {
+            ++tally.failed;
+            continue;
+        }
+        tally.open.push_back(i);
+        if (known && entry->second.state == storage::CaseHistory::State::started) {
+            ++(tally.is_active ? tally.running : tally.interrupted);
+            if (tally.is_active)
+                tally.elapsed_s += std::max(0.0, now_s - entry->second.unix_time_s);
+        } else {
+            ++tally.left;
+        }
+    }
+    if (tally.is_active) tally.progress = schedule::recorded_progress(folder);
+    tally.is_preparing = tally.is_active && journal.preparing && tally.running == 0;
+    return tally;
+}
+
+void print_verified(const storage::PlanIndex& plan, storage::CaseIndex& index) {
+    const auto intact = std::ranges::count_if(
+        plan.cases, [&](const storage::IndexedCase& c) { return index.is_complete(c.id); });
+    fmt::print("verified: {} case files match their checksums\n", intact);
+}
+
+/// What an output folder contains, for text and JSON.
+struct State {
+    storage::PlanIndex plan;
+    storage::JournalContents journal;
+    storage::CaseIndex index;
+    Tally tally;
+    std::string next;              // command, or an instruction
+    std::size_t points_to_add = 0; // of adaptive axes, once all cases have ended
+};
+
+std::string next_step(const schedule::OutputFolder& folder, const State& state) {
+    const Tally& tally = state.tally;
+    const std::string run =
+        state.journal.resumed_by.empty()
+            ? schedule::run_command_line(folder.job(), state.journal.overrides, folder.root)
+            : state.journal.resumed_by; // a study of `converge`
+    if (tally.to_do() > 0) {
+        const schedule::ShardStates shards =
+            schedule::shard_states(folder, tally.open, state.journal.part);
+        // A run of the complete sweep is active if no shard is; of a run on another host, the shard
+        // is unknown.
+        const bool may_start = !tally.is_active || (!shards.running.empty() && tally.host.empty());
+        if (may_start && !shards.to_start.empty())
+            return schedule::shards_command_line(run, shards);
+        return tally.is_active ? "wait for the active run" : run;
+    }
+    if (state.points_to_add > 0) return tally.is_active ? "wait for the active run" : run;
+    if (tally.failed > 0) return run + " --retry-failed";
+    return schedule::reduce_command_line(folder);
+}
+
+/// The cases that failed and have no complete file.
+std::vector<const storage::IndexedCase*> failed_cases(State& state) {
+    std::vector<const storage::IndexedCase*> failed;
+    for (const storage::IndexedCase& c : state.plan.cases) {
+        const auto entry = state.journal.cases.find(c.id);
+        if (entry != state.journal.cases.end() && !state.index.is_complete(c.id) &&
+            entry->second.state == storage::CaseHistory::State::failed)
+            failed.push_back(&c);
+    }
+    return failed;
+}
+
+/// What the run does, or why there is none.
+const char* state_of(const State& state) {
+    const Tally& tally = state.tally;
+    if (tally.is_preparing) return "preparing";
+    if (tally.is_active) return "running";
+    return tally.to_do() > 0 || state.points_to_add > 0 ? "stopped" : "finished";
+}
+
+void print_json(const schedule::OutputFolder& folder, State& state) {
+    const Tally& tally = state.tally;
+    Json failed = Json::array(), damaged = Json::array();
+    for (const storage::IndexedCase* c : failed_cases(state))
+        failed.push_back({{"id", c->id},
+                          {"settings", storage::settings_json(c->settings)},
+                          {"reason", state.journal.cases.at(c->id).reason}});
+    for (const std::string& id : tally.damaged)
+        damaged.push_back({{"id", id}, {"reason", state.index.find(id)->damage}});
+    const bool has_times = tally.seconds > 0.0;
+    const std::optional<double> left_s = tally.time_left_s();
+    fmt::print("{}", json_document(
+                         "status",
+                         {{"folder", folder.root.string()},
+                          {"name", state.plan.name},
+                          {"title", state.plan.title},
+                          {"cases", state.plan.cases.size()},
+                          {"done", tally.done},
+                          {"running", tally.running},
+                          {"partial", tally.progress ? tally.progress->partial : 0.0},
+                          {"failed", tally.failed},
+                          {"remaining", tally.left + tally.interrupted},
+                          {"interrupted", tally.interrupted},
+                          {"is_active", tally.is_active},
+                          {"state", state_of(state)},
+                          {"teams", tally.teams},
+                          {"seconds_per_case", has_times ? Json(tally.seconds_per_case()) : Json()},
+                          {"seconds_left", left_s ? Json(*left_s) : Json()},
+                          {"failed_cases", failed},
+                          {"damaged_cases", damaged},
+                          {"not_valid", tally.not_valid.size()},
+                          {"not_valid_cases", tally.not_valid},
+                          {"next", state.next}}));
+}
+
+/// "remaining: about 5 min 07 s on 2 teams, at 30 s per case; the running cases are 20 % complete"
+void print_remaining(const Tally& tally) {
+    const std::optional<double> left_s = tally.time_left_s();
+    if (!left_s || tally.to_do() == 0) return;
+    fmt::print("remaining: about {} on {} team{}", duration_text(*left_s), tally.teams,
+               tally.teams == 1 ? "" : "s");
+    if (tally.seconds > 0.0) fmt::print(", at {:.3g} s per case", tally.seconds_per_case());
+    if (tally.progress && tally.running > 0)
+        fmt::print("; the running case{} {:.0f} % complete", tally.running == 1 ? " is" : "s are",
+                   100.0 * tally.progress->partial / static_cast<double>(tally.running));
+    fmt::print("\n");
+}
+
+void print_text(const schedule::OutputFolder& folder, State& state, bool verify) {
+    auto& [plan, journal, index, tally, next, points_to_add] = state;
+    fmt::print("{}{}{}\n", plan.name, plan.title.empty() ? "" : ": ", printable(plan.title));
+    fmt::print("{} case{}: {} done, {} running, {} failed, {} remaining", plan.cases.size(),
+               plan.cases.size() == 1 ? "" : "s", tally.done, tally.running, tally.failed,
+               tally.left + tally.interrupted);
+    if (tally.interrupted > 0) fmt::print(" ({} of them interrupted)", tally.interrupted);
+    fmt::print("{}{}\n",
+               tally.is_preparing ? "; a run is preparing its cases"
+               : tally.is_active  ? "; a run is active"
+                                  : "",
+               tally.host.empty() ? "" : " on " + tally.host);
+    print_remaining(tally);
+    for (const storage::IndexedCase* c : failed_cases(state))
+        fmt::print("failed {} {}: {}{}\n", c->id, storage::settings_text(c->settings),
+                   journal.cases.at(c->id).reason,
+                   std::filesystem::exists(folder.failure(c->id))
+                       ? fmt::format(" (details: {})", folder.failure(c->id).string())
+                       : "");
+    for (const std::string& id : tally.damaged)
+        fmt::print("damaged {}: {}; the next run computes it again\n", id, index.find(id)->damage);
+    if (!tally.not_valid.empty())
+        fmt::print("not valid: the readings of {} case{}: {}; see the column note of the table\n",
+                   tally.not_valid.size(), tally.not_valid.size() == 1 ? "" : "s",
+                   fmt::join(tally.not_valid, ", "));
+    if (points_to_add > 0)
+        fmt::print("adaptive axes: {} point{} to add\n", points_to_add,
+                   points_to_add == 1 ? "" : "s");
+    if (verify) print_verified(plan, index);
+    if (std::filesystem::exists(folder.stop_file()))
+        fmt::print("{} stops all runs: remove it to continue\n",
+                   schedule::shell_word(folder.stop_file().string()));
+    fmt::print("next: {}\n", next);
+}
+
+/// The points that the results ask for if all cases have ended.
+std::size_t points_to_add(const schedule::OutputFolder& folder, const State& state) {
+    if (state.plan.adaptive.empty() || state.tally.to_do() > 0) return 0;
+    const reduce::Table table = studies::table_of(folder);
+    std::size_t points = 0;
+    for (const auto& axis : reduce::adaptive_states(state.plan, table).axes)
+        points += axis.next.size();
+    return points;
+}
+
+/// Returns whether a case is damaged.
+bool print_status(const StatusArguments& arguments) {
+    const schedule::OutputFolder folder = schedule::folder_of_results(arguments.folder);
+    State state{.plan = storage::read_plan(folder.plan()),
+                .journal = storage::read_journals(folder.root),
+                .index = storage::CaseIndex(
+                    folder.root, arguments.verify ? storage::CaseIndex::Trust::checksum
+                                                  : storage::CaseIndex::Trust::size_and_time),
+                .tally = {},
+                .next = {},
+                .points_to_add = 0};
+    state.tally = tally_of(state.plan, state.journal, folder, state.index);
+    state.points_to_add = points_to_add(folder, state);
+    state.next = next_step(folder, state);
+    if (arguments.json)
+        print_json(folder, state);
+    else
+        print_text(folder, state, arguments.verify);
+    state.index.save();
+    return !state.tally.damaged.empty();
+}
+
+ExitCode status_command(const StatusArguments& arguments, const Comm& world) {
+    bool is_damaged = false;
+    on_root(world, [&] { is_damaged = print_status(arguments); });
+    const bool fails = arguments.verify && world.broadcast(is_damaged);
+    return fails ? ExitCode::some_cases_failed : ExitCode::done;
+}
+
+} // namespace
+
+void add_status(CLI::App& app, Action& action) {
+    auto [command, arguments] = add_command<StatusArguments>(
+        app, action, "status",
+        "count done, running, failed and remaining cases, and estimate the remaining time",
+        status_command);
+    command.add_option("DIR", arguments.folder, "output folder of a run")->required();
+    command.add_flag("--verify", arguments.verify,
+                     "read every case file and check it against its checksum");
+    add_json(command, arguments.json);
+}
+
+} // namespace shearwake::app

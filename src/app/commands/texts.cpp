@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/commands/commands.hpp"
+#include "config/keys/key_table.hpp"
+#include "config/keys/schema.hpp"
+
+namespace shearwake::app {
+
+void add_keys(CLI::App& app, Action& action) {
+    add_text(app, action, "keys", "print the reference of all keys of a job as Markdown",
+             config::key_reference);
+}
+
+void add_schema(CLI::App& app, Action& action) {
+    add_text(app, action, "schema",
+             "print the JSON Schema of job files, for completion and checking in editors",
+             config::job_schema);
+}
+
+} // namespace shearwake::app

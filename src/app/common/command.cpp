@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "app/common/command.hpp"
+
+#include "base/text.hpp"
+#include "pipeline/provenance.hpp"
+#include "studies/laboratory/least_squares.hpp"
+#include "studies/optimise/search/best_envelope.hpp"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <map>
+
+namespace shearwake::app {
+namespace {
+
+struct Library {
+    std::string_view command, name, debian, root;
+    bool exists;
+};
+
+std::array<Library, 2> optional_libraries() {
+    return {{{"fit", "Ceres Solver", "libceres-dev", "Ceres", laboratory::can_fit},
+             {"optimise", "NLopt", "libnlopt-dev", "NLopt", optimise::can_search}}};
+}
+
+} // namespace
+
+void add_text(CLI::App& app, Action& action, const std::string& name, const std::string& what,
+              const std::function<std::string()>& text) {
+    app.add_subcommand(name, what)->callback([=, &action] {
+        action = [=](const Comm& world) {
+            if (world.is_root()) fmt::print("{}", text());
+            return ExitCode::done;
+        };
+    });
+}
+
+CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& overrides,
+                           const std::string& text, const std::string& names) {
+    return command.add_option(names, overrides, text)->type_name("KEY=VALUE")->take_all();
+}
+
+void add_job(CLI::App& command, schedule::JobArguments& arguments) {
+    command.add_option("JOB", arguments.job, "job file (TOML)")->required();
+    add_overrides(command, arguments.overrides);
+}
+
+void add_elsewhere(CLI::App& command, schedule::Target& target) {
+    command.add_flag_callback(
+        "--elsewhere", [&target] { target = schedule::Target::elsewhere; },
+        "another machine runs the job: do not compare it with the memory and disk of this one");
+}
+
+void add_ranks_per_case(CLI::App& command, int& ranks) {
+    command.add_option("--ranks-per-case", ranks, "ranks per team (default: auto)")
+        ->type_name("N|auto")
+        ->transform(CLI::Transformer(std::map<std::string, int>{{"auto", 0}}).description(""))
+        ->check(CLI::Range(0, 1000000).description(""));
+}
+
+void add_study_options(CLI::App& command, schedule::RunArguments& arguments) {
+    add_ranks_per_case(command, arguments.ranks_per_case);
+    command
+        .add_option("--walltime", arguments.walltime,
+                    "start no case that cannot finish within this time")
+        ->type_name("S|H:MM:SS");
+    command.add_flag("--allow-mixed", arguments.allow_mixed,
+                     "use results of another version of the program");
+    command.add_flag("--retry-failed", arguments.retry_failed, "try failed cases again");
+    command.add_flag("--force", arguments.force,
+                     "run although the estimates exceed the memory or the disk");
+    command.add_flag("--quiet", arguments.quiet, "print only errors");
+}
+
+CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesystem::path& data) {
+    return command
+        .add_option(name, data,
+                    "scan: UFF 58 (ASCII or binary), MATLAB (5 or 7.3), CSV, HDF5 or a case file")
+        ->required();
+}
+
+void add_scan_options(CLI::App& command, std::vector<std::string>& overrides,
+                      std::filesystem::path& out, double& least_quality) {
+    add_overrides(command, overrides);
+    command
+        .add_option("--least-quality", least_quality,
+                    "ignore points below this quality, 0 to 1 (default 0: only those without a "
+                    "signal)")
+        ->type_name("Q")
+        ->check(CLI::Range(0.0, 1.0));
+    command.add_option("--out", out, "output folder (default: named after the job, in out)")
+        ->type_name("DIR");
+}
+
+CLI::Option* add_json(CLI::App& command, bool& json) {
+    return command.add_flag(
+        "--json", json, "print a JSON document instead of text (docs/reference/json-output.md)");
+}
+
+CLI::Validator one_of(const std::vector<std::string>& values) {
+    return CLI::Validator(
+        [values](std::string& value) {
+            if (std::ranges::find(values, value) != values.end()) return std::string();
+            const auto meant = nearest(value, values);
+            return fmt::format("unknown value \"{}\"; {}", printable(value),
+                               meant ? fmt::format("did you mean {}?", *meant)
+                                     : "possible are " + quoted_list(values, "and"));
+        },
+        fmt::format("{{{}}}", fmt::join(values, ",")));
+}
+
+void require_library(const std::string& command) {
+    for (const Library& library : optional_libraries())
+        if (library.command == command && !library.exists)
+            throw UsageError(
+                fmt::format("this shearwake was built without {0}, which {1} needs; install {0} "
+                            "(Debian: {2}), configure with -D{3}_ROOT=FOLDER if it is in a folder "
+                            "of its own, and build again",
+                            library.name, command, library.debian, library.root),
+                ExitCode::environment);
+}
+
+std::string full_version_text() {
+    std::string text = pipeline::version_text();
+    for (const Library& library : optional_libraries())
+        if (!library.exists)
+            text += fmt::format("\nmissing   {}: built without {}", library.command, library.name);
+    return text;
+}
+
+} // namespace shearwake::app

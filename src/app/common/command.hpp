@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/error.hpp"
+#include "parallel/comm.hpp"
+#include "schedule/run/run_arguments.hpp"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace shearwake::app {
+
+/// Runs the command that the command line names; set by the callback of its subcommand.
+using Action = std::function<ExitCode(const Comm&)>;
+
+template <class Arguments>
+struct Declared {
+    CLI::App& command;
+    Arguments& arguments; // exist as long as the command
+};
+
+/// Declares a subcommand that calls execute(arguments, world). `action` must outlive the parsing.
+template <class Arguments>
+Declared<Arguments> add_command(CLI::App& app, Action& action, const std::string& name,
+                                const std::string& text, auto execute) {
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand(name, text);
+    command->callback(
+        [=, &action] { action = [=](const Comm& world) { return execute(*arguments, world); }; });
+    return {*command, *arguments};
+}
+
+/// Declares a subcommand without arguments that prints a text.
+void add_text(CLI::App& app, Action& action, const std::string& name, const std::string& what,
+              const std::function<std::string()>& text);
+
+// Arguments that several commands have.
+
+/// -S, unless `names` adds another name.
+CLI::Option*
+add_overrides(CLI::App& command, std::vector<std::string>& overrides,
+              const std::string& text = "override a key of the job: -S load.peak_Pa=200",
+              const std::string& names = "-S");
+/// JOB and -S.
+void add_job(CLI::App& command, schedule::JobArguments& arguments);
+/// --elsewhere
+void add_elsewhere(CLI::App& command, schedule::Target& target);
+/// --ranks-per-case, whose default is 0: chosen by the program.
+void add_ranks_per_case(CLI::App& command, int& ranks);
+/// The options of a command that runs the cases of a study.
+void add_study_options(CLI::App& command, schedule::RunArguments& arguments);
+/// The scan of a user: `name` is that of the argument or of the option.
+CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesystem::path& data);
+/// -S, --least-quality and --out of a command that reads a scan.
+void add_scan_options(CLI::App& command, std::vector<std::string>& overrides,
+                      std::filesystem::path& out, double& least_quality);
+/// --json, for a document instead of text.
+CLI::Option* add_json(CLI::App& command, bool& json);
+
+/// Accepts these values only, and suggests the nearest one otherwise. The manual page and the
+/// completion read them from the description.
+CLI::Validator one_of(const std::vector<std::string>& values);
+
+// Commands whose library may be missing when the program is built: fit, optimise.
+
+/// Throws UsageError if the program was built without the library of the command.
+void require_library(const std::string& command);
+/// The versions of the program and its libraries, and the commands that this build lacks.
+std::string full_version_text();
+
+} // namespace shearwake::app
