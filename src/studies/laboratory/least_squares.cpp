@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#if SHEARWAKE_CERES
 #include "studies/laboratory/least_squares.hpp"
 
 #include "base/error.hpp"
-#include "studies/laboratory/intervals.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <ceres/ceres.h>
 #include <cmath>
 #include <memory>
-#if SHEARWAKE_CERES
-#include <ceres/ceres.h>
+
 #endif
 
 namespace shearwake::laboratory {
@@ -397,4 +398,12 @@ FitResult fit(const std::vector<Parameter>&, std::span<const double>, std::size_
     throw Error("built without Ceres Solver");
 }
 #endif
+} // namespace shearwake::laboratory
+
+namespace shearwake::laboratory {
+
+double half_width_95(double degrees) {
+    return boost::math::quantile(boost::math::students_t(degrees), 0.975);
+}
+
 } // namespace shearwake::laboratory

@@ -10,6 +10,10 @@
 
 namespace shearwake::laboratory {
 
+/// The factor between the standard error and half of the 95 % confidence interval: the quantile
+/// 0.975 of Student's t distribution. `degrees` >= 1.
+double half_width_95(double degrees);
+
 /// A normal prior of a number or of its logarithm.
 struct Prior {
     double mean = 0.0, sd = 1.0; // of the logarithm if `logarithmic`

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "studies/optimise/search/forms.hpp"
+#include "studies/optimise/search/quotient.hpp"
 
 #include <cstdint>
 #include <vector>

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "problem/case/case.hpp"
-#include "studies/optimise/search/forms.hpp"
 #include "studies/optimise/search/quotient.hpp"
 
 #include <filesystem>

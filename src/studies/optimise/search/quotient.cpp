@@ -6,6 +6,7 @@
 #include <utility>
 
 namespace shearwake::optimise {
+
 namespace {
 
 std::vector<std::pair<std::string, Quotient>> named_quotients(const Case& c) {
@@ -40,6 +41,24 @@ Vec2 trace_m(const Case& c) {
     const std::vector<Vec2>& traces = c.record.traces_m;
     const bool has_centre = std::ranges::find(traces, Vec2{}) != traces.end();
     return traces.empty() || has_centre ? Vec2{} : traces.front();
+}
+
+double eta(const Forms& forms, const Eigen::VectorXd& envelope) {
+    return envelope.dot(forms.numerator * envelope) / envelope.dot(forms.denominator * envelope);
+}
+
+Eigen::VectorXd eta_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
+    const Eigen::VectorXd n = forms.numerator * envelope, d = forms.denominator * envelope;
+    const double below = envelope.dot(d);
+    return 2.0 / below * (n - envelope.dot(n) / below * d);
+}
+
+double squared_strength(const Forms& forms, const Eigen::VectorXd& envelope) {
+    return envelope.dot(forms.focal * envelope) / forms.reference_energy();
+}
+
+Eigen::VectorXd squared_strength_gradient(const Forms& forms, const Eigen::VectorXd& envelope) {
+    return 2.0 / forms.reference_energy() * (forms.focal * envelope);
 }
 
 } // namespace shearwake::optimise
