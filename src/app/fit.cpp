@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
 #include "app/optional_commands.hpp"
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "config/sweep/uncertain.hpp"
 #include "parallel/agree.hpp"
 #include "sampling/distribution.hpp"
@@ -248,7 +248,8 @@ ExitCode fit_command(const FitArguments& arguments, const Comm& world) {
         std::filesystem::remove(laboratory::numbers_file(prefix), none);
     });
     on_root(world, [&] {
-        if (run_python_script("laboratory/fit_figures.py", {folder.string()}, scan_packages) != 0)
+        if (run_python_module("shearwake.laboratory.fit_figures", {folder.string()},
+                              scan_packages) != 0)
             throw UsageError("the figures of the fit cannot be drawn", ExitCode::environment);
         fmt::print("files: {}\n", folder.string());
     });

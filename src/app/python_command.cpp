@@ -2,7 +2,7 @@
 #include "app/python_command.hpp"
 
 #include "app/reduce_folder.hpp"
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/output_folder.hpp"
 
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-/// Adds an argument, or an option with a value, that is handed on to the script.
+/// Adds an argument, or an option with a value, that is handed on to the module.
 CLI::Option* hand_on(CLI::App& command, const std::string& name, const std::string& text,
                      const std::string& type = "TEXT") {
     return command.add_option(name)->description(text)->type_name(type);
@@ -79,7 +79,7 @@ void declare_explore(CLI::App& command) {
     hand_on_flag(command, "--no-browser", "print the address without opening a browser");
 }
 
-// What precedes a script; each returns further arguments for it.
+// What precedes a module; each returns further arguments for it.
 
 Words reduce_first(const Words& given) {
     reduce_folder(schedule::folder_of_results(given.front()), reduce::ErrorColumns::kept);
@@ -107,8 +107,8 @@ Words program_path(const Words&) {
 }
 
 struct PythonCommand {
-    const char *name, *text, *script;
-    const char* refusal; // the message if the script rejects the arguments (exit 2)
+    const char *name, *text, *module;
+    const char* refusal; // the message if the module rejects the arguments (exit 2)
     const char* failure; // the message with another exit code
     void (*declare)(CLI::App& command);
     Words (*prepare)(const Words& given) = [](const Words&) { return Words{}; };
@@ -119,34 +119,34 @@ const PythonCommand& command_named(const std::string& name) {
     static const PythonCommand commands[] = {
         {.name = "report",
          .text = "draw figures and write one HTML page",
-         .script = "report/report.py",
+         .module = "shearwake.report",
          .refusal = "no report was written",
          .failure = "the report failed",
          .declare = declare_report,
          .prepare = reduce_first},
         {.name = "movie",
          .text = "write a movie of the surface of a case (MP4, GIF)",
-         .script = "report/movie.py",
+         .module = "shearwake.report.movie",
          .refusal = "the movie was not written",
          .failure = "the movie was not written",
          .declare = declare_movie},
         {.name = "compare",
          .text = "compare the fields, traces and columns of two cases or two sweeps, also of "
                  "different engines and resolutions",
-         .script = "report/compare.py",
+         .module = "shearwake.report.compare",
          .refusal = "the arguments cannot be compared",
          .failure = "the comparison failed",
          .declare = declare_compare,
          .prepare = prepare_comparison},
         {.name = "export",
          .text = "write the scan of the vibrometer of a case for other programs",
-         .script = "laboratory/export_scan.py",
+         .module = "shearwake.laboratory.export_scan",
          .refusal = "the scan cannot be exported",
          .failure = "the export failed",
          .declare = declare_export},
         {.name = "explore",
          .text = "open a page in the browser that computes while settings are changed",
-         .script = "explore/explore.py",
+         .module = "shearwake.explore",
          .refusal = "the page ended with an error",
          .failure = "the page ended with an error",
          .declare = declare_explore,
@@ -173,7 +173,7 @@ Words given_words(const CLI::App& command) {
     return arguments;
 }
 
-/// The error in the messages of a script, without the word "error".
+/// The error in the messages of a module, without the word "error".
 std::string error_in(const std::string& messages) {
     const std::string start = "error: ";
     const auto at = messages.rfind(start);
@@ -192,7 +192,7 @@ ExitCode python_command(const std::string& name, const Words& given, const Comm&
         words.insert(words.begin(), given.begin(), given.end());
         const bool captures = std::ranges::find(given, "--json") != given.end();
         std::string messages;
-        const int status = run_python_script(command.script, words, command.packages,
+        const int status = run_python_module(command.module, words, command.packages,
                                              captures ? &messages : nullptr);
         const std::string error = error_in(messages);
         if (error.empty()) fmt::print(stderr, "{}", messages);

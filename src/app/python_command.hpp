@@ -5,8 +5,8 @@
 
 namespace shearwake::app {
 
-/// Adds a command that a Python script of `analysis` executes: report, movie, compare, export or
-/// explore. The script receives the arguments and options that were given.
+/// Adds a command that a module of the Python package executes: report, movie, compare, export or
+/// explore. The module receives the arguments and options that were given.
 void add_python_command(CLI::App& app, Action& action, const std::string& name);
 
 /// Executes such a command. Collective; rank 0 does the work.

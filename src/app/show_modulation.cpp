@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "app/commands.hpp"
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/job_source.hpp"
 
@@ -67,7 +67,8 @@ ExitCode show_modulation_command(const ShowModulationArguments& arguments, const
                              ExitCode::environment);
         int status = -1;
         try {
-            status = run_python_script("report/modulation.py", {data.string(), picture.string()});
+            status =
+                run_python_module("shearwake.report.modulation", {data.string(), picture.string()});
         } catch (...) {
             std::filesystem::remove(data);
             throw;
