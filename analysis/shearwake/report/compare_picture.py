@@ -80,5 +80,6 @@ def draw(result, pairs, path):
     made[0].set_ylabel("y (mm)")
     figure.suptitle(f"The surfaces at {number(field['time_ms'])} ms", x=0.01, ha="left", fontsize=10)
     path.parent.mkdir(parents=True, exist_ok=True)
+    style.make_texts_plain(figure)
     figure.savefig(path, dpi=150)
     plt.close(figure)

@@ -5,7 +5,7 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import NullFormatter, NullLocator, ScalarFormatter
+from matplotlib.ticker import NullFormatter, NullLocator
 
 from . import layout, style, warnings_of
 from .curve_chart import curve_chart, draw_errors, error_caption
@@ -20,13 +20,13 @@ def set_x_axis(axes, sweep):
     axes.set_xlabel(layout.axis_label(sweep, sweep.x))
     if not layout.is_numeric(sweep):
         few = len(values) <= 6
-        axes.set_xticks(range(len(values)), [value_text(sweep.x, v) for v in values],
+        axes.set_xticks(range(len(values)), [style.plain(value_text(sweep.x, v)) for v in values],
                         rotation=0 if few else 30, ha="center" if few else "right")
         axes.set_xlim(-0.5, len(values) - 0.5)
         return
     if layout.is_logarithmic(values):
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_major_formatter(style.PlainFormatter())
         places = np.log(values)
     else:
         places = np.array(values, dtype=float)

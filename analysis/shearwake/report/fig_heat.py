@@ -113,7 +113,7 @@ def ticks(axis, key, sweep, room):
     every = max(1, math.ceil(len(values) / room))
     words = [number(float(v), 3) if layout.is_number(v)
              else textwrap.fill(value_text(key, v), WORDS, break_on_hyphens=False) for v in values]
-    axis.set_ticks(range(0, len(values), every), words[::every])
+    axis.set_ticks(range(0, len(values), every), list(map(style.plain, words[::every])))
     longest = max(len(line) for word in words for line in word.splitlines())
     if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
         axis.set_tick_params(rotation=35)

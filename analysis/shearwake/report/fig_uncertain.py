@@ -42,7 +42,7 @@ def name_x(axes, sweep, found, numeric):
     if numeric:
         axes.set_xlabel(layout.axis_label(sweep, sweep.x))
         return
-    labels = [sample.label(sweep, where) or "all samples" for where in found]
+    labels = [style.plain(sample.label(sweep, where) or "all samples") for where in found]
     axes.set_xticks(range(len(labels)), labels, rotation=0 if len(labels) < 3 else 20,
                     ha="center" if len(labels) < 3 else "right")
     axes.set_xlim(-0.6, len(labels) - 0.4)

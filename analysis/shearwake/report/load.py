@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import case as package
+from ..case import Case as StoredCase
 from ..checksum import verify_case
 from ..errors import NotAnOutputFolder as NoPlan, NotRecorded
 from ..plan import first_line, read_plan, read_table
@@ -46,8 +46,8 @@ class Case:
     @functools.cached_property
     def stored(self):
         """The case as the package reads it."""
-        return package.Case(self.path, {"id": self.id, "settings": self.settings, "is_reference": self.is_reference,
-                                        "reference_id": self.reference_id})
+        return StoredCase(self.path, {"id": self.id, "settings": self.settings, "is_reference": self.is_reference,
+                                      "reference_id": self.reference_id})
 
     @property
     def whole(self):

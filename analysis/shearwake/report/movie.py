@@ -16,7 +16,7 @@ import numpy as np
 
 from . import compare_words, fig_surface, layout, load, player
 from .progress import Progress
-from .style import plt
+from .style import plain, plt
 from .words import counted, number
 
 ENVIRONMENT = 6
@@ -109,7 +109,7 @@ class Picture:
                                           (height - 1.05 - top) / height])
         self.bar = self.figure.add_axes([0.22, 0.52 / height, 0.56, 0.1 / height])
         for n, (line, colour) in enumerate(header):
-            self.figure.text(0.75 / INCHES, 1.0 - (0.1 + LINE_in * n) / height, line, va="top", color=colour, fontsize=8.5)
+            self.figure.text(0.75 / INCHES, 1.0 - (0.1 + LINE_in * n) / height, plain(line), va="top", color=colour, fontsize=8.5)
         self.limits, self.slow_down = limits, slow_down
 
     def draw(self, index):

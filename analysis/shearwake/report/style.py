@@ -7,6 +7,9 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.scale import LinearScale, register_scale
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 
@@ -41,30 +44,41 @@ halo = wake.halo
 
 # All formulas in the figures: labels of this package and ticks of matplotlib's formatters.
 FORMULA = re.compile(r"(\$(?:d?u_z(?:/dt)?|(?:\\times)?(?:\\mathdefault\{[^$]*\})+)\$)")
-set_text = Text.set_text
 
 
-def set_plain_text(self, text):
-    """Sets the text of a label. Titles and names come from job files, so other dollar signs are escaped and
+def plain(text):
+    """A text for a figure. Titles and names come from job files, so dollar signs outside of formulas are escaped and
     control characters replaced."""
-    pieces = FORMULA.split("" if text is None else str(text))
+    pieces = FORMULA.split(text)
     pieces[::2] = [re.sub(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", "\N{REPLACEMENT CHARACTER}", piece)
                    .replace(r"\$", "$").replace("$", r"\$") for piece in pieces[::2]]
-    set_text(self, "".join(pieces))
+    return "".join(pieces)
 
 
-Text.set_text = set_plain_text
-
-get_offset = ScalarFormatter.get_offset
-
-
-def plain_offset(self):
-    """The power of ten of an axis as '×10⁻⁷' instead of '1e−7' or a formula, which takes longer to draw."""
-    return re.sub(r"1e(\N{MINUS SIGN}?\d+)", lambda found: "×10" + found[1].replace("\N{MINUS SIGN}", "-").translate(
-        SUPERSCRIPTS), get_offset(self))
+def make_texts_plain(figure):
+    """Applies plain() to all texts of a figure except the labels of ticks."""
+    for owner in (figure, *figure.axes):
+        for child in owner.get_children():
+            for text in [child.label] if isinstance(child, Axis) else [] if isinstance(child, Axes) else child.findobj(Text):
+                text.set_text(plain(text.get_text()))
 
 
-ScalarFormatter.get_offset = plain_offset
+class PlainFormatter(ScalarFormatter):
+    def get_offset(self):
+        """The power of ten of an axis as '×10⁻⁷' instead of '1e−7' or a formula, which takes longer to draw."""
+        return re.sub(r"1e(\N{MINUS SIGN}?\d+)", lambda found: "×10" + found[1].replace("\N{MINUS SIGN}", "-").translate(
+            SUPERSCRIPTS), super().get_offset())
+
+
+class PlainScale(LinearScale):
+    """The linear scale of all axes."""
+
+    def set_default_locators_and_formatters(self, axis):
+        super().set_default_locators_and_formatters(axis)
+        axis.set_major_formatter(PlainFormatter())
+
+
+register_scale(PlainScale)
 
 
 def sequential(fraction):
@@ -128,6 +142,7 @@ def legend_strip(figure, handles):
 
 def save(figure, path):
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
+    make_texts_plain(figure)
     figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
     if PDF:
         figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
