@@ -12,6 +12,7 @@ import secrets
 import signal
 import sys
 import webbrowser
+from collections.abc import Mapping
 
 from aiohttp import web
 
@@ -22,16 +23,16 @@ from .server import Explorer
 OF_A_RANK = re.compile(r"PMIX_|PMI_|OMPI_(?!ALLOW_|MCA_)|OMPI_MCA_(orte|ess|pmix|initial)")
 
 
-def without_ranks(environment):
+def without_ranks(environment: Mapping[str, str]) -> dict[str, str]:
     return {name: value for name, value in environment.items() if not OF_A_RANK.match(name)}
 
 
-def command(program, ranks):
+def command(program: str, ranks: int) -> list[str]:
     launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
     return [*launch, program, "serve"]
 
 
-async def serve(arguments):
+async def serve(arguments: argparse.Namespace) -> None:
     token = secrets.token_urlsafe(24)
     explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out)
     runner = web.AppRunner(explorer.application(), access_log=None)
@@ -52,7 +53,7 @@ async def serve(arguments):
         await runner.cleanup()
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", required=True)
     parser.add_argument("--port", type=int, default=0)

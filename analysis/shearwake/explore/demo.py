@@ -51,7 +51,7 @@ engine = "layered"
 LINE = 'path = { shape = "line", from_mm = [-42.0, 0.0], to_mm = [42.0, 0.0] }\n'
 CIRCLE = 'path = { shape = "circle", radius_mm = 14.0 }\n'
 # Title, preset, FWHM in mm, and the modulation.
-SETTINGS = (
+SETTINGS: tuple[tuple[str, str, float, str], ...] = (
     ("Moving at 7 m/s: a Mach cone behind the focus", "thesis-tissue", 4.5, f'kind = "STM"\n{LINE}speed_m_s = 7.0'),
     ("The same, amplitude-modulated at 400 Hz", "thesis-tissue", 4.5,
      f'kind = "AM-STM"\n{LINE}speed_m_s = 7.0\nam_frequency_Hz = 400.0'),
@@ -64,11 +64,11 @@ SETTINGS = (
 )
 
 
-def job_of(preset, fwhm, modulation):
+def job_of(preset: str, fwhm: float, modulation: str) -> str:
     return JOB.format(preset=preset, fwhm=fwhm, modulation=modulation, spacing=round(fwhm / 3.6, 2))
 
 
-def stored(title, job, message, arrays):
+def stored(title: str, job: str, message: dict, arrays: bytes) -> dict:
     """One setting for the page: its header, and its arrays compressed, with the surface in steps of 1/1023 of its peak."""
     header = {name: message[name] for name in ("case", "spacing_m", "fwhm_m", "foci_m", "surface_wave_m_s", "seconds", "warnings",
                                                "columns")}
@@ -91,13 +91,13 @@ def stored(title, job, message, arrays):
     return {"title": title, "settings": {}, "job": job, "header": header, "peak_m": peak_m, "data": data}
 
 
-async def compute(program):
+async def compute(program: str) -> list[dict]:
     """All settings. Exits with a message if one of them cannot be computed."""
     engine = Engine([program, "serve"])
     await engine.start()
     found = []
-    for number, (title, *parts) in enumerate(SETTINGS):
-        job = job_of(*parts)
+    for number, (title, preset, fwhm, modulation) in enumerate(SETTINGS):
+        job = job_of(preset, fwhm, modulation)
         await engine.send(type="compute", id=number, job=job)
         message, arrays = await engine.receive()
         if message["type"] != "result":
@@ -107,7 +107,7 @@ async def compute(program):
     return found
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", required=True)
     parser.add_argument("page", type=Path)

@@ -11,21 +11,21 @@ SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js",
            "pins.js", "sweeps.js", "tour.js", "main.js")
 
 
-def read(path):
+def read(path: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def script(text):
+def script(text: str) -> str:
     return f"<script>{text}</script>"
 
 
-def sources(configuration):
+def sources(configuration: dict) -> list[str]:
     """The scripts in order: the configuration, the plotting library and those of the page."""
     data = json.dumps(configuration, separators=(",", ":")).replace("<", "\\u003c")
     return [f"const CONFIGURATION = {data};", read(UPLOT / "uPlot.iife.min.js"), *(read(HERE / "page" / s) for s in SCRIPTS)]
 
 
-def document(configuration):
+def document(configuration: dict) -> tuple[str, str]:
     """The page and the policy that allows its own scripts only."""
     scripts = sources(configuration)
     hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(s.encode()).digest()).decode()}'" for s in scripts)

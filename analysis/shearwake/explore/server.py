@@ -8,11 +8,12 @@ import asyncio
 import contextlib
 import hmac
 import json
+from collections.abc import Callable
 
 from aiohttp import WSMsgType, web
 
 from . import page
-from .engine import Desk
+from .engine import Client, Desk, Engine
 from .sweeps import NotASweep, Sweeps
 
 LONGEST_MESSAGE_B = 900_000  # below the limit of serve, also after quoting
@@ -24,19 +25,20 @@ HEADERS = {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"
 class Outbox:
     """The messages to one page. Of the results that it has not received yet, it keeps the newest only."""
 
-    def __init__(self, socket):
+    def __init__(self, socket: web.WebSocketResponse) -> None:
         self.socket = socket
-        self.messages, self.result = [], None
+        self.messages: list[dict] = []
+        self.result: tuple[dict, bytes] | None = None
         self.wake = asyncio.Event()
 
-    def put(self, message, arrays=b""):
+    def put(self, message: dict, arrays: bytes = b"") -> None:
         if message["type"] == "result":
             self.result = (message, arrays)
         else:
             self.messages = [*self.messages[-50:], message]
         self.wake.set()
 
-    async def send_all(self):
+    async def send_all(self) -> None:
         while True:
             await self.wake.wait()
             self.wake.clear()
@@ -49,12 +51,12 @@ class Outbox:
 
 
 class Explorer:
-    def __init__(self, engine, token, folder):
+    def __init__(self, engine: Engine, token: str, folder: str) -> None:
         self.desk, self.sweeps, self.token = Desk(engine), Sweeps(folder), token
         self.port = 0  # set when the server listens
-        self.sockets = set()
+        self.sockets: set[web.WebSocketResponse] = set()
 
-    def application(self):
+    def application(self) -> web.Application:
         app = web.Application(middlewares=[self.guard], client_max_size=1)
         app.router.add_get("/", self.show_page)
         app.router.add_get("/socket", self.talk)
@@ -62,26 +64,26 @@ class Explorer:
         app.on_shutdown.append(lambda _: self.end())
         return app
 
-    async def end(self):
+    async def end(self) -> None:
         for socket in list(self.sockets):
             await socket.close()
         await self.sweeps.close()
         await self.desk.close()
 
     @property
-    def hosts(self):
+    def hosts(self) -> set[str]:
         return {f"127.0.0.1:{self.port}", f"localhost:{self.port}"}
 
     @property
-    def cookie(self):
+    def cookie(self) -> str:
         return f"shearwake_{self.port}"
 
     @web.middleware
-    async def guard(self, request, handler):
+    async def guard(self, request: web.Request, handler: Callable) -> web.StreamResponse:
         try:
             if request.headers.get("Host") not in self.hosts:
                 raise web.HTTPForbidden(text="the header Host is not that of this server\n")
-            given = request.query.get("token") or request.cookies.get(self.cookie, "")
+            given = request.query.get("token") or request.cookies.get(self.cookie) or ""
             if not hmac.compare_digest(given.encode("utf-8", "surrogateescape"), self.token.encode()):
                 raise web.HTTPForbidden(text="the token is missing or wrong; use the address that shearwake explore prints\n")
             response = await handler(request)
@@ -92,13 +94,13 @@ class Explorer:
             response.headers.update(HEADERS)
         return response
 
-    async def show_page(self, request):
+    async def show_page(self, request: web.Request) -> web.Response:
         text, policy = page.document({"limits": self.desk.engine.hello.get("limits", {})})
         response = web.Response(text=text, content_type="text/html", headers={"Content-Security-Policy": policy})
         response.set_cookie(self.cookie, self.token, httponly=True, samesite="Strict", path="/")
         return response
 
-    async def talk(self, request):
+    async def talk(self, request: web.Request) -> web.WebSocketResponse:
         if request.headers.get("Origin") not in {f"http://{host}" for host in self.hosts}:
             raise web.HTTPForbidden(text="the header Origin is not that of this server\n")
         if len(self.sockets) >= MOST_CLIENTS:
@@ -123,9 +125,9 @@ class Explorer:
                 await sender
         return socket
 
-    async def handle(self, text, client, outbox):
+    async def handle(self, text: str, client: Client, outbox: Outbox) -> None:
         """Answers one message of a page."""
-        def refuse(message, number=None):
+        def refuse(message: str, number: int | None = None) -> None:
             outbox.put({"type": "error", "code": "bad_request", "message": message, **({} if number is None else {"id": number})})
 
         try:

@@ -7,7 +7,9 @@ import os
 import re
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import shearwake
 
@@ -18,6 +20,9 @@ OTHER_CASES = ("sweep", "table", "uncertain", "optimise")  # tables that would a
 COLUMNS = ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um")
 
 
+Report = Callable[[dict], None]
+
+
 class NotASweep(Exception):
     """The request of a sweep is not valid."""
 
@@ -26,7 +31,7 @@ class StopAsked(Exception):
     """Ends a run from its report of progress."""
 
 
-def checked(key, values):
+def checked(key: Any, values: Any) -> tuple[str, list[float]]:
     """The axis of a request. Raises NotASweep."""
     if not isinstance(key, str) or len(key) > 80 or not KEY.fullmatch(key):
         raise NotASweep("the key of the sweep is not valid")
@@ -36,29 +41,29 @@ def checked(key, values):
     return key, [float(v) for v in values]
 
 
-def clean(value):
+def clean(value: Any) -> float | None:
     """The number, or None for a cell without a value, which JSON cannot express."""
     number = float(value)
     return number if math.isfinite(number) else None
 
 
-def unused(folder, name):
+def unused(folder: Path, name: str) -> str:
     """The name, followed by a number if this folder contains it: two sweeps can start within a second."""
     names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
     return next(new for new in names if not (Path(folder) / new).exists())
 
 
 class Sweeps:
-    def __init__(self, folder):
+    def __init__(self, folder: str) -> None:
         self.folder = Path(folder)
-        self.task = None
+        self.task: asyncio.Task | None = None
         self.is_stopping = False
 
     @property
-    def is_running(self):
+    def is_running(self) -> bool:
         return self.task is not None and not self.task.done()
 
-    def start(self, job, key, values, report):
+    def start(self, job: str, key: Any, values: Any, report: Report) -> None:
         """Starts a sweep; `report` gets messages about its progress. Raises NotASweep."""
         key, values = checked(key, values)
         if self.is_running:
@@ -66,18 +71,18 @@ class Sweeps:
         self.is_stopping = False
         self.task = asyncio.create_task(self.work(job, key, values, report))
 
-    def stop(self):
+    def stop(self) -> None:
         self.is_stopping = True
 
-    async def close(self):
+    async def close(self) -> None:
         self.stop()
-        if self.is_running:
+        if self.task is not None and not self.task.done():
             await self.task
 
-    async def work(self, job, key, values, report):
+    async def work(self, job: str, key: str, values: list[float], report: Report) -> None:
         loop = asyncio.get_running_loop()
 
-        def progress(found):
+        def progress(found: shearwake.Progress) -> None:
             if self.is_stopping:
                 raise StopAsked
             loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total})
@@ -89,7 +94,7 @@ class Sweeps:
         except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
             report({"state": "failed", "message": str(error) or type(error).__name__})
 
-    def run(self, job, key, values, progress):
+    def run(self, job: str, key: str, values: list[float], progress: Callable[[shearwake.Progress], None]) -> dict:
         """Runs the sweep in an output folder of its own and returns its table."""
         name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
         with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:

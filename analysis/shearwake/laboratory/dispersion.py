@@ -13,7 +13,7 @@ LEAST_RATIO = 3.0  # of the spectrum of a point to that of the noise
 LEAST_SHARE = 0.02  # of the strongest line of the spectrum: weaker frequencies have no result
 
 
-def line_coordinates(x, y):
+def line_coordinates(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Positions along the line through the points [m]; its first axis points to positive x, or to positive y."""
     points = np.stack((x, y), axis=1)
     centre = points.mean(axis=0)
@@ -22,7 +22,7 @@ def line_coordinates(x, y):
     return points @ axis
 
 
-def side(s, velocity, source):
+def side(s: np.ndarray, velocity: np.ndarray, source: float) -> tuple[np.ndarray, np.ndarray]:
     """Distances from the source and velocities of the longer side, in ascending order, without the near field."""
     right, left = s > source, s < source
     if np.count_nonzero(left) > np.count_nonzero(right):
@@ -35,7 +35,7 @@ def side(s, velocity, source):
     return distance[keep], rows[keep]
 
 
-def peak_wavenumber(distance, row, frequency_Hz):
+def peak_wavenumber(distance: np.ndarray, row: np.ndarray, frequency_Hz: float) -> float:
     """The wavenumber of the ridge of one frequency: the maximum of |sum v sqrt(s) e^{iks}|, refined by a parabola."""
     low, high = (2.0 * np.pi * frequency_Hz / c for c in reversed(SPEEDS_M_S))
     spacing, length = np.median(np.diff(distance)), distance[-1] - distance[0]
@@ -54,7 +54,7 @@ def peak_wavenumber(distance, row, frequency_Hz):
     return k[n] + 0.5 * (before - after) / (before - 2.0 * at + after) * (k[1] - k[0])
 
 
-def attenuation_1_m(distance, row):
+def attenuation_1_m(distance: np.ndarray, row: np.ndarray) -> float:
     """The decay of log |v sqrt(s)| per metre, by a line through all points."""
     amplitude = np.abs(row) * np.sqrt(distance)
     good = amplitude > 0.0
@@ -63,7 +63,8 @@ def attenuation_1_m(distance, row):
     return -np.polyfit(distance[good], np.log(amplitude[good]), 1)[0]
 
 
-def curves(s, velocity, rate_Hz, source=0.0, noise_m_s=0.0):
+def curves(s: np.ndarray, velocity: np.ndarray, rate_Hz: float, source: float = 0.0,
+           noise_m_s: float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies [Hz], phase speeds [m/s] and attenuations [1/m]; NaN where the line contains no wave of this frequency, or
     none that exceeds white noise of this standard deviation per sample."""
     distance, rows = side(s, velocity, source)

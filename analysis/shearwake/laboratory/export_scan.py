@@ -14,7 +14,7 @@ from .scan_files import read_scan, write_scan
 USAGE, ENVIRONMENT = 2, 6
 
 
-def main(arguments):
+def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="shearwake export")
     parser.add_argument("case")
     parser.add_argument("--format", default="uff")

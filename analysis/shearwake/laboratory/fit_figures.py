@@ -7,6 +7,7 @@ scan, dispersion.csv and dispersion.png.
 """
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import h5py
@@ -21,12 +22,12 @@ from .dispersion import curves, line_coordinates
 USAGE, ENVIRONMENT = 2, 6
 
 
-def table(path, header, columns):
+def table(path: Path, header: str, columns: Iterable) -> None:
     rows = [",".join(f"{value:.9g}" for value in row) for row in zip(*columns)]
     path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
 
 
-def draw_residuals(folder, fit, is_line):
+def draw_residuals(folder: Path, fit: dict, is_line: bool) -> None:
     x, y, rms, weight = (fit[name] for name in ("x", "y", "residual_rms", "weight"))
     table(folder / "residuals.csv", "x_mm,y_mm,residual_um_s,weight", (1e3 * x, 1e3 * y, 1e6 * rms, weight))
     figure, axes = plt.subplots(figsize=(5.6, 4.2), constrained_layout=True)
@@ -45,7 +46,7 @@ def draw_residuals(folder, fit, is_line):
     figure.savefig(folder / "residuals.png", dpi=140)
 
 
-def draw_correlations(folder, about):
+def draw_correlations(folder: Path, about: dict) -> None:
     names = list(about["estimates"])
     if len(names) < 2:
         return
@@ -61,7 +62,7 @@ def draw_correlations(folder, about):
     figure.savefig(folder / "correlations.png", dpi=140)
 
 
-def draw_dispersion(folder, fit, noise_m_s):
+def draw_dispersion(folder: Path, fit: dict, noise_m_s: float) -> None:
     s = line_coordinates(fit["x"], fit["y"])
     rate = (len(fit["time"]) - 1) / (fit["time"][-1] - fit["time"][0])
     frequencies, *measured = curves(s, fit["measured"], rate, noise_m_s=noise_m_s)
@@ -82,8 +83,7 @@ def draw_dispersion(folder, fit, noise_m_s):
     figure.savefig(folder / "dispersion.png", dpi=140)
 
 
-def main(folder):
-    folder = Path(folder)
+def main(folder: Path) -> int:
     try:
         about = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
         with h5py.File(folder / "fit.h5", "r") as file:
@@ -102,4 +102,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    sys.exit(main(*sys.argv[1:]))
+    sys.exit(main(*map(Path, sys.argv[1:])))

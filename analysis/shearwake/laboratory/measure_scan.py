@@ -10,11 +10,12 @@ points with a signal. Exit 0: written; 2: the scan cannot be used; 6: a file can
 import hashlib
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from .scan import BadScan
+from .scan import BadScan, Scan
 from .scan_files import read_scan
 from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, is_line, noise_m_s, one_period
 
@@ -25,7 +26,7 @@ LEFT_OUT = 0.1
 class Alignment:
     """Trigger delay, position and line of sight: those of the job, or of the file if the job has no vibrometer."""
 
-    def __init__(self, scan, request):
+    def __init__(self, scan: Scan, request: dict) -> None:
         given = request.get("vibrometer")
         self.notes = []
         self.delay_s, self.offset_m, self.direction = scan.trigger_delay_s, (0.0, 0.0), scan.direction
@@ -38,12 +39,12 @@ class Alignment:
         if abs(self.direction[2]) < 0.1:
             raise BadScan("the line of sight is nearly parallel to the surface, so it contains no displacement along z")
 
-    def text(self):
+    def text(self) -> str:
         return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "
                 f"{1e3 * self.offset_m[0]:.6g} and {1e3 * self.offset_m[1]:.6g} mm")
 
 
-def usable_points(scan, request):
+def usable_points(scan: Scan, request: dict) -> np.ndarray:
     """Points with finite velocities and a sufficient quality."""
     good = np.all(np.isfinite(scan.velocity_m_s), axis=1) & (scan.quality > 0.0)
     good &= scan.quality >= request.get("least_quality", 0.0)
@@ -52,7 +53,7 @@ def usable_points(scan, request):
     return good
 
 
-def surfaces(scan, good, alignment, request):
+def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) -> tuple[dict, Iterator]:
     """The description of the frames, and the frames of all repetitions."""
     grid, frames_s = request["grid"], np.array(request["frames_s"])
     repeats = request["periodic"]
@@ -70,11 +71,11 @@ def surfaces(scan, good, alignment, request):
         full.without(bad, MASK_RADII * full.point_spacing)
     to_u_z = 1.0 / alignment.direction[2]
 
-    def motion(values):
+    def motion(values: np.ndarray) -> np.ndarray:
         smooth = filtered(values, scan.rate_Hz, request["high_pass_Hz"], repeats)
         return to_u_z * displacement_m(smooth, start_s, scan.rate_Hz, frames_s, repeats)
 
-    def repetition(n):
+    def repetition(n: int) -> Iterator[np.ndarray]:
         if n == 0:
             yield from full.frames(motion(velocity))
             return
@@ -101,7 +102,7 @@ def surfaces(scan, good, alignment, request):
     return about, (repetition(n) for n in range(request["repetitions"] + 1))
 
 
-def main(data, request_file, prefix):
+def main(data: str, request_file: str, prefix: str) -> int:
     try:
         request = json.loads(Path(request_file).read_text(encoding="utf-8"))
         scan = read_scan(data)

@@ -10,7 +10,9 @@ import io
 import math
 import os
 import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -18,10 +20,11 @@ from .scan import MOST_VALUES, BadScan, Scan
 from .scan_uff import read_uff, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
+Getter = Callable[[str], Any]
 NOT_A_SCAN = "it is not a scan: "
 
 
-def checked(scan):
+def checked(scan: Scan) -> Scan:
     """The same scan, or BadScan if its arrays do not belong together."""
     velocity = scan.velocity_m_s
     if velocity.ndim != 2 or velocity.shape != (len(scan.x_m), len(scan.time_s)):
@@ -47,7 +50,7 @@ def checked(scan):
     return scan
 
 
-def read_scan(path):
+def read_scan(path: str | Path) -> Scan:
     """The scan in a file. Raises BadScan or OSError."""
     path = Path(path)
     size = path.stat().st_size
@@ -66,7 +69,7 @@ def read_scan(path):
     return checked(read_csv(path.read_bytes()))
 
 
-def in_child(read, path):
+def in_child(read: Callable[[Path], Scan], path: Path) -> Scan:
     """read(path) in a forked process: a damaged file can crash the library that reads it."""
     source, sink = os.pipe()
     child = os.fork()
@@ -74,6 +77,7 @@ def in_child(read, path):
         code = 1
         try:
             os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # messages of the C library about damaged memory
+            answer: Scan | BadScan
             try:
                 answer = read(path)
             except BadScan as error:
@@ -84,8 +88,8 @@ def in_child(read, path):
         finally:
             os._exit(code)
     os.close(sink)
-    with os.fdopen(source, "rb") as answer:
-        content = answer.read()
+    with os.fdopen(source, "rb") as file:
+        content = file.read()
     if os.waitpid(child, 0)[1] != 0:
         raise BadScan("the library that reads such files fails at it; the file is damaged, or does not fit into memory")
     answer = pickle.loads(content)
@@ -94,7 +98,7 @@ def in_child(read, path):
     return answer
 
 
-def named(get, names, what):
+def named(get: Getter, names: tuple[str, ...], what: str) -> Any:
     for name in names:
         value = get(name)
         if value is not None:
@@ -102,9 +106,9 @@ def named(get, names, what):
     raise BadScan(f"{NOT_A_SCAN}it has no {what} ({', '.join(names)})")
 
 
-def from_names(get):
+def from_names(get: Getter) -> Scan:
     """A scan from named arrays; get(name) returns an array or None."""
-    def numbers(value, what):
+    def numbers(value: Any, what: str) -> np.ndarray:
         try:
             array = np.asarray(value)
             if array.size > MOST_VALUES:
@@ -123,7 +127,7 @@ def from_names(get):
         velocity = velocity.T  # MATLAB stores the first index fastest
     quality = get("quality")
 
-    def one(name, fallback):
+    def one(name: str, fallback: float) -> float:
         value = get(name)
         if value is None:
             return fallback
@@ -138,14 +142,14 @@ def from_names(get):
                 (one("direction_x", 0.0), one("direction_y", 0.0), one("direction_z", 1.0)))
 
 
-def read_hdf5(path):
+def read_hdf5(path: Path) -> Scan:
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
             group = file["vibrometer"] if "vibrometer" in file else file
 
-            def get(name):
+            def get(name: str) -> Any:
                 data = group.get(name, getlink=False) if name in group else None
                 if not isinstance(data, h5py.Dataset):
                     return None
@@ -160,7 +164,7 @@ def read_hdf5(path):
         raise BadScan(f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else error!r}") from error
 
 
-def read_mat5(path):
+def read_mat5(path: Path) -> Scan:
     import scipy.io
 
     try:
@@ -177,7 +181,7 @@ def read_mat5(path):
 CSV_HEADER = ["x_m", "y_m", "quality"]
 
 
-def read_csv(data):
+def read_csv(data: bytes) -> Scan:
     """Lines of x, y, quality and one velocity per time; the header contains the times in seconds."""
     try:
         text = data.decode("utf-8")
@@ -211,7 +215,7 @@ def read_csv(data):
                 values["trigger_delay_s"], (values["direction_x"], values["direction_y"], values["direction_z"]))
 
 
-def csv_text(scan):
+def csv_text(scan: Scan) -> str:
     out = io.StringIO()
     out.write(f"# trigger_delay_s = {float(scan.trigger_delay_s)!r}\n")
     for axis, value in zip("xyz", scan.direction):
@@ -222,7 +226,7 @@ def csv_text(scan):
     return out.getvalue()
 
 
-def write_hdf5(path, scan):
+def write_hdf5(path: Path, scan: Scan) -> None:
     """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. MATLAB reverses the order of
     indices, so that velocity has one column per point there."""
     import h5py
@@ -240,7 +244,7 @@ def write_hdf5(path, scan):
         file.write(header.ljust(124) + b"\x00\x02IM")
 
 
-def write_scan(path, scan, kind):
+def write_scan(path: str | Path, scan: Scan, kind: str) -> None:
     """Writes a scan as "uff" (ASCII), "uffb" (binary), "csv" or "mat"."""
     path = Path(path)
     if kind == "mat":

@@ -4,9 +4,11 @@
 Times are relative to the start of the load. The line of sight and the trigger delay are those of the job if it has
 [vibrometer], otherwise those of the file.
 """
+from collections.abc import Iterator
+
 import numpy as np
 
-from .scan import BadScan
+from .scan import BadScan, Scan
 
 NEAR = 1e-6  # a point closer to a node of the grid than this fraction of the spacing is at the node
 LEAST_PERIODS = 3  # of the high-pass in a recording
@@ -15,7 +17,7 @@ MASK_RADII = 1.5  # in distances between neighbouring points
 NODES_AT_ONCE = 2_000_000  # values of an interpolation in memory
 
 
-def noise_m_s(velocity):
+def noise_m_s(velocity: np.ndarray) -> np.ndarray:
     """The standard deviation of white noise of each point, from fourth differences, which a signal that is sampled
     ten times per period passes by a few percent. Underestimated after a low-pass filter far below the sampling rate."""
     if velocity.shape[1] < 9:
@@ -24,7 +26,7 @@ def noise_m_s(velocity):
     return np.median(np.abs(differences), axis=1) / (0.6745 * np.sqrt(70.0))
 
 
-def filtered(velocity, rate_Hz, high_pass_Hz, repeats):
+def filtered(velocity: np.ndarray, rate_Hz: float, high_pass_Hz: float, repeats: bool) -> np.ndarray:
     """The velocity after a Butterworth filter of second order, forward and backward, which shifts no phase."""
     if high_pass_Hz <= 0.0:
         return velocity
@@ -44,7 +46,7 @@ def filtered(velocity, rate_Hz, high_pass_Hz, repeats):
     return signal.sosfiltfilt(sections, velocity, axis=1, padlen=min(velocity.shape[1] - 1, int(3 * rate_Hz / high_pass_Hz)))
 
 
-def one_period(scan, period_s):
+def one_period(scan: Scan, period_s: float) -> tuple[np.ndarray, int]:
     """The mean of all complete periods of the velocities, and their number."""
     samples = period_s * scan.rate_Hz
     count = round(samples)
@@ -58,7 +60,7 @@ def one_period(scan, period_s):
     return scan.velocity_m_s[:, :periods * count].reshape(len(scan.x_m), periods, count).mean(axis=1), periods
 
 
-def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
+def displacement_m(velocity: np.ndarray, start_s: float, rate_Hz: float, frames_s: np.ndarray, repeats: bool) -> np.ndarray:
     """Displacement at the frames, (point, frame). Transient: at rest until the first sample, the integral of a
     spline of degree 5. Periodic: the Fourier series of one period without its mean, which a velocity does not contain."""
     if repeats:
@@ -81,7 +83,7 @@ def displacement_m(velocity, start_s, rate_Hz, frames_s, repeats):
     return moving - integral(np.array([max(times[0], min(0.0, times[-1]))]))
 
 
-def is_line(x, y):
+def is_line(x: np.ndarray, y: np.ndarray) -> bool:
     points = np.stack((x - np.mean(x), y - np.mean(y)), axis=1)
     sizes = np.linalg.svd(points, compute_uv=False)
     return len(sizes) < 2 or sizes[1] <= 1e-6 * max(sizes[0], 1e-12)
@@ -90,7 +92,7 @@ def is_line(x, y):
 class Surface:
     """Interpolates from points to the nodes of a grid; outside of the scanned area the surface is at rest."""
 
-    def __init__(self, x, y, grid_x, grid_y):
+    def __init__(self, x: np.ndarray, y: np.ndarray, grid_x: np.ndarray, grid_y: np.ndarray) -> None:
         from scipy.spatial import Delaunay, cKDTree
 
         if len(x) < 4 or is_line(x, y):
@@ -116,7 +118,7 @@ class Surface:
         self.covered = inside
         self.between = np.flatnonzero(inside & (distance >= NEAR * spacing))
 
-    def on_edge(self, node):
+    def on_edge(self, node: np.ndarray) -> np.ndarray:
         """The place of the scanned area that is closest to a node outside of it."""
         first, second = (self.hull.points[self.hull.convex_hull[:, end]] for end in (0, 1))
         along = second - first
@@ -124,7 +126,7 @@ class Surface:
         found = first + share[:, None] * along
         return found[np.argmin(np.sum((found - node) ** 2, axis=1))]
 
-    def without(self, places, radius):
+    def without(self, places: np.ndarray, radius: float) -> None:
         """Excludes the nodes within `radius` of these places: gaps that are masked."""
         if not len(places):
             return
@@ -136,7 +138,7 @@ class Surface:
         self.exact, self.source = self.exact[keep], self.source[keep]
         self.between = self.between[far[self.between]]
 
-    def frames(self, u):
+    def frames(self, u: np.ndarray) -> Iterator[np.ndarray]:
         """Displacements (point, frame) on the grid, (frame, x, y), in parts that fit into memory."""
         from scipy.interpolate import CloughTocher2DInterpolator
 

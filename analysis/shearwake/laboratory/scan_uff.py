@@ -7,6 +7,8 @@ together with the quality of the point; files of other programs do without.
 """
 import datetime
 import re
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -20,15 +22,15 @@ HEADER_LINES = 11
 SPEEDS = {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "µm/s": 1e-6, "": 1.0, "none": 1.0}
 
 
-def record(text):
+def record(text: str) -> str:
     return text.ljust(80)[:80].rstrip() + "\n"
 
 
-def label(text):
+def label(text: str) -> str:
     return f" {text:<20.20s}"
 
 
-def nodes_block(scan):
+def nodes_block(scan: Scan) -> str:
     lines = ["    -1\n", "  2411\n"]
     for n, (x, y) in enumerate(zip(scan.x_m, scan.y_m), 1):
         lines.append(f"{n:10d}{0:10d}{0:10d}{11:10d}\n")
@@ -40,7 +42,7 @@ UNITS_BLOCK = ("    -1\n   164\n" + f"{1:10d}{'SI: Meter (newton)':<20s}{2:10d}\
                + f"{1:25.17E}{1:25.17E}{1:25.17E}\n{273.15:25.17E}\n".replace("E", "D") + "    -1\n")
 
 
-def header_of(scan, node, quality):
+def header_of(scan: Scan, node: int, quality: float) -> str:
     step = 1.0 / scan.rate_Hz
     start = float(scan.time_s[0])
     along = ",".join(f"{value:.16E}" for value in scan.direction)
@@ -59,7 +61,7 @@ def header_of(scan, node, quality):
         characteristic[0], characteristic[1], characteristic[2], characteristic[2]))
 
 
-def uff_bytes(scan, binary):
+def uff_bytes(scan: Scan, binary: bool) -> bytes:
     """The scan as a file; points without signal have zeros and the quality 0."""
     blocks = [UNITS_BLOCK.encode(), nodes_block(scan).encode()]
     for node, (row, quality) in enumerate(zip(scan.velocity_m_s, scan.quality), 1):
@@ -80,10 +82,10 @@ def uff_bytes(scan, binary):
 class Lines:
     """The bytes of a file, line by line."""
 
-    def __init__(self, data):
+    def __init__(self, data: bytes) -> None:
         self.data, self.at = data, 0
 
-    def next(self):
+    def next(self) -> str | None:
         if self.at >= len(self.data):
             return None
         end = self.data.find(b"\n", self.at)
@@ -92,7 +94,7 @@ class Lines:
         self.at = end + 1
         return line
 
-    def take(self, count):
+    def take(self, count: int) -> bytes:
         if count < 0 or self.at + count > len(self.data):
             raise BadScan(f"the file is truncated: a record claims {count} bytes, but {len(self.data) - self.at} are left")
         part = self.data[self.at:self.at + count]
@@ -100,7 +102,7 @@ class Lines:
         return part
 
 
-def field(line, start, width, what, kind=int):
+def field(line: str, start: int, width: int, what: str, kind: type = int) -> Any:
     text = line[start:start + width].replace("D", "E").replace("d", "e").strip()
     try:
         value = kind(text)
@@ -111,13 +113,13 @@ def field(line, start, width, what, kind=int):
     return value
 
 
-def is_mark(line):
+def is_mark(line: str) -> bool:
     return line.strip() == "-1"
 
 
-def body(lines):
+def body(lines: Lines) -> list[str]:
     """The lines up to the end of an ASCII data set."""
-    content = []
+    content: list[str] = []
     while (line := lines.next()) is not None:
         if is_mark(line):
             return content
@@ -125,7 +127,7 @@ def body(lines):
     raise BadScan("the file is truncated: a data set has no end")
 
 
-def nodes_of(content, kind):
+def nodes_of(content: list[str], kind: int) -> dict[int, tuple[float, ...]]:
     nodes = {}
     if kind == 15:
         for line in content:
@@ -139,12 +141,12 @@ def nodes_of(content, kind):
     return nodes
 
 
-def length_factor(content):
+def length_factor(content: list[str]) -> float:
     """Number of length units of the file per metre."""
     return field(content[1], 0, 25, "the factor of the unit of length", float) if len(content) > 1 else 1.0
 
 
-def exact(head):
+def exact(head: list[str]) -> dict[str, list[float]]:
     """Numbers that this program adds to identification lines."""
     found = {}
     for line in head[:5]:
@@ -158,7 +160,7 @@ def exact(head):
     return found
 
 
-def numbers_of(content, count, width):
+def numbers_of(content: list[str], count: int, width: int) -> np.ndarray:
     """`count` numbers of fixed width; blanks between them may be missing."""
     values = []
     for line in content:
@@ -175,7 +177,7 @@ def numbers_of(content, count, width):
 class Function:
     """One data set of type 58."""
 
-    def __init__(self, head, values_of):
+    def __init__(self, head: list[str], values_of: Callable[[int, int], np.ndarray]) -> None:
         if len(head) != HEADER_LINES:
             raise BadScan("the file is truncated: a data set of type 58 has fewer than 11 records")
         kind = field(head[5], 0, 5, "the type of a function")
@@ -212,27 +214,27 @@ class Function:
             self.values = SPEEDS[unit.lower()] * values_of(self.count, data)
 
 
-def ascii_function(content):
-    def values_of(count, data):
+def ascii_function(content: list[str]) -> Function:
+    def values_of(count: int, data: int) -> np.ndarray:
         if count > sum(len(line) for line in content[HEADER_LINES:]):
             raise BadScan(f"a data set claims {count} values, but contains fewer")
         return numbers_of(content[HEADER_LINES:], count, 20 if data == DOUBLE else 13)
     return Function(content[:HEADER_LINES], values_of)
 
 
-def binary_function(first, lines):
+def binary_function(first: str, lines: Lines) -> Function:
     order, floats = field(first, 7, 6, "the byte order"), field(first, 13, 6, "the format of numbers")
     if order not in (1, 2) or floats != 2:
         raise BadScan("its binary numbers are not in IEEE format")
     ascii_lines, size = field(first, 19, 12, "the number of records"), field(first, 31, 12, "the number of bytes")
     if ascii_lines != HEADER_LINES:
         raise BadScan(f"a binary data set has {ascii_lines} text records instead of {HEADER_LINES}")
-    head = [lines.next() for _ in range(HEADER_LINES)]
-    if None in head:
+    head = [line for _ in range(HEADER_LINES) if (line := lines.next()) is not None]
+    if len(head) < HEADER_LINES:
         raise BadScan("the file is truncated: a data set of type 58 has fewer than 11 records")
     data = lines.take(size)
 
-    def values_of(count, kind):
+    def values_of(count: int, kind: int) -> np.ndarray:
         dtype = np.dtype({1: "<", 2: ">"}[order] + ("f8" if kind == DOUBLE else "f4"))
         if count * dtype.itemsize != size:
             raise BadScan(f"a data set claims {count} values, but contains {size} bytes")
@@ -247,7 +249,7 @@ def binary_function(first, lines):
     raise BadScan("the file is truncated: a data set has no end")
 
 
-def read_uff(data):
+def read_uff(data: bytes) -> Scan:
     lines, nodes, functions, factor = Lines(data), {}, [], 1.0
     while (line := lines.next()) is not None:
         if not is_mark(line):
@@ -271,7 +273,7 @@ def read_uff(data):
     return joined(functions, nodes, factor)
 
 
-def joined(functions, nodes, factor):
+def joined(functions: list[Function], nodes: dict, factor: float) -> Scan:
     if not functions:
         raise BadScan("it contains no data set of type 58")
     if not factor > 0.0:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from . import junit, night, page
 from .history import History
+from .night import Result, Watched
 from .shearwake_program import Program
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -21,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[3]
 SLOWER = 1.25
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/nightly", description="Builds the program, runs "
                                      "the jobs and compares their tables with the baselines; exit 5 if one "
                                      "differs.")
@@ -46,7 +47,7 @@ def arguments():
     return chosen
 
 
-def lock(folder):
+def lock(folder: Path) -> int | None:
     """The lock of this night, held until its last process has ended; None if another night is running."""
     handle = os.open(folder / "lock", os.O_RDWR | os.O_CREAT, 0o666)
     try:
@@ -57,7 +58,7 @@ def lock(folder):
     return handle
 
 
-def speeds_of(program, results):
+def speeds_of(program: Program, results: list[Result]) -> list[tuple[str, float]]:
     """The speeds of the engines, and per job the time of its median case over the lower bound of engine
     layered."""
     speeds, layered_s = program.speeds()
@@ -67,7 +68,7 @@ def speeds_of(program, results):
     return speeds
 
 
-def slower_than_before(history, number, nights):
+def slower_than_before(history: History, number: int, nights: list[tuple]) -> list[str]:
     """Names of the speeds that were slower in this night and the night before than in the nights before
     these two, of which there must be at least three."""
     found = []
@@ -79,31 +80,31 @@ def slower_than_before(history, number, nights):
     return found
 
 
-def write(path, text):
+def write(path: Path, text: str) -> None:
     part = path.with_name(path.name + ".part")
     part.write_text(text, encoding="utf-8")
     part.replace(path)
 
 
-def verdict_of(results):
+def verdict_of(results: list[Result]) -> str:
     for verdict in (night.DIFFERS, night.BROKEN, night.NO_BASELINE):
         if any(r.verdict == verdict for r in results):
             return verdict
     return night.EQUAL
 
 
-def code_of(results):
+def code_of(results: list[Result]) -> int:
     """5 if one job differs, otherwise the first code other than 0."""
     codes = [r.code for r in results]
     return 5 if 5 in codes else next((code for code in codes if code), 0)
 
 
-def broken_build(log, watched):
+def broken_build(log: Path, watched: list[Watched]) -> list[Result]:
     output = Path(log).read_text(encoding="utf-8", errors="replace")
     return [night.Result(w, night.BROKEN, 1, "the build failed: " + night.last_lines(output)) for w in watched]
 
 
-def the_night(chosen, watched, handle):
+def the_night(chosen: argparse.Namespace, watched: list[Watched], handle: int) -> tuple[list[Result], list[str]]:
     log = chosen.out / "nightly.log"
     log.write_text("", encoding="utf-8")
     program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), log, (handle,))
@@ -111,11 +112,13 @@ def the_night(chosen, watched, handle):
     started = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%S")
     git_id = "not built" if chosen.build_failed else program.git_id()
     number = history.begin(started, git_id, socket.gethostname())
+    speeds: list[tuple[str, float]] = []
     if chosen.build_failed:
-        results, speeds = broken_build(chosen.build_failed, watched), []
+        results = broken_build(chosen.build_failed, watched)
     else:
         results = [night.run_job(program, w, chosen.ranks, 3600.0 * chosen.hours) for w in watched]
-        speeds = [] if chosen.no_bench else speeds_of(program, results)
+        if not chosen.no_bench:
+            speeds = speeds_of(program, results)
     verdict = verdict_of(results)
     history.finish(number, verdict, [(r.name, r.verdict, r.message) for r in results],
                    [(r.name, *reading) for r in results for reading in r.readings], speeds)
@@ -127,7 +130,7 @@ def the_night(chosen, watched, handle):
     return results, slower
 
 
-def main():
+def main() -> int:
     chosen = arguments()
     chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
     try:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from . import table
+from .shearwake_program import Program
 
 EQUAL, DIFFERS, NO_BASELINE, BROKEN = "equal", "differs", "no baseline", "broken"
 
@@ -19,7 +20,7 @@ class Watched:
     baseline: Path
     tolerances: Path
 
-    def table(self):
+    def table(self) -> Path | None:
         """The path of the run's table (CSV), or None."""
         plan = self.run / "plan.json"
         if not plan.is_file():
@@ -39,11 +40,11 @@ class Result:
     seconds: float | None = None  # time of the median case
 
     @property
-    def name(self):
+    def name(self) -> str:
         return self.watched.name
 
 
-def watched_jobs(names, root, out, baselines):
+def watched_jobs(names: list[str], root: Path, out: Path, baselines: Path) -> list[Watched]:
     """The jobs with these names, which are names of files in jobs/ or paths. Raises ValueError if a job
     does not exist or a name occurs twice."""
     found = {}
@@ -61,9 +62,9 @@ def watched_jobs(names, root, out, baselines):
     return list(found.values())
 
 
-def compare(program, watched):
+def compare(program: Program, watched: Watched) -> tuple[int, str, dict]:
     """(exit code, output, differences) of `shearwake diff` for the run and the baseline."""
-    options = ["--tolerances", watched.tolerances] if watched.tolerances.is_file() else []
+    options: list[str | Path] = ["--tolerances", watched.tolerances] if watched.tolerances.is_file() else []
     done = program("diff", watched.run, watched.baseline, "--json", *options)
     if done.code not in (0, 5):
         return done.code, done.output, {}
@@ -71,11 +72,11 @@ def compare(program, watched):
     return done.code, differences["text"], differences
 
 
-def last_lines(output):
+def last_lines(output: str) -> str:
     return "\n".join(output.strip().splitlines()[-12:])
 
 
-def run_job(program, watched, ranks, limit_s):
+def run_job(program: Program, watched: Watched, ranks: int, limit_s: float) -> Result:
     """Runs the complete sweep. The results of earlier nights are removed first."""
     shutil.rmtree(watched.run, ignore_errors=True)
     done = program("run", watched.job, "--out", watched.run, "--quiet", ranks=ranks, limit_s=limit_s)

@@ -2,8 +2,10 @@
 """The HTML page of a night: the numbers that differ from the baselines, then the trends of all numbers.
 The page loads nothing from elsewhere, and all text is escaped."""
 import html
+from collections.abc import Iterable
 
 from . import night, table, trend
+from .history import History
 
 CSS = """
 :root { color-scheme: light; } * { box-sizing: border-box; }
@@ -31,15 +33,15 @@ VERDICTS = {night.EQUAL: "equal to the baseline", night.DIFFERS: "differs from t
             night.NO_BASELINE: "has no baseline", night.BROKEN: "failed"}
 
 
-def escape(text):
+def escape(text: object) -> str:
     return html.escape(str(text))
 
 
-def row(cells, tag="td"):
+def row(cells: Iterable, tag: str = "td") -> str:
     return "<tr>" + "".join(f"<{tag}>{escape(c)}</{tag}>" for c in cells) + "</tr>"
 
 
-def moved_table(differences):
+def moved_table(differences: dict) -> str:
     """One line per column that differs, largest change first."""
     if not differences.get("moved"):
         return ""
@@ -53,7 +55,7 @@ def moved_table(differences):
             f'<div class="scroll"><table class="moves">{"".join(lines)}</table></div>')
 
 
-def other_differences(differences):
+def other_differences(differences: dict) -> str:
     lines = []
     for kind in ("missing_columns", "extra_columns", "missing_cases", "extra_cases"):
         if differences.get(kind):
@@ -65,18 +67,18 @@ def other_differences(differences):
     return "".join(lines)
 
 
-def changes(values, baseline):
+def changes(values: dict[str, dict[int, float]], baseline: dict[str, float]) -> dict:
     """{case: {night: change}} relative to the baseline or, without one, to the first night."""
     largest = max((abs(v) for v in baseline.values()), default=0.0)
     found = {}
     for case, by_night in values.items():
         base = baseline.get(case, by_night[min(by_night)])
-        scale = abs(base) or largest or max(map(abs, by_night.values())) or 1.0
+        scale = abs(base) or largest or max(abs(v) for v in by_night.values()) or 1.0
         found[case] = {n: (v - base) / scale for n, v in by_night.items()}
     return found
 
 
-def span(values, last):
+def span(values: dict, last: int) -> str:
     now = [by_night[last] for by_night in values.values() if last in by_night]
     if not now:
         return "no number in the last night"
@@ -84,11 +86,11 @@ def span(values, last):
     return f"{least:.6g}" if least == most else f"{least:.4g} to {most:.4g}, {len(now)} cases"
 
 
-def trends(result, history, nights):
+def trends(result: night.Result, history: History, nights: list[tuple]) -> str:
     """One chart per watched column, starting with those that differ."""
     ids, dates = [n[0] for n in nights], [n[1][:10] for n in nights]
     readings = history.readings(result.name, ids[0])
-    baseline = {}
+    baseline: dict[str, dict[str, float]] = {}
     if result.watched.baseline.is_file():
         for case, column, value in table.readings(result.watched.baseline):
             baseline.setdefault(column, {})[case] = value
@@ -110,7 +112,7 @@ def trends(result, history, nights):
             f"<div class='charts'>{''.join(figures)}</div>")
 
 
-def speed_section(history, nights, slower):
+def speed_section(history: History, nights: list[tuple], slower: list[str]) -> str:
     ids, dates = [n[0] for n in nights], [n[1][:10] for n in nights]
     figures = []
     for name, values in history.speeds(ids[0]).items():
@@ -128,7 +130,7 @@ def speed_section(history, nights, slower):
             f"{warning}<div class='charts'>{''.join(figures)}</div>")
 
 
-def job_section(result, history, nights):
+def job_section(result: night.Result, history: History, nights: list[tuple]) -> str:
     trouble = ""
     if result.verdict in (night.BROKEN, night.NO_BASELINE):
         trouble = f"<pre>{escape(result.message)}</pre>"
@@ -137,13 +139,13 @@ def job_section(result, history, nights):
             f"{trends(result, history, nights)}")
 
 
-def in_short(results):
+def in_short(results: list[night.Result]) -> str:
     """For example 'quickstart differs from the baseline; mach-cone failed'."""
     parts = [f"{r.name} {VERDICTS[r.verdict]}" for r in results if r.verdict != night.EQUAL]
     return "; ".join(parts) or "all tables equal their baselines"
 
 
-def page(verdict, results, history, nights, slower):
+def page(verdict: str, results: list[night.Result], history: History, nights: list[tuple], slower: list[str]) -> str:
     last = nights[-1]
     bad = "" if verdict == night.EQUAL else " bad"
     lines = [row(["job", "verdict", "columns that differ"], "th")]

@@ -12,10 +12,10 @@ SHARED_CORES = {
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}  # in a container
 
 
-def environment():
+def environment() -> dict[str, str]:
     return {**os.environ, **SHARED_CORES, **(AS_ROOT if os.geteuid() == 0 else {})}
 
 
-def launch(ranks):
+def launch(ranks: int) -> list[str]:
     """The words before the path of a program that start it on `ranks` ranks."""
     return ["mpirun", "-n", str(ranks)] if ranks > 1 else []

@@ -3,6 +3,7 @@
 import re
 import subprocess
 from dataclasses import dataclass
+from pathlib import Path
 
 from .ranks import environment, launch
 
@@ -19,12 +20,12 @@ class Outcome:
 
 
 class Program:
-    def __init__(self, path, log, inherited=()):
+    def __init__(self, path: str | Path, log: str | Path, inherited: tuple[int, ...] = ()) -> None:
         """`inherited`: file descriptors that the processes inherit, so that a lock is held until the last
         of them has ended."""
         self.path, self.log, self.inherited = str(path), log, inherited
 
-    def __call__(self, *arguments, ranks=1, limit_s=3600):
+    def __call__(self, *arguments: str | Path, ranks: int = 1, limit_s: float = 3600) -> Outcome:
         """Runs the program to its end or to the time limit; the output is appended to the log."""
         command = [*launch(ranks), self.path, *map(str, arguments)]
         with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -47,11 +48,11 @@ class Program:
             log.write(f"$ {' '.join(command)}\n{outcome.output}exit {outcome.code}\n\n")
         return outcome
 
-    def git_id(self):
+    def git_id(self) -> str:
         match = re.search(r"^git\s+(\S+)", self("--version").output, re.M)
         return match.group(1) if match else "unknown"
 
-    def speeds(self):
+    def speeds(self) -> tuple[list[tuple[str, float]], float | None]:
         """[(name, time over the lower bound)], and the seconds of the lower bound of engine layered."""
         found, layered_s = [], None
         for engine, options in BENCHES.items():

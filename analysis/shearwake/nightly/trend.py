@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws the trend of a number over the nights as inline SVG."""
 import html
+from collections.abc import Collection
 import math
 
 WIDTH, HEIGHT, LEFT, BOTTOM, TOP, RIGHT = 300, 92, 56, 16, 8, 8
@@ -9,7 +10,7 @@ COLOURS = ["#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#666666", "#0
 ALARM = "#D55E00"
 
 
-def label(value, percent):
+def label(value: float, percent: bool) -> str:
     if value == 0:
         return "0"
     if not percent:
@@ -17,7 +18,7 @@ def label(value, percent):
     return f"{100 * value:+.2g} %" if abs(value) < 10 else f"{value:+.1g} x"
 
 
-def pieces(values, nights):
+def pieces(values: dict, nights: list[int]) -> list[list]:
     """Sequences of nights without a gap, each as [(place, value), ...]."""
     run, found = [], []
     for place, night in enumerate(nights):
@@ -30,19 +31,19 @@ def pieces(values, nights):
 
 
 class Scale:
-    def __init__(self, nights, low, high):
+    def __init__(self, nights: list[int], low: float, high: float) -> None:
         self.count, self.low, self.high = len(nights), low, high
 
-    def x(self, place):
+    def x(self, place: int) -> float:
         share = place / (self.count - 1) if self.count > 1 else 1.0
         return LEFT + share * (WIDTH - LEFT - RIGHT)
 
-    def y(self, value):
+    def y(self, value: float) -> float:
         share = (value - self.low) / (self.high - self.low)
         return HEIGHT - BOTTOM - share * (HEIGHT - BOTTOM - TOP)
 
 
-def curve(name, values, nights, scale, colour, alarm):
+def curve(name: str, values: dict, nights: list[int], scale: Scale, colour: str, alarm: bool) -> str:
     drawn = []
     for run in pieces(values, nights):
         points = " ".join(f"{scale.x(p):.1f},{scale.y(v):.1f}" for p, v in run)
@@ -57,12 +58,13 @@ def curve(name, values, nights, scale, colour, alarm):
     return f"<g><title>{html.escape(name)}</title>{''.join(drawn)}</g>"
 
 
-def chart(series, nights, dates, band=None, alarms=(), title=""):
+def chart(series: dict[str, dict[int, float]], nights: list[int], dates: list[str], band: float | None = None,
+          alarms: Collection[str] = (), title: str = "") -> str:
     """series: {name: {night: value}}. If band is given, values are relative changes and +-band is shaded;
     otherwise values are drawn on an axis from 0. alarms: names whose last value is marked."""
     values = [v for one in series.values() for v in one.values() if math.isfinite(v)]
     percent = band is not None
-    if percent:
+    if band is not None:
         low, high = min([*values, -1.5 * band]), max([*values, 1.5 * band])
     else:
         low, high = 0.0, 1.1 * max([*values, 1e-300])
@@ -70,7 +72,7 @@ def chart(series, nights, dates, band=None, alarms=(), title=""):
         low, high = -1e-9, 1e-9  # no tolerance and no change: a line in the middle
     scale = Scale(nights, low, high)
     parts = [f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{html.escape(title)}">']
-    if percent:
+    if band is not None:
         parts.append(f'<rect x="{LEFT}" y="{scale.y(band):.1f}" width="{WIDTH - LEFT - RIGHT}" '
                      f'height="{max(1.0, scale.y(-band) - scale.y(band)):.1f}" class="band"/>')
     parts.append(f'<path d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}" class="axis"/>')

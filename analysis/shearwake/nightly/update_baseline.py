@@ -13,7 +13,7 @@ from .shearwake_program import Program
 ROOT = Path(__file__).resolve().parents[3]
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scripts/update-baseline", description="Replaces the baseline of a "
                                      "job by the table of the last night. Shows the differences and asks for "
                                      "confirmation first.")
@@ -26,7 +26,7 @@ def arguments():
     return parser.parse_args()
 
 
-def write_baseline(source, target):
+def write_baseline(source: Path, target: Path) -> None:
     """Writes the table without the columns that depend on the machine. The file is replaced atomically."""
     columns, rows = table.read_rows(source)
     kept = [c for c in columns if c not in table.NOT_COMPARED]
@@ -39,12 +39,12 @@ def write_baseline(source, target):
     part.replace(target)
 
 
-def agreed():
+def agreed() -> bool:
     print("make this table the baseline? [y/N] ", end="", flush=True)
     return sys.stdin.readline().strip().lower() in ("y", "yes")
 
 
-def update(chosen, watched):
+def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
     source = watched.table()
     if source is None:
         print(f"{watched.run} has no table of {watched.name}; next: scripts/nightly {chosen.job}", file=sys.stderr)
@@ -75,7 +75,7 @@ def update(chosen, watched):
     return 0
 
 
-def main():
+def main() -> int:
     chosen = arguments()
     chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
     try:
