@@ -12,13 +12,15 @@ import json
 import os
 import sys
 import traceback
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
                fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
                fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
+from .figure import Figure
 from .in_one_piece import in_one_piece
-from .load import NoPlan, load
+from .load import NoPlan, Sweep, load
 from .page import page
 from .player import player
 from .progress import Progress
@@ -32,7 +34,7 @@ SCHEMA = 1       # version of the JSON document
 DAMAGED = 4      # exit code of the program for cases that failed or are damaged
 
 
-def of_all(sweep):
+def of_all(sweep: Sweep) -> list[tuple[str, Callable]]:
     """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
     first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
     if sweep.uncertain:
@@ -51,7 +53,7 @@ class NoCase(Exception):
 OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the sweep they show
 
 
-def of_few(sweep):
+def of_few(sweep: Sweep) -> list[tuple[str, Callable]]:
     """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
     time and frequency are omitted if there are too many curves for a panel."""
     if fig_optimise.is_study(sweep):
@@ -91,10 +93,12 @@ def shown_caption(sweep, figure, made):
     return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""
 
 
-def draw_all(sweep, some, folder, drawn, progress):
+def draw_all(sweep: Sweep, some: Sweep, folder: Path, drawn: Drawn,
+             progress: Progress) -> tuple[list[Figure], str, list[str]]:
     """The figures, of which those with a panel or a line per case show only the sweep `some`, the player of the surface,
     and a sentence for each part that could not be drawn."""
-    figures, problems = [], []
+    figures: list[Figure] = []
+    problems: list[str] = []
     if not layout.ordinary(sweep):
         return figures, "", problems
     groups = [(name, draw, sweep) for name, draw in of_all(sweep)]
@@ -118,13 +122,13 @@ def draw_all(sweep, some, folder, drawn, progress):
     return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, sweep) or "", problems
 
 
-def collect_garbage_seldom():
+def collect_garbage_seldom() -> None:
     """Matplotlib creates many objects that refer to each other, most of which live as long as a figure."""
     gc.freeze()
     gc.set_threshold(200_000, 20, 20)
 
 
-def selected(sweep, ids):
+def selected(sweep: Sweep, ids: Sequence[str]) -> Sweep:
     """The cases of figures with a panel or a line per case. Raises NoCase."""
     complete = [case.id for case in layout.ordinary(sweep)]
     if wrong := [i for i in ids if i not in complete]:
@@ -133,7 +137,7 @@ def selected(sweep, ids):
     return layout.only(sweep, ids) if ids else layout.few(sweep)
 
 
-def write_report(directory, only=()):
+def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path, str, list[str], Sweep]:
     """Returns the path of the page, the summary, the figures that could not be drawn, and the sweep. Raises NoPlan,
     NoCase."""
     progress = Progress()
@@ -150,7 +154,7 @@ def write_report(directory, only=()):
     return path, summary(sweep), problems, sweep
 
 
-def document(path, result, sweep, damaged):
+def document(path: Path, result: str, sweep: Sweep, damaged: list[str]) -> str:
     """The JSON document of `shearwake report --json`."""
     complete = [case for case in sweep.cases if case.whole]
     return json.dumps({"schema": SCHEMA, "command": "report", "folder": str(sweep.folder), "page": str(path),
@@ -159,7 +163,7 @@ def document(path, result, sweep, damaged):
                        "damaged": damaged}, indent=1, ensure_ascii=False)
 
 
-def main(arguments):
+def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="report", description="Draws figures and writes one HTML page.")
     parser.add_argument("folder", metavar="DIR")
     parser.add_argument("--only", metavar="ID[,ID]", default="", help="draw these cases where not all can be drawn")

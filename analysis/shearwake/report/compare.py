@@ -192,7 +192,7 @@ def write(text):
     return 0
 
 
-def main(arguments):
+def main(arguments: list[str]) -> int:
     given = options(arguments)
     try:
         result, pairs = compare(Side(given.first), Side(given.second))

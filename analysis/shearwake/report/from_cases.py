@@ -10,7 +10,7 @@ from ..checksum import sealed
 from ..from_cases import plan_of_cases
 
 
-def main(folder):
+def main(folder: str) -> None:
     plan = plan_of_cases(Path(folder))
     tables = Path(folder) / "tables"
     tables.mkdir(exist_ok=True)

@@ -4,10 +4,11 @@ import contextlib
 import os
 import shutil
 import tempfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 
-def is_running(pid):
+def is_running(pid: int) -> bool:
     """Whether the process is running. A process that has ended and was not reaped is not."""
     try:
         os.kill(pid, 0)
@@ -18,7 +19,7 @@ def is_running(pid):
         return True
 
 
-def remove_abandoned(parent, prefix):
+def remove_abandoned(parent: Path, prefix: str) -> None:
     """Removes the temporary folders of processes that were killed."""
     for path in parent.glob(f"{prefix}*-*"):
         pid = path.name[len(prefix):].split("-")[0]
@@ -27,7 +28,7 @@ def remove_abandoned(parent, prefix):
 
 
 @contextlib.contextmanager
-def in_one_piece(folder, patterns, last):
+def in_one_piece(folder: Path, patterns: Iterable[str], last: str) -> Iterator[Path]:
     """A temporary folder whose files replace those of `folder` when the block ends without an exception. Files of
     `folder` that match `patterns` and were not written again are removed. The file named `last` is replaced last."""
     parent, prefix = folder.parent, f".{folder.name}-"

@@ -7,8 +7,10 @@ again. A case without a complete file has a status and a reason, but no numbers;
 """
 import functools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -44,19 +46,19 @@ class Case:
     trace_amplitudes: list = field(default_factory=list)  # amplitude_m at the frequencies of `spectrum`, per trace
 
     @functools.cached_property
-    def stored(self):
+    def stored(self) -> StoredCase:
         """The case as the package reads it."""
         return StoredCase(self.path, {"id": self.id, "settings": self.settings, "is_reference": self.is_reference,
                                       "reference_id": self.reference_id})
 
     @property
-    def whole(self):
+    def whole(self) -> bool:
         return self.status == "complete"
 
-    def value(self, name):
+    def value(self, name: str) -> float:
         return self.scalars.get(name, math.nan)
 
-    def setting(self, *keys, default=math.nan):
+    def setting(self, *keys: str, default: Any = math.nan) -> Any:
         """A value of the resolved case: setting('measure', 'at_s')."""
         node = self.physics
         for key in keys:
@@ -81,26 +83,26 @@ class Sweep:
     uncertain: dict | None = None  # the design of [uncertain]; None: the job has none
     adaptive: list | tuple = ()  # the adaptive axes of the plan
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self.index = {c.id: c for c in self.cases}
 
-    def ratio_of(self, column):
+    def ratio_of(self, column: str) -> str:
         """The column with a measure over that of the reference."""
         return next(c["name"] for c in self.columns if c["over_reference_of"] == column)
 
-    def is_ratio(self, column):
+    def is_ratio(self, column: str) -> bool:
         return any(c["name"] == column and c["over_reference_of"] for c in self.columns)
 
-    def by_id(self, case_id):
+    def by_id(self, case_id: str) -> Any:
         return self.index.get(case_id)
 
-    def reference_of(self, case):
+    def reference_of(self, case: Case) -> Case | None:
         """The whole reference of a case, or None."""
         found = self.by_id(case.reference_id) if case.reference_id else None
         return found if found and found.whole else None
 
 
-def read_trace(case):
+def read_trace(case: Case) -> None:
     try:
         found = case.stored.arrays("traces")
     except NotRecorded:
@@ -113,7 +115,7 @@ def read_trace(case):
     case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, found["u_z"])]
 
 
-def read_case(case):
+def read_case(case: Case) -> None:
     """Reads the series of the case from its file. Raises UNREADABLE if the file is damaged."""
     case.stored.verify()
     case.attributes = case.stored.attributes
@@ -128,7 +130,7 @@ def read_case(case):
     read_trace(case)
 
 
-def single_case(path):
+def single_case(path: Path) -> Case:
     """The case of a file outside of a sweep, with its scalars as columns. Raises OSError, RuntimeError, KeyError,
     ValueError or TypeError if it is not a valid case file."""
     verify_case(path)
@@ -139,7 +141,7 @@ def single_case(path):
     return case
 
 
-def surface(case, time=-1):
+def surface(case: Case, time: int = -1) -> Any:
     """Snapshot number `time` of the surface: t_s, x_m, y_m, u_z_m(x, y); None if there is none."""
     try:
         return case.stored.snapshot(time)
@@ -147,7 +149,7 @@ def surface(case, time=-1):
         return None
 
 
-def surface_times(case):
+def surface_times(case: Case) -> np.ndarray:
     """The times of the recorded surfaces; empty if there are none."""
     try:
         return case.stored.array("surface/time")
@@ -155,7 +157,7 @@ def surface_times(case):
         return np.empty(0)
 
 
-def mean_square(case):
+def mean_square(case: Case) -> Any:
     """Mean of u_z^2 over complete periods and the drawn shape: x_m, y_m, m2(x, y) and a list of lines
     (point, xy) in m; None if no mean was recorded."""
     try:
@@ -167,7 +169,7 @@ def mean_square(case):
         return None
 
 
-def fill(case, row):
+def fill(case: Case, row: dict) -> None:
     """Copies the row of the table to the case."""
     def number(value):
         return math.nan if value is None else value
@@ -178,7 +180,7 @@ def fill(case, row):
     case.warnings = row["warnings"]
 
 
-def load(folder, report=lambda text: None):
+def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) -> Sweep:
     """The sweep of an output folder. `report` receives a text about the progress. Raises NoPlan."""
     folder = Path(folder)
     plan, job_text = read_plan(folder)

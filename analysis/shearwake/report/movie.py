@@ -202,7 +202,7 @@ def write(case_path, name, slow_down, width_px):
     return movie, gif
 
 
-def main(arguments):
+def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="movie", description="Writes a movie of the surface of a case.")
     parser.add_argument("case", type=Path)
     parser.add_argument("--out", type=Path)

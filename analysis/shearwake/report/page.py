@@ -11,6 +11,8 @@ from pathlib import Path
 from PIL import Image
 
 from . import layout, optima, player, table, warnings_of
+from .figure import Figure
+from .load import Sweep
 from .summary import summary
 from .topics import headlines, topics
 from .words import counted, number
@@ -213,7 +215,7 @@ def contents(made):
     return f'<nav aria-label="contents"><p>On this page</p><ul>{items}</ul></nav>'
 
 
-def page(sweep, figures, folder, problems, moving=""):
+def page(sweep: Sweep, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
     lone = "" if sweep.x or not layout.ordinary(sweep) else (
         "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
     made = parts(sweep, figures, folder, problems, moving)

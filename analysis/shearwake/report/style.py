@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The common style of the figures: sizes, labels, and colours that colour-blind readers can distinguish."""
 import re
+from pathlib import Path
+from typing import Any
 
 import matplotlib
 
@@ -46,7 +48,7 @@ halo = wake.halo
 FORMULA = re.compile(r"(\$(?:d?u_z(?:/dt)?|(?:\\times)?(?:\\mathdefault\{[^$]*\})+)\$)")
 
 
-def plain(text):
+def plain(text: str) -> str:
     """A text for a figure. Titles and names come from job files, so dollar signs outside of formulas are escaped and
     control characters replaced."""
     pieces = FORMULA.split(text)
@@ -55,7 +57,7 @@ def plain(text):
     return "".join(pieces)
 
 
-def make_texts_plain(figure):
+def make_texts_plain(figure: Any) -> None:
     """Applies plain() to all texts of a figure except the labels of ticks."""
     for owner in (figure, *figure.axes):
         for child in owner.get_children():
@@ -64,7 +66,7 @@ def make_texts_plain(figure):
 
 
 class PlainFormatter(ScalarFormatter):
-    def get_offset(self):
+    def get_offset(self) -> str:
         """The power of ten of an axis as '×10⁻⁷' instead of '1e−7' or a formula, which takes longer to draw."""
         return re.sub(r"1e(\N{MINUS SIGN}?\d+)", lambda found: "×10" + found[1].replace("\N{MINUS SIGN}", "-").translate(
             SUPERSCRIPTS), super().get_offset())
@@ -73,7 +75,7 @@ class PlainFormatter(ScalarFormatter):
 class PlainScale(LinearScale):
     """The linear scale of all axes."""
 
-    def set_default_locators_and_formatters(self, axis):
+    def set_default_locators_and_formatters(self, axis: Axis) -> None:
         super().set_default_locators_and_formatters(axis)
         axis.set_major_formatter(PlainFormatter())
 
@@ -81,23 +83,23 @@ class PlainScale(LinearScale):
 register_scale(PlainScale)
 
 
-def sequential(fraction):
+def sequential(fraction: Any) -> np.ndarray:
     """A perceptually uniform colour map without the pale end, which is hardly visible on white."""
     return matplotlib.colormaps["viridis"](0.02 + 0.78 * np.asarray(fraction))
 
 
-def sequential_map():
+def sequential_map() -> Any:
     return matplotlib.colors.ListedColormap(sequential(np.linspace(0.0, 1.0, 256)))
 
 
-def distinct(count):
+def distinct(count: int) -> list:
     """`count` colours for unordered curves; for more than seven, samples of a colour map."""
     if count <= len(PALETTE):
         return PALETTE[:count]
     return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
 
 
-def spread(places, gap):
+def spread(places: Any, gap: float) -> np.ndarray:
     """`places`, moved as little as necessary to be at least `gap` apart, in the same order."""
     order = np.argsort(places)
     moved = np.array(places, dtype=float)
@@ -113,7 +115,7 @@ def spread(places, gap):
     return moved
 
 
-def label_right(axes, labels):
+def label_right(axes: Axes, labels: list[tuple]) -> None:
     """Writes each (y, text, colour) at the right edge near the height y, without overlaps and within the height of the
     axes if there is room."""
     if not labels:
@@ -131,7 +133,7 @@ def label_right(axes, labels):
                   color=colour, clip_on=False, linespacing=1.15)
 
 
-def legend_strip(figure, handles):
+def legend_strip(figure: Any, handles: list) -> None:
     """Adds a strip with a legend above the panels of a figure with constrained layout; handles have labels."""
     across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
     strip_in = 0.15 + 0.2 * -(-len(handles) // across)
@@ -140,7 +142,7 @@ def legend_strip(figure, handles):
     figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip_in / figure.get_figheight()))
 
 
-def save(figure, path):
+def save(figure: Any, path: Path) -> None:
     """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
     make_texts_plain(figure)
     figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})

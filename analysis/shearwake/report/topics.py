@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Arranges the figures of the page: the result first, then the other figures by topic."""
+from collections.abc import Iterable
+
+from .figure import Figure
 
 EFFICIENCY = ("optimise_front", "uncertain_bands", "eta", "heat_eta_period_1", "multiples_eta_period_1", "eta_time")
 STRENGTH = ("displacement", "strength", "heat_focal_rms_um", "heat_focal_rms_over_reference_1")
@@ -20,21 +23,21 @@ TOPICS = [
 ]
 
 
-def first_of(figures, names):
+def first_of(figures: list[Figure], names: Iterable[str]) -> Figure | None:
     found = {figure.name: figure for figure in figures}
     return next((found[name] for name in names if name in found), None)
 
 
-def headlines(figures):
+def headlines(figures: list[Figure]) -> list[Figure]:
     """The figures of efficiency and of strength, as far as they exist."""
     return [f for f in (first_of(figures, EFFICIENCY), first_of(figures, STRENGTH)) if f]
 
 
-def topic_of(figure):
+def topic_of(figure: Figure) -> str:
     return next(title for title, beginnings in TOPICS if figure.name.startswith(beginnings))
 
 
-def topics(figures):
+def topics(figures: list[Figure]) -> list[tuple[str, list[Figure]]]:
     """The remaining figures as pairs (title, figures), in the order of TOPICS."""
     first = headlines(figures)
     rest = [f for f in figures if f not in first]

@@ -3,6 +3,7 @@
 import math
 import re
 import tomllib
+from collections.abc import Iterable
 
 # Suffix of a key -> unit on an axis; the suffixes of the job file.
 UNITS = {
@@ -29,7 +30,7 @@ NAMES = {
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
 
 
-def split_unit(key):
+def split_unit(key: str) -> tuple[str, str]:
     """The last part of a dotted key without its unit, and the unit ('' if it has none)."""
     word = key.split(".")[-1]
     found = [s for s in UNITS if word.endswith(s) and len(word) > len(s)]
@@ -39,7 +40,7 @@ def split_unit(key):
     return word[: -len(suffix)], UNITS[suffix]
 
 
-def key_name(key):
+def key_name(key: str) -> str:
     """'medium.layer[1].c_s_m_s' -> 'shear-wave speed, layer 1'."""
     word, _ = split_unit(key)
     name = NAMES.get(word, word.replace("_", " "))
@@ -47,14 +48,14 @@ def key_name(key):
     return f"{name}, {place.group(1)} {place.group(2)}" if place else name
 
 
-def axis_label(key, title=""):
+def axis_label(key: str, title: str = "") -> str:
     """'AM frequency (Hz)'; the title replaces the name of the key."""
     name, unit = title or key_name(key), split_unit(key)[1]
     name = name[:1].upper() + name[1:]
     return f"{name} ({unit})" if unit else name
 
 
-def number(value, digits=4):
+def number(value: float | None, digits: int = 4) -> str:
     """The number with `digits` significant digits, a true minus sign, and a power of ten for very small or
     large numbers; '' for NaN."""
     if value is None or not math.isfinite(value):
@@ -75,12 +76,12 @@ def number(value, digits=4):
     return shown.replace("-", "\N{MINUS SIGN}")
 
 
-def millimetres(value):
+def millimetres(value: float) -> str:
     """A coordinate in mm, rounded to 1 um: the coordinates of pins have rounding errors."""
     return number(round(float(value), 3))
 
 
-def value_text(key, value):
+def value_text(key: str, value: str | float) -> str:
     """The value with its unit: '200 Hz', '3 mm', 'AM-STM'."""
     if isinstance(value, str):
         if split_unit(key)[0] == "foci":
@@ -94,7 +95,7 @@ def value_text(key, value):
     return f"{number(float(value), 6)}{gap}{unit}"
 
 
-def setting_text(name, key, value):
+def setting_text(name: str, key: str, value: str | float) -> str:
     """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM', '4 foci'. `name` is that
     of the key, as from key_name()."""
     title, _, place = name.partition(", ")
@@ -105,7 +106,7 @@ def setting_text(name, key, value):
     return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
 
 
-def table_text(value):
+def table_text(value: str) -> str:
     """'{ shape = "circle", radius_mm = 15 }' -> 'circle, radius 15 mm'."""
     try:
         entries = tomllib.loads("value = " + value)["value"]
@@ -122,18 +123,18 @@ def table_text(value):
     return ", ".join(words)
 
 
-def counted(count, noun):
+def counted(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 OTHERS = "shearwake report --only ID[,ID] draws others"
 
 
-def some_of(count, every, noun):
+def some_of(count: int, every: int, noun: str) -> str:
     """'3 of 8 cases are drawn'; `noun` is in the singular."""
     return f"{count} of {counted(every, noun)} {'is' if count == 1 else 'are'} drawn"
 
 
-def listed(words):
+def listed(words: Iterable[str]) -> str:
     words = list(words)
     return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
