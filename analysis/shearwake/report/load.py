@@ -193,9 +193,6 @@ def load(folder: str | Path, report: Callable[[str], None] = lambda text: None) 
         sweep = Sweep(folder, plan["name"], plan["title"], plan["swept_keys"], plan["table"]["x"],
                       plan["table"]["series"], cases, job_text, table.columns, uncertain=plan.get("uncertain"),
                       adaptive=plan.get("adaptive", ()))
-    except FileNotFoundError as error:
-        raise NoPlan(f"{folder} is not an output folder, since it contains no plan.json; run the job first"
-                     if folder.is_dir() else f"{folder}: no such output folder; run the job first") from error
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise NoPlan(f"{folder} is not an output folder of shearwake: {first_line(error)}") from error
     for n, case in enumerate(cases):
