@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs the program, the scripts of the figures, the scripts for users, jobs, documentation, manual page and
+# Installs the program, the Python package, the scripts for users, jobs, documentation, manual page and
 # bash completion. share/shearwake has the layout of the source tree, so that scripts find their files.
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR}/shearwake)
@@ -24,7 +24,7 @@ foreach(tool IN ITEMS import-kwave make-map submit nightly)
     install(PROGRAMS ${CMAKE_BINARY_DIR}/generated/shearwake-${tool} DESTINATION ${CMAKE_INSTALL_BINDIR})
 endforeach()
 
-# The Python package lies in share/shearwake/analysis, which the report uses too. A link makes it importable by the
+# The Python package lies in share/shearwake/analysis, from which the program runs modules. A link makes it importable by the
 # system's Python: in /usr/local, and in ~/.local for its owner. The folder depends on the prefix of the installation.
 install(CODE [[
     execute_process(COMMAND python3 -c "import site, sys

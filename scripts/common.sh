@@ -2,17 +2,22 @@
 # Functions of several scripts, which source this file.
 # shellcheck shell=sh
 
-# Prints the path of the first Python that has numpy and h5py. Tries SHEARWAKE_PYTHON, then the PATH, then
+# Prints the path of the first Python that has numpy, h5py and xxhash. Tries SHEARWAKE_PYTHON, then the PATH, then
 # the system's Python.
 find_python() {
     for python in "${SHEARWAKE_PYTHON:-}" python3 /usr/bin/python3; do
-        if [ -n "$python" ] && "$python" -c 'import numpy, h5py' >/dev/null 2>&1; then
+        if [ -n "$python" ] && "$python" -c 'import numpy, h5py, xxhash' >/dev/null 2>&1; then
             command -v "$python"
             return 0
         fi
     done
-    echo "no Python with numpy and h5py found; set SHEARWAKE_PYTHON to choose one" >&2
+    echo "no Python with numpy, h5py and xxhash found; set SHEARWAKE_PYTHON to choose one" >&2
     return 6
+}
+
+# root: makes the modules of root/analysis importable, as in `python3 -m shearwake.nightly`
+use_package() {
+    export PYTHONPATH="$1/analysis${PYTHONPATH:+:$PYTHONPATH}" PYTHONSAFEPATH=1
 }
 
 # The number of cores that mpirun counts: physical cores that this process may use.

@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The search path of common parts. Tests with @pytest.mark.long run if SHEARWAKE_LONG is set, as scripts/test --long does."""
+"""Tests with @pytest.mark.long run if SHEARWAKE_LONG is set, as scripts/test --long does."""
 import os
-import sys
-from pathlib import Path
 
 import pytest
 
-HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE / "end_to_end"), str(HERE / "faults"), str(HERE.parent / "analysis" / "report")]
 LONG = bool(os.environ.get("SHEARWAKE_LONG"))
 
 

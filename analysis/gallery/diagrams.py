@@ -20,7 +20,7 @@ PATH_OF_A_CASE = {
         ("job", "plan", "config"), ("plan", "teams", "cost"), ("teams", "run", "schedule:\nWorker"),
         ("run", "engine", "Case"), ("engine", "observers", "frames,\nvolumes, stress"),
         ("engine", "saved", "storage/\ncheckpoint"), ("saved", "engine", ""), ("observers", "measures", "sums"),
-        ("measures", "file", "columns,\nseries"), ("file", "tables", "reduce"), ("tables", "report", "analysis/report\n(Python)"),
+        ("measures", "file", "columns,\nseries"), ("file", "tables", "reduce"), ("tables", "report", "shearwake.report\n(Python)"),
     ],
     "spacing": (3.0, 1.45), "box": (1.55, 0.72),
 }

@@ -13,8 +13,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Polygon
 
-import style
-from load import load, surface
+from shearwake.report import style
+from shearwake.report.load import load, surface
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))

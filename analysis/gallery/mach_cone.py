@@ -4,11 +4,11 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 
-import style
-from package import wake
-from fig_surface import snapshot
-from load import load
-from words import number
+from shearwake import wake
+from shearwake.report import style
+from shearwake.report.fig_surface import snapshot
+from shearwake.report.load import load
+from shearwake.report.words import number
 
 SIZE_px, DPI = (1600, 1040), 200
 SHOWN_mm = (-80.0, 68.0, -51.0, 51.0)  # left, right, below, above

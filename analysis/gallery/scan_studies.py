@@ -1,9 +1,8 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """The results of docs/explanation/scans.md: how measures degrade with the scan, how often the intervals of a fit contain the truth,
 and the dispersion of a line scan.
 
-Usage: scan_studies.py degradation | coverage FOLDER [FIRST LAST] | dispersion PICTURE
+Usage: PYTHONPATH=analysis python3 -m gallery.scan_studies degradation | coverage FOLDER [FIRST LAST] | dispersion PICTURE
 Prints a Markdown table, or draws the measured dispersion and the secular equation. Needs the program in build/.
 """
 import json
@@ -16,12 +15,14 @@ from pathlib import Path
 
 import numpy as np
 
+from shearwake.laboratory.dispersion import curves, line_coordinates
+from shearwake.laboratory.scan import Scan
+from shearwake.laboratory.scan_files import read_scan, write_scan
+
+from .secular import secular_speeds
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build" / "shearwake"
-sys.path.insert(0, str(ROOT / "analysis" / "laboratory"))
-from dispersion import curves, line_coordinates  # noqa: E402
-from scan import Scan, read_scan, write_scan  # noqa: E402
-from secular import secular_speeds  # noqa: E402
 
 COLUMNS = ("eta_period_1", "focal_rms_um", "peak_um", "rms_40_400_um")
 FULL = "grid_mm = [190.0, 190.0]\nspacing_mm = 2.0\ncenter_mm = [-1.0, -1.0]\n"

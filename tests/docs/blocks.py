@@ -7,8 +7,6 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
-
 from program import PROGRAM, ROOT, environment
 
 DOCS = ROOT / "docs"

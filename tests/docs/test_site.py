@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The documentation site builds without warnings, and its pages are all there."""
 import subprocess
-import sys
 import unittest
 
 from blocks import DOCS, ROOT, pages
 from program import PATIENCE_s, ProgramTest
 
-sys.path.insert(0, str(ROOT / "tests" / "report"))
-
-import browser  # noqa: E402
-from test_browser import need_chromium  # noqa: E402
+import browser
+from test_browser import need_chromium
 
 
 class Site(ProgramTest):

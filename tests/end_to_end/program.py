@@ -8,7 +8,6 @@ import re
 import resource
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -16,11 +15,9 @@ from pathlib import Path
 
 import xxhash
 
+from shearwake.nightly.ranks import environment, launch
+
 ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.append(str(ROOT / "analysis" / "nightly"))
-
-from ranks import environment, launch  # noqa: E402
-
 PROGRAM = Path(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"))
 
 # Time limit of a single command. It distinguishes a hang from a slow or busy machine and does not express an

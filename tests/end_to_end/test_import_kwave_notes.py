@@ -3,7 +3,6 @@
 import os
 import re
 import subprocess
-import sys
 import types
 import unittest
 
@@ -15,9 +14,7 @@ from kwave import save
 from program import ROOT, environment
 from test_import_kwave_files import POINTS, FilesTest, as_in_python, cell, study
 
-sys.path.insert(0, str(ROOT / "scripts" / "import_kwave"))
-
-import checks  # noqa: E402
+import checks
 
 
 class Notes(FilesTest):

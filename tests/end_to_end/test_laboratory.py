@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-import sys
 import unittest
 
 import h5py
@@ -12,10 +11,10 @@ import pytest
 
 from program import ROOT, ProgramTest
 
-sys.path[:0] = [str(ROOT / "analysis" / "laboratory"), str(ROOT / "analysis" / "gallery")]
-from dispersion import curves, line_coordinates  # noqa: E402
-from scan import Scan, read_scan, write_scan  # noqa: E402
-from secular import secular_speeds  # noqa: E402
+from shearwake.laboratory.dispersion import curves, line_coordinates
+from shearwake.laboratory.scan import Scan
+from shearwake.laboratory.scan_files import read_scan, write_scan
+from gallery.secular import secular_speeds
 
 C_S, VISCOSITY = 2.5, 0.3
 

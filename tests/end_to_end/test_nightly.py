@@ -14,16 +14,13 @@ import pytest
 from program import (LONG, PATIENCE_s, PROGRAM, ROOT, SWEEP, ProgramTest, changed, environment,
                      without_reference)
 
-sys.path.insert(0, str(ROOT / "analysis" / "nightly"))
-
-import nightly  # noqa: E402
-from history import UNFINISHED, History  # noqa: E402
+from shearwake.nightly import __main__ as nightly
+from shearwake.nightly.history import UNFINISHED, History
 
 TINY = changed((SWEEP, '"load.modulation.am_frequency_Hz" = [400, 500]'), ("frames = true", ""))
 KILLED_WITHIN = """\
-import os, sys
-sys.path.insert(0, {modules!r})
-from history import History
+import os
+from shearwake.nightly.history import History
 history = History({path!r})
 night = history.begin("2026-01-03T00:00:00", "git", "host")
 def readings():
@@ -169,8 +166,9 @@ class Nightly(ProgramTest):
         history.finish(history.begin("2026-01-02T00:00:00", "git", "host"), "equal", [],
                        [("tiny", "case", "eta_1", 0.5)], [])
         history.close()
-        script = KILLED_WITHIN.format(modules=str(ROOT / "analysis" / "nightly"), path=str(path))
-        done = subprocess.run([sys.executable, "-c", script], check=False, timeout=PATIENCE_s)
+        script = KILLED_WITHIN.format(path=str(path))
+        done = subprocess.run([sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(ROOT / "analysis")},
+                              check=False, timeout=PATIENCE_s)
         self.assertEqual(done.returncode, -signal.SIGKILL)
         self.assertEqual(self.verdicts(), ["equal", UNFINISHED])
         self.assertEqual(self.query("SELECT night, value FROM reading"), [(1, 0.5)])

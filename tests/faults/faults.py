@@ -6,16 +6,13 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
-
-from program import (PATIENCE_s, SWEEP, ProgramTest, command, environment, journal,  # noqa: E402
+from program import (PATIENCE_s, SWEEP, ProgramTest, command, environment, journal,
                      plan, without_reference)
-from test_resume import alive, descendants  # noqa: E402
+from test_resume import alive, descendants
 
 HERE = Path(__file__).resolve().parent
 

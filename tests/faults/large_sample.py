@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """4096 samples of uncertain skin with engine layered on the grid of jobs/quickstart.toml, on two ranks.
 
-Usage: large_sample.py [--samples N] [--kills K]     SHEARWAKE: path of the program (default: build/shearwake)
+Usage: PYTHONPATH=analysis:tests/end_to_end large_sample.py [--samples N] [--kills K]     SHEARWAKE: path of the program (default: build/shearwake)
 
 Compares the time of the run with that of `plan`, kills another run K times, and compares the tables. The time is only
 meaningful on an idle machine. Exit code 1 if the time differs by more than 30 % or a table differs.

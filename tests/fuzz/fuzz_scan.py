@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Changes files of scans at random and reads them: each gives a scan or a reason, in limited time and memory.
 
-Usage: tests/fuzz/fuzz_scan.py [SECONDS] [SEED]
+Usage: PYTHONPATH=analysis tests/fuzz/fuzz_scan.py [SECONDS] [SEED]
 An input that breaks the reader is stored in a file, whose name is printed, and the exit code is 1.
 """
 import io
@@ -16,9 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "analysis" / "laboratory"))
-from scan import BadScan, Scan, read_scan, write_scan  # noqa: E402
+from shearwake.laboratory.scan import BadScan, Scan
+from shearwake.laboratory.scan_files import read_scan, write_scan
 
 MOST_B = 3 << 30
 MOST_s = 5.0  # of processor time per input

@@ -23,5 +23,5 @@ for reader in job case map motion study; do
     grep -E "stat::number_of_executed_units|stat::new_units_added" "$reader.log"
 done
 cd ..
-/usr/bin/python3 tests/fuzz/fuzz_scan.py "$seconds"
+PYTHONPATH=analysis /usr/bin/python3 tests/fuzz/fuzz_scan.py "$seconds"
 echo "no crash in $seconds s each"

@@ -10,7 +10,7 @@ import h5py
 from attacks import times
 from program import JOB, ProgramTest, case_files, plan, table
 
-import load
+from shearwake.report import load
 
 
 class CaseFiles(ProgramTest):

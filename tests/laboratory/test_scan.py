@@ -5,15 +5,14 @@ import random
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "laboratory"))
-from scan import BadScan, Scan, in_child, read_scan, write_scan  # noqa: E402
+from shearwake.laboratory.scan import BadScan, Scan
+from shearwake.laboratory.scan_files import in_child, read_scan, write_scan
 
 KINDS = {"uff": ".uff", "uffb": ".uff", "csv": ".csv", "mat": ".mat"}
 

@@ -1,18 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the velocities of a scan to displacements, surfaces and dispersion curves."""
 import json
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "analysis" / "laboratory"))
-import dispersion  # noqa: E402
-import measure_scan  # noqa: E402
-import scan_motion  # noqa: E402
-from scan import BadScan, Scan, write_scan  # noqa: E402
+from shearwake.laboratory import dispersion, measure_scan, scan_motion
+from shearwake.laboratory.scan import BadScan, Scan
+from shearwake.laboratory.scan_files import write_scan
 
 NODES, SPACING_m, FRAMES, INTERVAL_s = 32, 3e-3, 40, 250e-6
 OMEGA = 2.0 * np.pi * 50.0

@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Makes the package importable, and computes small sweeps for its tests."""
+"""Computes small sweeps for the tests of the package."""
 import os
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import matplotlib
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "analysis"), str(ROOT / "tests" / "end_to_end")]
+import program
+import shearwake
+
 matplotlib.use("Agg")
-
-import program  # noqa: E402
-import shearwake  # noqa: E402
-
 os.environ.update(program.environment(), SHEARWAKE=str(program.PROGRAM))
 AM, FWHM = "load.modulation.am_frequency_Hz", "load.footprint.fwhm_mm"
 

@@ -154,7 +154,7 @@ class Explore(InFolder):
 
         async def talk(ws):
             await changes(ws, 0)
-            pids = [pid for pid, command in self.page.children().items() if "explore.py" in command]
+            pids = [pid for pid, command in self.page.children().items() if "shearwake.explore" in command]
             self.assertEqual(len(pids), 1)
             before = resident_kB(pids[0])
             await changes(ws, 1000)
@@ -175,7 +175,7 @@ class Explore(InFolder):
         async def talk(session):
             await tabs(session, 0)
             processes = [pid for pid, command in self.page.children().items()
-                         if "explore.py" in command or " serve" in command]
+                         if "shearwake.explore" in command or " serve" in command]
             self.assertEqual(len(processes), 2)
             before = [resident_kB(pid) for pid in processes]
             await tabs(session, 1000)

@@ -12,12 +12,10 @@ import numpy
 import pytest
 
 from exploring import Page
-from study import InFolder, ROOT, program, shearwake
+from study import InFolder, program, shearwake
 
-sys.path.insert(0, str(ROOT / "tests" / "report"))
-
-import browser  # noqa: E402
-from test_browser import need_chromium  # noqa: E402
+import browser
+from test_browser import need_chromium
 
 # Moves a slider as a user does, waits for the result of the change, and returns the time in ms until it was drawn.
 MOVE = """(async (name, value) => {

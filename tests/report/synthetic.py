@@ -3,7 +3,6 @@
 import json
 import os
 import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from unittest import mock
@@ -11,15 +10,12 @@ from unittest import mock
 import h5py
 import numpy as np
 
+from program import seal
+from shearwake.checksum import sealed
+from shearwake.report import __main__ as report, style
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
-sys.path.insert(0, str(ROOT / "analysis" / "report"))
-sys.path.append(str(ROOT / "tests" / "end_to_end"))
-
-import report  # noqa: E402
-import style  # noqa: E402
-from package import sealed  # noqa: E402
-from program import seal  # noqa: E402
 
 style.DPI, style.PDF = 30, False  # draws faster
 with_pdf = mock.patch.object(style, "PDF", True)

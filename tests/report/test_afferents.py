@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The figures of afferents on small synthetic cases: hand, rasters, chosen places, curves.
 
-Run: python3 tests/report/test_afferents.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_afferents.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -13,16 +12,12 @@ from unittest import mock
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import AM, Folder, fixed  # noqa: E402
+from synthetic import AM, Folder, fixed
 
-import fig_afferents  # noqa: E402
-import fig_hand  # noqa: E402
-import load  # noqa: E402
-import style  # noqa: E402
-import texts  # noqa: E402
-from package import case_of_file  # noqa: E402
+from shearwake.report import fig_afferents, fig_hand, load, style
+from shearwake.sweep import case_of_file
+import texts
 
 
 def add_afferents(path, counts, moves=True, felt="pins"):

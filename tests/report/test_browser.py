@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests a report in a headless chromium at the widths of a desktop and a phone.
 
-Run: python3 tests/report/test_browser.py    (unittest, h5py, matplotlib, chromium; seconds)
+Run: python3 -m pytest tests/report/test_browser.py    (unittest, h5py, matplotlib, chromium; seconds)
 Without chromium these tests are skipped; in scripts/test, which installs chromium, they fail.
 """
 import math
 import os
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import browser  # noqa: E402
-from test_figures import grid  # noqa: E402
-from synthetic import AM, Folder, case_id, sweep  # noqa: E402
+import browser
+from test_figures import grid
+from synthetic import AM, Folder, case_id, sweep
 
 COLUMN = 'Array.from(document.querySelectorAll("table.sortable tbody tr"), row => row.cells[{0}].textContent)'
 HEAD = 'document.querySelectorAll("table.sortable th button")[{0}]'

@@ -1,18 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests in a headless chromium that interactive figures show what their captions describe.
 
-Run: python3 tests/report/test_browser_marks.py    (unittest, h5py, matplotlib, chromium; seconds)
+Run: python3 -m pytest tests/report/test_browser_marks.py    (unittest, h5py, matplotlib, chromium; seconds)
 """
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import browser  # noqa: E402
-import test_browser  # noqa: E402
-from synthetic import AM, FWHM, Folder, case_id  # noqa: E402
+import browser
+import test_browser
+from synthetic import AM, FWHM, Folder, case_id
 
 # Opacity of the panel of a figure at a time or frequency, 3 px below the top or above the bottom of its plot.
 OPACITY = """((id, panel, x, edge) => {{

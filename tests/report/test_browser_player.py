@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests of the player of surfaces in a headless chromium.
 
-Run: python3 tests/report/test_browser_player.py    (unittest, h5py, matplotlib, chromium; seconds)
+Run: python3 -m pytest tests/report/test_browser_player.py    (unittest, h5py, matplotlib, chromium; seconds)
 """
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-import test_browser  # noqa: E402
-from synthetic import Folder, case_id  # noqa: E402
+import test_browser
+from synthetic import Folder, case_id
 
 
 class PlayerTest(test_browser.Pages):

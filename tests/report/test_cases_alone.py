@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The report of folders that contain only case files.
 
-Run: python3 tests/report/test_cases_alone.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_cases_alone.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import shutil
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import AM, FWHM, Folder, Page, case_id, reduce, sweep  # noqa: E402
+from synthetic import AM, FWHM, Folder, Page, case_id, reduce, sweep
 
-import load  # noqa: E402
-import report  # noqa: E402
+from shearwake.report import __main__ as report, load
 
 
 class CasesAloneTest(unittest.TestCase):

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Differences of fields on different grids, compared with known functions.
 
-Run: python3 tests/report/test_compare_fields.py    (unittest, numpy, h5py; a second)
+Run: python3 -m pytest tests/report/test_compare_fields.py    (unittest, numpy, h5py; a second)
 """
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,15 +11,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from synthetic import ROOT
-
-sys.path.insert(0, str(ROOT / "analysis" / "report"))
-
-import compare_words  # noqa: E402
-import load  # noqa: E402
-from compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,  # noqa: E402
-                            place_of_largest, relative_l2)
-from compare_sensors import compare_sensors  # noqa: E402
+from shearwake.report import compare_words, load
+from shearwake.report.compare_fields import (common_axis, compare_surfaces, interpolation, on_common_grid,
+                                             place_of_largest, relative_l2)
+from shearwake.report.compare_sensors import compare_sensors
 
 
 def axis(count, spacing):

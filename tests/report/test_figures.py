@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests the data of figures: axes of a sweep, heat maps, spectrograms.
 
-Run: python3 tests/report/test_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import base64
 import io
 import math
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -15,24 +14,11 @@ import h5py
 import numpy as np
 from PIL import Image
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import AM, FWHM, Folder, Page, case_id, draw  # noqa: E402
+from synthetic import AM, FWHM, Folder, Page, case_id, draw
 
-import fig_drive  # noqa: E402
-import fig_frequency  # noqa: E402
-import fig_heat  # noqa: E402
-import fig_intensity  # noqa: E402
-import fig_measures  # noqa: E402
-import fig_multiples  # noqa: E402
-import fig_spectra  # noqa: E402
-import fig_spectrogram  # noqa: E402
-import fig_surface  # noqa: E402
-import layout  # noqa: E402
-import load  # noqa: E402
-import player  # noqa: E402
-import table  # noqa: E402
-import words  # noqa: E402
+from shearwake.report import (fig_drive, fig_frequency, fig_heat, fig_intensity, fig_measures, fig_multiples,
+                              fig_spectra, fig_spectrogram, fig_surface, layout, load, player, table, words)
 
 SPEED = "load.modulation.speed_m_s"
 SPACING = "domain.spacing_mm"

@@ -3,7 +3,7 @@
 """What the report states as its result, and the warnings that it prints: readings that are not valid, missing
 cases, numerical parameters, numerical errors, references that depend on a swept key.
 
-Run: python3 tests/report/test_headlines.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_headlines.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import json
 import math
@@ -13,18 +13,9 @@ from pathlib import Path
 
 from synthetic import AM, FWHM, Folder, Page, case_id
 
-import curve_chart
-import fig_drive
-import fig_measures
-import fig_profiles
-import fig_spectra
-import fig_surface
-import fig_time
-import layout
-import load
-import references
-import warnings_of
-from summary import summary
+from shearwake.report import (curve_chart, fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time,
+                              layout, load, references, warnings_of)
+from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"
 RETURNS = {"severity": "warning", "key": "domain.extent_mm", "message": "waves return at 4.8 ms"}

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Numbers in heat maps, legends, lines of references, and the scale of a uniform medium.
 
-Run: python3 tests/report/test_labels.py    (unittest, numpy, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_labels.py    (unittest, numpy, matplotlib; seconds)
 """
 import tempfile
 import unittest
@@ -10,16 +10,9 @@ from unittest import mock
 
 from synthetic import AM, FWHM, Folder, case_id, sweep
 
-import fig_frequency
-import fig_heat
-import fig_measures
-import fig_medium
-import fig_surface
-import layout
-import load
-import style
+from shearwake.report import fig_frequency, fig_heat, fig_measures, fig_medium, fig_surface, layout, load, style
+from shearwake.report.style import plt
 import texts
-from style import plt
 
 
 class LabelsTest(unittest.TestCase):

@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests the slices of maps and of k-Wave studies, and that figures do not show the placeholders of a study.
 
-Run: python3 tests/report/test_media.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_media.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import os
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -12,14 +11,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import Folder, case_id  # noqa: E402
+from synthetic import Folder, case_id
 
-import fig_drive  # noqa: E402
-import fig_medium  # noqa: E402
-import load  # noqa: E402
-import medium_files  # noqa: E402
+from shearwake.report import fig_drive, fig_medium, load, medium_files
 
 LAYER = """
 [medium]

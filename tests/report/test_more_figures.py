@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests the profiles, traces, last periods, slices of the medium and of volumes, and the map of receptors.
 
-Run: python3 tests/report/test_more_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_more_figures.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import math
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -14,25 +13,11 @@ from unittest import mock
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import AM, Folder, case_id, sweep  # noqa: E402
+from synthetic import AM, Folder, case_id, sweep
 
-import chart  # noqa: E402
-import curve_chart  # noqa: E402
-import fig_drive  # noqa: E402
-import fig_measures  # noqa: E402
-import fig_medium  # noqa: E402
-import fig_profiles  # noqa: E402
-import fig_receptors  # noqa: E402
-import fig_surface  # noqa: E402
-import fig_time  # noqa: E402
-import fig_traces  # noqa: E402
-import fig_volume  # noqa: E402
-import load  # noqa: E402
-import periods  # noqa: E402
-import style  # noqa: E402
-import topics  # noqa: E402
+from shearwake.report import (chart, curve_chart, fig_drive, fig_measures, fig_medium, fig_profiles, fig_receptors,
+                              fig_surface, fig_time, fig_traces, fig_volume, load, periods, style, topics)
 
 MEDIUM = """
 [medium]

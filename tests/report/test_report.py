@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The report of small synthetic folders with complete, failed, damaged and empty cases.
 
-Run: python3 tests/report/test_report.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_report.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import contextlib
 import html
@@ -20,12 +20,9 @@ import numpy as np
 # Sets the path of the imports below.
 from synthetic import AM, FWHM, SCALARS, Folder, Page, case_id, sweep, with_pdf, write_case
 
-import layout
-import load
-import report
-from package import wake
-import words
-from summary import summary
+from shearwake import wake
+from shearwake.report import __main__ as report, layout, load, words
+from shearwake.report.summary import summary
 
 
 class WholeSweepTest(unittest.TestCase):

@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests the size of pages: 20 cases with frames, and a sweep of 504 cases.
 
-Run: python3 tests/report/test_size.py    (unittest, numpy, h5py, matplotlib; half a minute)
+Run: python3 -m pytest tests/report/test_size.py    (unittest, numpy, h5py, matplotlib; half a minute)
 """
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
-from synthetic import AM, FWHM, Folder, Page, case_id  # noqa: E402
+from synthetic import AM, FWHM, Folder, Page, case_id
 
 LARGEST_B = 3_000_000
 KIND = "load.modulation.kind"

@@ -1,23 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests that no text of a figure is clipped or hidden by another.
 
-Run: python3 tests/report/test_texts.py    (unittest, numpy, h5py, matplotlib; half a minute)
+Run: python3 -m pytest tests/report/test_texts.py    (unittest, numpy, h5py, matplotlib; half a minute)
 """
-import sys
 import tempfile
 import unittest
-from pathlib import Path
 from unittest import mock
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import AM, FWHM, Folder, case_id, sweep  # noqa: E402
+from synthetic import AM, FWHM, Folder, case_id, sweep
 
-import texts  # noqa: E402
-import style  # noqa: E402
-from style import plt  # noqa: E402
+import texts
+
+from shearwake.report import style
+from shearwake.report.style import plt
 
 PRESET = "medium.preset"
 

@@ -1,25 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Tests the reuse of unchanged figures and the progress of a report.
 
-Run: python3 tests/report/test_unchanged.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_unchanged.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import io
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import h5py
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from synthetic import case_id, sweep, with_pdf  # noqa: E402
+from synthetic import case_id, sweep, with_pdf
 
-import fig_frequency  # noqa: E402
-import fig_measures  # noqa: E402
-import load  # noqa: E402
-from progress import Progress  # noqa: E402
-from unchanged import Drawn  # noqa: E402
+from shearwake.report import fig_frequency, fig_measures, load
+from shearwake.report.progress import Progress
+from shearwake.report.unchanged import Drawn
 
 GROUPS = [("measures", fig_measures.figures), ("frequencies", fig_frequency.figures)]
 

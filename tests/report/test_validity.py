@@ -3,7 +3,7 @@
 """How the report shows readings that are not valid: curves, heat maps, interactive figures, and the warnings next to the
 figures.
 
-Run: python3 tests/report/test_validity.py    (unittest, numpy, h5py, matplotlib; seconds)
+Run: python3 -m pytest tests/report/test_validity.py    (unittest, numpy, h5py, matplotlib; seconds)
 """
 import re
 import tempfile
@@ -14,18 +14,9 @@ from unittest import mock
 import numpy as np
 from synthetic import AM, FWHM, Folder, Page, case_id
 
-import chart
-import curve_chart
-import fig_curves
-import fig_heat
-import fig_measures
-import fig_multiples
-import fig_surface
-import layout
-import load
-import style
-import warnings_of
-from style import plt
+from shearwake.report import (chart, curve_chart, fig_curves, fig_heat, fig_measures, fig_multiples, fig_surface,
+                              layout, load, style, warnings_of)
+from shearwake.report.style import plt
 
 INVALID = {"severity": "error", "key": "domain.extent_mm", "message": "waves return at 4.8 ms"}
 COARSE = {"severity": "warning", "key": "domain.spacing_mm", "message": "3 points per wavelength"}

@@ -7,10 +7,9 @@ import textwrap
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "scripts"))
+from count_tests import count
 
-from count_tests import count  # noqa: E402
+ROOT = Path(__file__).resolve().parent.parent.parent
 
 REPORT = """\
 <testsuites><testsuite name="group">

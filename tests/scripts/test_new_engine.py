@@ -23,7 +23,7 @@ SPRINGS = Path("src/engines/springs")
 REGISTRATIONS = {
     "src/problem/case/solver_options.hpp": [
         ("/// The options of the engine that computes a case.",
-         (ROOT / "docs/developer/springs/springs_options.hpp").read_text(encoding="utf-8")
+         (ROOT / "docs/developer/springs/springs_options.hpp").read_text(encoding="utf-8").partition("\n")[2]
          + "\n/// The options of the engine that computes a case."),
         ("SpectralOptions, PstdOptions>", "SpectralOptions, PstdOptions, SpringsOptions>")],
     "src/engines/registry/make_engine.cpp": [

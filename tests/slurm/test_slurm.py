@@ -7,7 +7,6 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
@@ -15,9 +14,7 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
-
-from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, journal,  # noqa: E402
+from program import (LONG, PATIENCE_s, PROGRAM, ROOT, case_files, environment, journal,
                      plan, started)
 
 HERE = Path(__file__).resolve().parent

@@ -3,13 +3,10 @@
 import shlex
 import shutil
 import subprocess
-import sys
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "end_to_end"))
-
-from program import PROGRAM, ROOT, ProgramTest, environment  # noqa: E402
+from program import PROGRAM, ROOT, ProgramTest, environment
 
 
 class Submit(ProgramTest):

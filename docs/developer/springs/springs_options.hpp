@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Engine `springs`: skin of independent springs.
 struct SpringsOptions {
     static constexpr const char* name = "springs";

@@ -33,7 +33,7 @@ void add_compare(CLI::App& app, Action& action) {
         app, action, "compare",
         "compare the fields, traces and columns of two cases or two sweeps, also of "
         "different engines and resolutions",
-        {.script = "report/compare.py",
+        {.module = "shearwake.report.compare",
          .rejection = "the arguments cannot be compared",
          .failure = "the comparison failed",
          .prepare = reduce_both});

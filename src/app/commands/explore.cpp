@@ -15,7 +15,7 @@ void add_explore(CLI::App& app, Action& action) {
     CLI::App& command =
         add_python_command(app, action, "explore",
                            "open a page in the browser that computes while settings are changed",
-                           {.script = "explore/explore.py",
+                           {.module = "shearwake.explore",
                             .rejection = "the page ended with an error",
                             .failure = "the page ended with an error",
                             .prepare = program_path,

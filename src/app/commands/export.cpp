@@ -7,7 +7,7 @@ namespace shearwake::app {
 void add_export(CLI::App& app, Action& action) {
     CLI::App& command = add_python_command(
         app, action, "export", "write the scan of the vibrometer of a case for other programs",
-        {.script = "laboratory/export_scan.py",
+        {.module = "shearwake.laboratory.export_scan",
          .rejection = "the scan cannot be exported",
          .failure = "the export failed"});
     pass_option(command, "CASE", "case file (HDF5)")->required();

@@ -7,7 +7,7 @@ namespace shearwake::app {
 void add_movie(CLI::App& app, Action& action) {
     CLI::App& command = add_python_command(app, action, "movie",
                                            "write a movie of the surface of a case (MP4, GIF)",
-                                           {.script = "report/movie.py",
+                                           {.module = "shearwake.report.movie",
                                             .rejection = "the movie was not written",
                                             .failure = "the movie was not written"});
     pass_option(command, "CASE", "case file with several surfaces")->required();

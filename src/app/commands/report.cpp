@@ -12,7 +12,7 @@ std::vector<std::string> reduce_first(const std::vector<std::string>& arguments)
     return {};
 }
 
-constexpr PythonCommand report{.script = "report/report.py",
+constexpr PythonCommand report{.module = "shearwake.report",
                                .rejection = "no report was written",
                                .failure = "the report failed",
                                .prepare = reduce_first};

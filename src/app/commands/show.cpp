@@ -2,7 +2,7 @@
 #include "app/commands/commands.hpp"
 
 #include "base/json.hpp"
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "base/text.hpp"
 #include "parallel/agree.hpp"
 #include "schedule/run/job_source.hpp"
@@ -193,7 +193,8 @@ void draw_modulation(const ShowArguments& arguments, const Comm& world) {
                              ExitCode::environment);
         int status = -1;
         try {
-            status = run_python_script("report/modulation.py", {data.string(), picture.string()});
+            status =
+                run_python_module("shearwake.report.modulation", {data.string(), picture.string()});
         } catch (...) {
             std::filesystem::remove(data);
             throw;

@@ -28,7 +28,7 @@ std::vector<std::string> given_arguments(const CLI::App& command) {
     return arguments;
 }
 
-/// The error in the messages of a script, without the word "error".
+/// The error in the messages of a module, without the word "error".
 std::string error_in(const std::string& messages) {
     const std::string start = "error: ";
     const auto at = messages.rfind(start);
@@ -68,7 +68,7 @@ ExitCode execute(const PythonCommand& command, const std::vector<std::string>& a
         all.insert(all.end(), more.begin(), more.end());
         const bool captures = std::ranges::find(arguments, "--json") != arguments.end();
         std::string messages;
-        const int status = run_python_script(command.script, all, command.packages,
+        const int status = run_python_module(command.module, all, command.packages,
                                              captures ? &messages : nullptr);
         const std::string error = error_in(messages);
         if (error.empty()) fmt::print(stderr, "{}", messages);

@@ -11,9 +11,9 @@
 
 namespace shearwake::laboratory {
 
-/// The files that analysis/laboratory/measure_scan.py writes: <prefix>.json and <prefix>.f64. None
-/// of these functions is collective. Those that read throw UsageError (environment) if a file does
-/// not have the expected content.
+/// The files that shearwake.laboratory.measure_scan writes: <prefix>.json and <prefix>.f64. None
+/// of these functions is collective. All throw UsageError (environment) if a file does not have the
+/// expected content.
 struct ConvertedData {
     std::string data, sha256; // the file of the user
     std::vector<std::string> notes;

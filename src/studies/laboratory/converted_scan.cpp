@@ -2,7 +2,7 @@
 #include "studies/laboratory/converted_scan.hpp"
 
 #include "base/error.hpp"
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "storage/files.hpp"
 
 #include <fmt/format.h>
@@ -26,7 +26,7 @@ void convert_scan(const std::filesystem::path& data, const nlohmann::ordered_jso
     const std::filesystem::path file = prefix.string() + "-request.json";
     storage::write_file(file, request.dump());
     const int status =
-        run_python_script("laboratory/measure_scan.py",
+        run_python_module("shearwake.laboratory.measure_scan",
                           {data.string(), file.string(), prefix.string()}, scan_packages);
     std::error_code none;
     std::filesystem::remove(file, none);

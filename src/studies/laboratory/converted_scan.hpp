@@ -9,7 +9,7 @@
 
 namespace shearwake::laboratory {
 
-/// The members of a request of analysis/laboratory/measure_scan.py that follow from the vibrometer
+/// The members of a request of shearwake.laboratory.measure_scan that follow from the vibrometer
 /// of a case; empty without one.
 nlohmann::ordered_json scan_request(const Case& c);
 

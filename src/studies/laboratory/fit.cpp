@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "studies/laboratory/fit.hpp"
 
-#include "base/python_script.hpp"
+#include "base/python_module.hpp"
 #include "config/sweep/uncertain.hpp"
 #include "parallel/agree.hpp"
 #include "sampling/distribution.hpp"
@@ -232,7 +232,8 @@ ExitCode fit_job(const ScanArguments& arguments, const Comm& world) {
         remove_converted(prefix);
     });
     on_root(world, [&] {
-        if (run_python_script("laboratory/fit_figures.py", {folder.string()}, scan_packages) != 0)
+        if (run_python_module("shearwake.laboratory.fit_figures", {folder.string()},
+                              scan_packages) != 0)
             throw UsageError("the figures of the fit cannot be drawn", ExitCode::environment);
         fmt::print("files: {}\n", folder.string());
     });

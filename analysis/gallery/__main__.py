@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the figures of docs/: the gallery, the comparison with the thesis, and the modulations.
+
+Usage: scripts/draw-figures [--keep] [NAME...]    all, or those of some jobs: scripts/draw-figures quickstart
+
+Runs each job into out/JOB unless its cases are complete, draws its report, and stores the figures that
+show its result as PNG below 150 KB. The name `modulations` draws those of docs/explanation/modulations.md.
+`diagrams` draws those of docs/developer/architecture.md as SVG.
+With --keep the existing reports are used and nothing is run. Needs numpy, h5py and matplotlib.
+SHEARWAKE names another program than build/shearwake.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from . import diagrams, laboratory_figures, mach_cone
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCS = ROOT / "docs"
+PROGRAM = os.environ.get("SHEARWAKE", str(ROOT / "build" / "shearwake"))
+WIDTHS_px, LIMIT_B = (900, 800, 700, 600), 150_000
+
+# The figure of the report that shows the result of a job, by its file name without .png.
+GALLERY = {
+    "adaptive-gain": "adaptive",
+    "am-on-force-or-pressure": "gain",
+    "best-modulation": "optimise_front",
+    "best-motion": "optimise_front",
+    "bone-under-palm": "surface",
+    "circle": "intensity",
+    "compressibility": "ipr",
+    "fig2.2": "frequency",
+    "fig2.3": "gain",
+    "fig2.3-steady": "gain",
+    "fig2.4": "gain",
+    "fig2.4-steady": "gain",
+    "fig2.5": "spectra_relative",
+    "fig2.6": "raster_2",
+    "fig2.7": "places_1",
+    "foci": "intensity",
+    "frier-speed": "displacement",
+    "gaussian-or-array": "eta",
+    "gel-dispersion": "surface",
+    "lens-letter": laboratory_figures.lens_letter,
+    "mach-cone": mach_cone.draw_folder,
+    "pointers": "intensity",
+    "quickstart": "eta",
+    "read-back": laboratory_figures.read_back,
+    "reardon-square": "displacement",
+    "skins": "gain",
+    "speed-fwhm-modulation": "heat_eta_period_over_reference_1",
+    "steady-circle": "eta",
+    "thesis-drive": "eta",
+    "thesis-drive-displacement": "surface",
+    "thesis-drive-phase": "eta",
+    "thesis-drive-velocity": "surface",
+    "thesis-method": "eta",
+    "uncertain-skin": "uncertain_bands",
+    "virtual-experiment": "surface",
+    "what-is-felt": "afferents_PC",
+}
+
+# Figures of docs/explanation/thesis.md: their job and the figure of its report.
+THESIS = {
+    "surface-2.2": ("fig2.2", "surface"),
+    "frequency-2.2": ("fig2.2", "frequency"),
+    "gain-2.3": ("fig2.3", "gain"),
+    "drive-2.4": ("fig2.4", "drive"),
+    "gain-2.4": ("fig2.4", "gain"),
+    "spectra-2.5": ("fig2.5", "spectra_relative"),
+    "heat": ("speed-fwhm-modulation", "heat_eta_period_over_reference_1"),
+    "pointers": ("pointers", "intensity"),
+}
+
+# Figures of docs/explanation/best-modulation.md, likewise.
+BEST = {name: ("best-modulation", f"optimise_{figure}")
+        for name, figure in (("envelopes", "envelopes"), ("energy", "energy"), ("surfaces", "surfaces_1"))}
+BEST["motion"] = ("best-motion", "optimise_energy")
+PAGES = {"thesis": THESIS, "best-modulation": BEST}
+# Jobs that shearwake optimise runs, and those that only produce numbers.
+OPTIMISED = ("best-modulation", "best-motion")
+WITHOUT_PICTURE = ("bounds-am", "bounds-sm")
+
+# Jobs that take more than a few minutes are shortened as scripts/quickstart does it.
+OVERRIDES = {
+    "bone-under-palm": [
+        "domain.extent_mm=[72, 48]", "load.modulation.path.from_mm=[-14, 0]",
+        "load.modulation.am_frequency_Hz=400", "time.duration_ms=4", "measure.at_ms=4",
+        "measure.settled_after_ms=1.5", "record.snapshots_ms=[2, 4]",
+        'sweep."medium.body[1].depth_mm"=[5, 8, 12]'],
+}
+
+# What a drawing of a modulation needs besides its own block on the page.
+MODULATION_JOB = """schema = 1
+[job]
+name = "modulation"
+title = "modulation"
+[medium]
+preset = "thesis-tissue"
+[load]
+peak_Pa = 100.0
+footprint = {{ shape = "gaussian", fwhm_mm = 3.0 }}
+{block}
+[domain]
+extent_mm = [120.0, 60.0]
+spacing_mm = 1.0
+[time]
+duration_ms = {duration_ms}
+output_interval_us = 100.0
+"""
+DURATIONS_ms = {"DTP": 500.0, "STP": 500.0, "custom": 200.0}  # 14 ms otherwise
+
+
+def run(job, out):
+    overrides = [word for value in OVERRIDES.get(job, []) for word in ("-S", value)]
+    subprocess.run([PROGRAM, "optimise" if job in OPTIMISED else "run", str(ROOT / "jobs" / f"{job}.toml"), "--out", str(out), "--allow-mixed",
+                    *overrides], check=True)
+    subprocess.run([PROGRAM, "report", str(out)], check=True)
+
+
+def store(source, target):
+    """A copy of a PNG with a palette of 256 colours, as wide as the size limit permits."""
+    with Image.open(source) as opened:
+        image = opened.convert("RGB")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    for width in (w for w in WIDTHS_px if w <= image.width or w == WIDTHS_px[-1]):
+        copy = image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS)
+        palette = copy.quantize(256, method=Image.Quantize.MAXCOVERAGE)  # keeps rare colours
+        copy = copy.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG)
+        levels = copy.getpalette()
+        page = 3 * copy.getpixel((0, 0))
+        levels[page:page + 3] = [255, 255, 255]  # a white page stays white
+        copy.putpalette(levels)
+        copy.save(target, optimize=True)
+        if target.stat().st_size <= LIMIT_B:
+            print(target.relative_to(ROOT))
+            return
+    sys.exit(f"{target} is larger than {LIMIT_B} bytes")
+
+
+def draw_job(job, keep):
+    out = ROOT / "out" / (f"{job}-short" if job in OVERRIDES else f"{job}.optimise" if job in OPTIMISED else job)
+    if not keep:
+        run(job, out)
+    pictures = {DOCS / "gallery" / f"{job}.png": GALLERY[job]}
+    for page, figures in PAGES.items():
+        for name, (its_job, figure) in figures.items():
+            if its_job == job:
+                pictures[DOCS / "explanation" / page / f"{name}.png"] = figure
+    for target, figure in pictures.items():
+        if callable(figure):
+            with tempfile.TemporaryDirectory() as folder:
+                figure(out, Path(folder) / "picture.png")
+                store(Path(folder) / "picture.png", target)
+        else:
+            store(out / "report" / f"{figure}.png", target)
+
+
+def draw_modulations():
+    """The modulations of the page, each from the block above its picture."""
+    page = (DOCS / "explanation" / "modulations.md").read_text(encoding="utf-8")
+    found = re.findall(r"```toml\n([^`]*)```\s*!\[[^\]]*\]\((modulations/([\w-]+)\.png)\)", page)
+    if not found:
+        sys.exit("docs/explanation/modulations.md has no blocks with pictures")
+    with tempfile.TemporaryDirectory() as folder:
+        for block, path, name in found:
+            job = Path(folder) / "job.toml"
+            job.write_text(MODULATION_JOB.format(block=block, duration_ms=DURATIONS_ms.get(name, 14.0)),
+                           encoding="utf-8")
+            picture = Path(folder) / "picture.png"
+            subprocess.run([PROGRAM, "show", "--modulation", str(job), "--picture", str(picture)], check=True,
+                           stdout=subprocess.DEVNULL)
+            store(picture, DOCS / "explanation" / path)
+
+
+def main(arguments):
+    keep = "--keep" in arguments
+    jobs = sorted(path.stem for path in (ROOT / "jobs").glob("*.toml") if path.stem not in WITHOUT_PICTURE)
+    if set(jobs) != set(GALLERY):
+        sys.exit(f"no figure is chosen for these jobs: {', '.join(sorted(set(jobs) ^ set(GALLERY)))}")
+    names = [name for name in arguments if name != "--keep"] or [*jobs, "modulations", "diagrams"]
+    for name in names:
+        if name == "modulations":
+            draw_modulations()
+        elif name == "diagrams":
+            for path in diagrams.draw_all(DOCS / "developer" / "architecture"):
+                print(path.relative_to(ROOT))
+        elif name in GALLERY:
+            draw_job(name, keep)
+        else:
+            sys.exit(f"{name} is not a known figure; known: {', '.join([*jobs, 'modulations', 'diagrams'])}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

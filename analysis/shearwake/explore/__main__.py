@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Serves the page of `shearwake explore` on 127.0.0.1 until it is interrupted.
+
+Usage: python3 -m shearwake.explore --program PATH [--port N] [--ranks N] [--out DIR] [--no-browser]
+"""
+import argparse
+import asyncio
+import contextlib
+import os
+import re
+import secrets
+import signal
+import sys
+import webbrowser
+from collections.abc import Mapping
+
+from aiohttp import web
+
+from .engine import Engine
+from .server import Explorer
+
+# What an MPI program sets for itself: programs that inherit it would take themselves for its ranks.
+OF_A_RANK = re.compile(r"PMIX_|PMI_|OMPI_(?!ALLOW_|MCA_)|OMPI_MCA_(orte|ess|pmix|initial)")
+
+
+def without_ranks(environment: Mapping[str, str]) -> dict[str, str]:
+    return {name: value for name, value in environment.items() if not OF_A_RANK.match(name)}
+
+
+def command(program: str, ranks: int) -> list[str]:
+    launch = ["mpirun", "-n", str(ranks)] if ranks > 1 else []
+    return [*launch, program, "serve"]
+
+
+async def serve(arguments: argparse.Namespace) -> None:
+    token = secrets.token_urlsafe(24)
+    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out)
+    runner = web.AppRunner(explorer.application(), access_log=None)
+    await runner.setup()
+    try:
+        site = web.TCPSite(runner, "127.0.0.1", arguments.port, shutdown_timeout=2)
+        await site.start()
+        explorer.port = runner.addresses[0][1]
+        address = f"http://127.0.0.1:{explorer.port}/?token={token}"
+        print(f"{address}\nThis page is reachable from this machine only. Ctrl-C ends it.", flush=True)
+        if arguments.browser:
+            await asyncio.to_thread(webbrowser.open, address)
+        stop = asyncio.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(number, stop.set)
+        await stop.wait()
+    finally:
+        await runner.cleanup()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--port", type=int, default=0)
+    parser.add_argument("--ranks", type=int, default=1)
+    parser.add_argument("--out", default="out")
+    parser.add_argument("--no-browser", dest="browser", action="store_false")
+    arguments = parser.parse_args()
+    environment = without_ranks(os.environ)
+    os.environ.clear()
+    os.environ.update(environment, SHEARWAKE=arguments.program)
+    try:
+        with contextlib.suppress(KeyboardInterrupt):
+            asyncio.run(serve(arguments))
+    except OSError as error:
+        sys.exit(f"the page cannot be served: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Puts the page together: one HTML document that loads nothing else."""
+import base64
+import hashlib
+import json
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+UPLOT = HERE.parent / "report" / "uplot"
+SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js", "plots.js", "controls.js", "drawing.js",
+           "pins.js", "sweeps.js", "tour.js", "main.js")
+
+
+def read(path: Path) -> str:
+    return path.read_text(encoding="utf-8")
+
+
+def script(text: str) -> str:
+    return f"<script>{text}</script>"
+
+
+def sources(configuration: dict) -> list[str]:
+    """The scripts in order: the configuration, the plotting library and those of the page."""
+    data = json.dumps(configuration, separators=(",", ":")).replace("<", "\\u003c")
+    return [f"const CONFIGURATION = {data};", read(UPLOT / "uPlot.iife.min.js"), *(read(HERE / "page" / s) for s in SCRIPTS)]
+
+
+def document(configuration: dict) -> tuple[str, str]:
+    """The page and the policy that allows its own scripts only."""
+    scripts = sources(configuration)
+    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(s.encode()).digest()).decode()}'" for s in scripts)
+    text = read(HERE / "page" / "page.html")
+    for mark, part in (("STYLE", read(UPLOT / "uPlot.min.css") + read(HERE / "page" / "page.css")),
+                       ("SCRIPTS", "".join(script(s) for s in scripts))):
+        text = text.replace(f"<!--{mark}-->", part)
+    policy = (f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:; connect-src 'self'; "
+              "base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+    return text, policy

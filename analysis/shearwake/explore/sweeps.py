@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the sweeps that the page starts, one at a time."""
+import asyncio
+import itertools
+import math
+import os
+import re
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import shearwake
+
+MOST_VALUES = 60
+LARGEST = 1e300  # integers of JSON may exceed every floating-point number
+KEY = re.compile(r"[a-z]+(\.[A-Za-z_]+(\[\d\])?){1,4}")
+OTHER_CASES = ("sweep", "table", "uncertain", "optimise")  # tables that would add cases to those of the page
+COLUMNS = ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um")
+
+
+Report = Callable[[dict], None]
+
+
+class NotASweep(Exception):
+    """The request of a sweep is not valid."""
+
+
+class StopAsked(Exception):
+    """Ends a run from its report of progress."""
+
+
+def checked(key: Any, values: Any) -> tuple[str, list[float]]:
+    """The axis of a request. Raises NotASweep."""
+    if not isinstance(key, str) or len(key) > 80 or not KEY.fullmatch(key):
+        raise NotASweep("the key of the sweep is not valid")
+    numbers = isinstance(values, list) and all(type(v) in (int, float) and abs(v) <= LARGEST for v in values)
+    if not numbers or not 2 <= len(values) <= MOST_VALUES:
+        raise NotASweep(f"a sweep needs 2 to {MOST_VALUES} finite numbers")
+    return key, [float(v) for v in values]
+
+
+def clean(value: Any) -> float | None:
+    """The number, or None for a cell without a value, which JSON cannot express."""
+    number = float(value)
+    return number if math.isfinite(number) else None
+
+
+def unused(folder: Path, name: str) -> str:
+    """The name, followed by a number if this folder contains it: two sweeps can start within a second."""
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(new for new in names if not (Path(folder) / new).exists())
+
+
+class Sweeps:
+    def __init__(self, folder: str) -> None:
+        self.folder = Path(folder)
+        self.task: asyncio.Task | None = None
+        self.is_stopping = False
+
+    @property
+    def is_running(self) -> bool:
+        return self.task is not None and not self.task.done()
+
+    def start(self, job: str, key: Any, values: Any, report: Report) -> None:
+        """Starts a sweep; `report` gets messages about its progress. Raises NotASweep."""
+        key, values = checked(key, values)
+        if self.is_running:
+            raise NotASweep("a sweep is running; stop it or wait for its end")
+        self.is_stopping = False
+        self.task = asyncio.create_task(self.work(job, key, values, report))
+
+    def stop(self) -> None:
+        self.is_stopping = True
+
+    async def close(self) -> None:
+        self.stop()
+        if self.task is not None and not self.task.done():
+            await self.task
+
+    async def work(self, job: str, key: str, values: list[float], report: Report) -> None:
+        loop = asyncio.get_running_loop()
+
+        def progress(found: shearwake.Progress) -> None:
+            if self.is_stopping:
+                raise StopAsked
+            loop.call_soon_threadsafe(report, {"state": "running", "done": found.done, "total": found.total})
+
+        try:
+            report(await asyncio.to_thread(self.run, job, key, values, progress))
+        except StopAsked:
+            report({"state": "stopped"})
+        except Exception as error:  # whatever the job contains, the page must show that the sweep has ended
+            report({"state": "failed", "message": str(error) or type(error).__name__})
+
+    def run(self, job: str, key: str, values: list[float], progress: Callable[[shearwake.Progress], None]) -> dict:
+        """Runs the sweep in an output folder of its own and returns its table."""
+        name = unused(self.folder, time.strftime("explore-%Y%m%d-%H%M%S"))
+        with tempfile.TemporaryDirectory(prefix="shearwake-explore-") as temporary:
+            tables = shearwake.Job(job + "\n").tables
+            for other in OTHER_CASES:
+                tables.pop(other, None)
+            made = shearwake.Job(tables).sweep({key: values}, x=key).change({"job.name": name, "record.frames": False})
+            made.folder = Path(temporary)
+            sweep = made.run(out=self.folder / name, progress=progress)
+        table = sweep.table
+        shown = [column for column in COLUMNS if column in table.columns]
+        rows = [[clean(row[key]), *(clean(row[column]) for column in shown)] for _, row in table.reset_index().iterrows()]
+        return {"state": "done", "folder": os.fspath(self.folder / name), "columns": [key, *shown], "rows": rows}

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts a scan for `shearwake measure` and `shearwake fit`.
+
+Usage: python3 -m shearwake.laboratory.measure_scan DATA REQUEST PREFIX
+REQUEST is a JSON document of the program. Writes PREFIX.json and PREFIX.f64 (doubles of this machine).
+With "grid": displacements of the surface at the frames, (repetition, frame, x, y); repetition 0 are the data, the others have
+noise of the measured strength added and leave out a tenth of the points. Without "grid": velocities (point, sample) of the
+points with a signal. Exit 0: written; 2: the scan cannot be used; 6: a file cannot be read or written.
+"""
+import hashlib
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .scan import BadScan, Scan
+from .scan_files import read_scan
+from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, is_line, noise_m_s, one_period
+
+USAGE, ENVIRONMENT = 2, 6
+LEFT_OUT = 0.1
+
+
+class Alignment:
+    """Trigger delay, position and line of sight: those of the job, or of the file if the job has no vibrometer."""
+
+    def __init__(self, scan: Scan, request: dict) -> None:
+        given = request.get("vibrometer")
+        self.notes = []
+        self.delay_s, self.offset_m, self.direction = scan.trigger_delay_s, (0.0, 0.0), scan.direction
+        if given:
+            self.delay_s, self.offset_m = given["trigger_delay_s"], given["offset_m"]
+            self.direction = given["direction"]
+            if abs(scan.trigger_delay_s - self.delay_s) > 1e-9 and scan.trigger_delay_s != 0.0:
+                self.notes.append(f"the trigger delay of the job, {1e3 * self.delay_s:.6g} ms, is used instead of that of the "
+                                  f"file, {1e3 * scan.trigger_delay_s:.6g} ms")
+        if abs(self.direction[2]) < 0.1:
+            raise BadScan("the line of sight is nearly parallel to the surface, so it contains no displacement along z")
+
+    def text(self) -> str:
+        return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "
+                f"{1e3 * self.offset_m[0]:.6g} and {1e3 * self.offset_m[1]:.6g} mm")
+
+
+def usable_points(scan: Scan, request: dict) -> np.ndarray:
+    """Points with finite velocities and a sufficient quality."""
+    good = np.all(np.isfinite(scan.velocity_m_s), axis=1) & (scan.quality > 0.0)
+    good &= scan.quality >= request.get("least_quality", 0.0)
+    if not np.any(good):
+        raise BadScan("no point has a signal of sufficient quality")
+    return good
+
+
+def surfaces(scan: Scan, good: np.ndarray, alignment: Alignment, request: dict) -> tuple[dict, Iterator]:
+    """The description of the frames, and the frames of all repetitions."""
+    grid, frames_s = request["grid"], np.array(request["frames_s"])
+    repeats = request["periodic"]
+    velocity, start_s, periods = scan.velocity_m_s[good], float(scan.time_s[0]) + alignment.delay_s, 1
+    if repeats:
+        velocity, periods = one_period(scan, request["period_s"])
+        velocity = velocity[good]
+    noise = noise_m_s(scan.velocity_m_s[good]) / np.sqrt(periods)
+    x, y = scan.x_m + alignment.offset_m[0], scan.y_m + alignment.offset_m[1]
+    grid_x, grid_y = (grid["spacing_m"] * (np.arange(n) - n // 2) for n in (grid["nx"], grid["ny"]))
+    full = Surface(x[good], y[good], grid_x, grid_y)
+    bad = np.stack((x[~good], y[~good]), axis=1)
+    masks = request["gaps"] == "mask"
+    if masks:
+        full.without(bad, MASK_RADII * full.point_spacing)
+    to_u_z = 1.0 / alignment.direction[2]
+
+    def motion(values: np.ndarray) -> np.ndarray:
+        smooth = filtered(values, scan.rate_Hz, request["high_pass_Hz"], repeats)
+        return to_u_z * displacement_m(smooth, start_s, scan.rate_Hz, frames_s, repeats)
+
+    def repetition(n: int) -> Iterator[np.ndarray]:
+        if n == 0:
+            yield from full.frames(motion(velocity))
+            return
+        rng = np.random.default_rng([request["seed"], n])
+        kept = np.sort(rng.permutation(len(velocity))[:max(4, round((1.0 - LEFT_OUT) * len(velocity)))])
+        noisy = velocity + noise[:, None] * rng.normal(size=velocity.shape)
+        part = Surface(x[good][kept], y[good][kept], grid_x, grid_y)
+        if masks:
+            part.without(bad, MASK_RADII * full.point_spacing)
+        yield from part.frames(motion(noisy[kept]))
+
+    nodes = full.nodes[full.covered]
+    about = {"notes": [*alignment.notes,
+                       f"{np.count_nonzero(good)} of {len(good)} points, {full.point_spacing * 1e3:.4g} mm apart, cover "
+                       f"{100.0 * np.mean(full.covered):.1f} % of the domain; gaps are "
+                       + ("masked" if masks else "interpolated"),
+                       ("no high-pass" if request["high_pass_Hz"] <= 0 else f"high-pass {request['high_pass_Hz']:g} Hz")
+                       + ", " + ("mean of " + str(periods) + " periods; the static displacement is unknown" if repeats
+                                 else "integrated from rest"),
+                       f"noise {1e6 * float(np.median(noise)):.4g} um/s per sample",
+                       alignment.text()],
+             "covered_from_m": [float(v) for v in nodes.min(axis=0)], "covered_to_m": [float(v) for v in nodes.max(axis=0)],
+             "noise_m_s": float(np.median(noise)), "repetitions": request["repetitions"] + 1}
+    return about, (repetition(n) for n in range(request["repetitions"] + 1))
+
+
+def main(data: str, request_file: str, prefix: str) -> int:
+    try:
+        request = json.loads(Path(request_file).read_text(encoding="utf-8"))
+        scan = read_scan(data)
+        alignment = Alignment(scan, request)
+        good = usable_points(scan, request)
+        content = Path(data).read_bytes()
+        about = {"data": str(data), "sha256": hashlib.sha256(content).hexdigest(), "rate_Hz": float(scan.rate_Hz),
+                 "samples": len(scan.time_s), "start_s": float(scan.time_s[0]), "points": int(np.count_nonzero(good))}
+        with open(f"{prefix}.f64", "wb") as file:
+            if "grid" in request:
+                more, repetitions = surfaces(scan, good, alignment, request)
+                for repetition in repetitions:
+                    for frames in repetition:
+                        file.write(np.ascontiguousarray(frames, dtype=float).tobytes())
+            else:
+                noise = noise_m_s(scan.velocity_m_s[good])
+                more = {"x_m": scan.x_m[good].tolist(), "y_m": scan.y_m[good].tolist(), "delay_s": float(alignment.delay_s),
+                        "direction": [float(v) for v in alignment.direction], "noise_m_s": float(np.median(noise)),
+                        "is_line": bool(len(scan.x_m) > 1 and is_line(scan.x_m, scan.y_m)), "notes": alignment.notes}
+                file.write(np.ascontiguousarray(scan.velocity_m_s[good], dtype=float).tobytes())
+        Path(f"{prefix}.json").write_text(json.dumps({**about, **more}), encoding="utf-8")
+    except BadScan as error:
+        print(f"{data}: {error}", file=sys.stderr)
+        return USAGE
+    except MemoryError:
+        print(f"{data}: out of memory", file=sys.stderr)
+        return ENVIRONMENT
+    except OSError as error:
+        print(f"{error.filename or data}: {error.strerror or error}", file=sys.stderr)
+        return ENVIRONMENT
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

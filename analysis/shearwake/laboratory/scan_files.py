@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files of scans.
+
+`read_scan` reads case files of shearwake, Universal File Format type 58 (ASCII and binary), CSV, MATLAB files
+(version 5 through scipy, 7.3 through h5py) and HDF5; `write_scan` writes UFF, CSV and HDF5 that MATLAB and
+Octave read. Units are SI.
+"""
+import csv
+import io
+import math
+import os
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .scan import MOST_VALUES, BadScan, Scan
+from .scan_uff import read_uff, uff_bytes
+
+MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
+Getter = Callable[[str], Any]
+NOT_A_SCAN = "it is not a scan: "
+
+
+def checked(scan: Scan) -> Scan:
+    """The same scan, or BadScan if its arrays do not belong together."""
+    velocity = scan.velocity_m_s
+    if velocity.ndim != 2 or velocity.shape != (len(scan.x_m), len(scan.time_s)):
+        raise BadScan(f"it has {len(scan.x_m)} points and {len(scan.time_s)} times, but velocities of the shape "
+                      f"{velocity.shape}")
+    if len(scan.y_m) != len(scan.x_m) or len(scan.quality) != len(scan.x_m):
+        raise BadScan("x, y and quality have different numbers of points")
+    if velocity.shape[0] < 1 or velocity.shape[1] < 2:
+        raise BadScan("it must contain at least one point and two times")
+    for name, values in (("x", scan.x_m), ("y", scan.y_m), ("time", scan.time_s)):
+        if not np.all(np.isfinite(values)):
+            raise BadScan(f"{name} contains a value that is not a finite number")
+    if np.any(np.isinf(velocity)):
+        raise BadScan("the velocity contains an infinite value; use NaN for points without signal")
+    step = np.diff(scan.time_s)
+    if not np.all(step > 0.0) or np.max(np.abs(step - np.mean(step))) > 1e-3 * np.mean(step):
+        raise BadScan("the times are not uniformly spaced in ascending order")
+    if np.max(np.abs(np.concatenate((scan.x_m, scan.y_m)))) > 10.0:
+        raise BadScan("a point is more than 10 m from the origin; coordinates must be in metres")
+    with np.errstate(invalid="ignore"):
+        if np.nanmax(np.abs(velocity), initial=0.0) > 1000.0:
+            raise BadScan("a velocity exceeds 1000 m/s; velocities must be in m/s")
+    return scan
+
+
+def read_scan(path: str | Path) -> Scan:
+    """The scan in a file. Raises BadScan or OSError."""
+    path = Path(path)
+    size = path.stat().st_size
+    if not path.is_file():
+        raise BadScan("it is not a regular file")
+    if size > MOST_BYTES:
+        raise BadScan(f"it has {size} bytes, but at most {MOST_BYTES} are supported")
+    with path.open("rb") as file:
+        start = file.read(128)
+    if start.startswith(b"\x89HDF") or b"MATLAB 7.3" in start:
+        return checked(in_child(read_hdf5, path))
+    if start.startswith(b"MATLAB 5.0"):
+        return checked(in_child(read_mat5, path))
+    if path.suffix.lower() in (".uff", ".unv", ".uf", ".58") or start.lstrip()[:2] == b"-1":
+        return checked(read_uff(path.read_bytes()))
+    return checked(read_csv(path.read_bytes()))
+
+
+def in_child(read: Callable[[Path], Scan], path: Path) -> Scan:
+    """read(path) in a forked process: a damaged file can crash the library that reads it."""
+    source, sink = os.pipe()
+    child = os.fork()
+    if child == 0:
+        code = 1
+        try:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # messages of the C library about damaged memory
+            answer: Scan | BadScan
+            try:
+                answer = read(path)
+            except BadScan as error:
+                answer = error
+            with os.fdopen(sink, "wb") as out:
+                pickle.dump(answer, out, protocol=5)
+            code = 0
+        finally:
+            os._exit(code)
+    os.close(sink)
+    with os.fdopen(source, "rb") as file:
+        content = file.read()
+    if os.waitpid(child, 0)[1] != 0:
+        raise BadScan("the library that reads such files fails at it; the file is damaged, or does not fit into memory")
+    answer = pickle.loads(content)
+    if isinstance(answer, BadScan):
+        raise answer
+    return answer
+
+
+def named(get: Getter, names: tuple[str, ...], what: str) -> Any:
+    for name in names:
+        value = get(name)
+        if value is not None:
+            return value
+    raise BadScan(f"{NOT_A_SCAN}it has no {what} ({', '.join(names)})")
+
+
+def from_names(get: Getter) -> Scan:
+    """A scan from named arrays; get(name) returns an array or None."""
+    def numbers(value: Any, what: str) -> np.ndarray:
+        try:
+            array = np.asarray(value)
+            if array.size > MOST_VALUES:
+                raise BadScan(f"{what} has {array.size} values, but at most {MOST_VALUES} are supported")
+            if array.dtype.kind not in "fiu":
+                raise BadScan(f"{what} is not an array of real numbers")
+            return array.astype(float)
+        except (TypeError, ValueError) as error:
+            raise BadScan(f"{what} is not an array of real numbers") from error
+
+    time = numbers(named(get, ("time", "t"), "time"), "time").ravel()
+    x = numbers(named(get, ("x",), "x"), "x").ravel()
+    y = numbers(named(get, ("y",), "y"), "y").ravel()
+    velocity = np.atleast_2d(numbers(named(get, ("velocity", "v"), "velocity"), "velocity"))
+    if velocity.shape == (len(time), len(x)) and velocity.shape != (len(x), len(time)):
+        velocity = velocity.T  # MATLAB stores the first index fastest
+    quality = get("quality")
+
+    def one(name: str, fallback: float) -> float:
+        value = get(name)
+        if value is None:
+            return fallback
+        value = numbers(value, name)
+        if value.size != 1 or not math.isfinite(value.item()):
+            raise BadScan(f"{name} must be one finite number")
+        return value.item()
+
+    return Scan(time, x, y, np.ascontiguousarray(velocity),
+                None if quality is None else numbers(quality, "quality").ravel(),
+                one("trigger_delay", 0.0),
+                (one("direction_x", 0.0), one("direction_y", 0.0), one("direction_z", 1.0)))
+
+
+def read_hdf5(path: Path) -> Scan:
+    import h5py
+
+    try:
+        with h5py.File(path, "r") as file:
+            group = file["vibrometer"] if "vibrometer" in file else file
+
+            def get(name: str) -> Any:
+                data = group.get(name, getlink=False) if name in group else None
+                if not isinstance(data, h5py.Dataset):
+                    return None
+                if data.size is None or data.size > MOST_VALUES:
+                    raise BadScan(f"{name} has {data.size} values, but at most {MOST_VALUES} are supported")
+                if data.external:
+                    raise BadScan(f"{name} is stored in another file")
+                return data[()]
+
+            return from_names(get)
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
+        raise BadScan(f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else error!r}") from error
+
+
+def read_mat5(path: Path) -> Scan:
+    import scipy.io
+
+    try:
+        content = scipy.io.loadmat(path)
+    except Exception as error:  # noqa: BLE001 - scipy raises many types for damaged files
+        raise BadScan(f"it cannot be read as a MATLAB file: {str(error).splitlines()[0] if str(error) else error!r}") \
+            from error
+    struct = content.get("vibrometer")
+    if struct is not None and getattr(struct, "dtype", None) is not None and struct.dtype.names and struct.size == 1:
+        return from_names(lambda name: struct[name].item() if name in struct.dtype.names else None)
+    return from_names(content.get)
+
+
+CSV_HEADER = ["x_m", "y_m", "quality"]
+
+
+def read_csv(data: bytes) -> Scan:
+    """Lines of x, y, quality and one velocity per time; the header contains the times in seconds."""
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise BadScan(NOT_A_SCAN + "it is neither text nor a known binary format") from error
+    remarks = {}
+    lines = []
+    for line in text.splitlines():
+        if line.startswith("#"):
+            name, _, value = line[1:].partition("=")
+            remarks[name.strip()] = value.strip()
+        elif line.strip():
+            lines.append(line)
+    try:
+        rows = list(csv.reader(lines))
+    except csv.Error as error:
+        raise BadScan(f"{NOT_A_SCAN}{error}") from error
+    if not rows or [word.strip() for word in rows[0][:3]] != CSV_HEADER:
+        raise BadScan(NOT_A_SCAN + "the first line must begin with x_m,y_m,quality, followed by the times in seconds")
+    width = len(rows[0])
+    if any(len(row) != width for row in rows):
+        raise BadScan(f"every line must have {width} fields, as the first one")
+    try:
+        numbers = np.array([[float(word) for word in row] for row in rows[1:]]).reshape(-1, width)
+        times = np.array([float(word) for word in rows[0][3:]])
+        values = {name: float(remarks.get(name, fallback)) for name, fallback in
+                  (("trigger_delay_s", 0.0), ("direction_x", 0.0), ("direction_y", 0.0), ("direction_z", 1.0))}
+    except ValueError as error:
+        raise BadScan(f"it contains a field that is not a number: {error}") from error
+    return Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
+                values["trigger_delay_s"], (values["direction_x"], values["direction_y"], values["direction_z"]))
+
+
+def csv_text(scan: Scan) -> str:
+    out = io.StringIO()
+    out.write(f"# trigger_delay_s = {float(scan.trigger_delay_s)!r}\n")
+    for axis, value in zip("xyz", scan.direction):
+        out.write(f"# direction_{axis} = {float(value)!r}\n")
+    out.write(",".join(CSV_HEADER + [repr(float(t)) for t in scan.time_s]) + "\n")
+    for x, y, quality, row in zip(scan.x_m, scan.y_m, scan.quality, scan.velocity_m_s):
+        out.write(",".join(repr(float(value)) for value in (x, y, quality, *row)) + "\n")
+    return out.getvalue()
+
+
+def write_hdf5(path: Path, scan: Scan) -> None:
+    """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. MATLAB reverses the order of
+    indices, so that velocity has one column per point there."""
+    import h5py
+
+    with h5py.File(path, "w", userblock_size=512) as file:
+        arrays = {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s,
+                  "quality": scan.quality, "trigger_delay": scan.trigger_delay_s,
+                  "direction_x": scan.direction[0], "direction_y": scan.direction[1],
+                  "direction_z": scan.direction[2]}
+        for name, values in arrays.items():
+            data = file.create_dataset(name, data=np.atleast_2d(np.asarray(values, dtype=float)))
+            data.attrs["MATLAB_class"] = np.bytes_("double")
+    header = b"MATLAB 7.3 MAT-file, written by shearwake"
+    with open(path, "r+b") as file:
+        file.write(header.ljust(124) + b"\x00\x02IM")
+
+
+def write_scan(path: str | Path, scan: Scan, kind: str) -> None:
+    """Writes a scan as "uff" (ASCII), "uffb" (binary), "csv" or "mat"."""
+    path = Path(path)
+    if kind == "mat":
+        write_hdf5(path, scan)
+    elif kind == "csv":
+        path.write_text(csv_text(scan), encoding="utf-8")
+    else:
+        path.write_bytes(uff_bytes(scan, binary=kind == "uffb"))

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Replaces the baseline of a job by the table of the last night, after showing the differences and asking
+for confirmation."""
+import argparse
+import csv
+import os
+import sys
+from pathlib import Path
+
+from . import night, table
+from .shearwake_program import Program
+
+ROOT = Path(__file__).resolve().parents[3]
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scripts/update-baseline", description="Replaces the baseline of a "
+                                     "job by the table of the last night. Shows the differences and asks for "
+                                     "confirmation first.")
+    parser.add_argument("job", metavar="JOB", help="name or path of the job, as given to scripts/nightly")
+    parser.add_argument("--yes", action="store_true", help="do not ask for confirmation")
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "nightly", metavar="DIR",
+                        help="output folder of scripts/nightly (default: out/nightly)")
+    parser.add_argument("--baselines", type=Path, default=ROOT / "tests" / "baselines", metavar="DIR",
+                        help="folder of the baselines (default: tests/baselines)")
+    return parser.parse_args()
+
+
+def write_baseline(source: Path, target: Path) -> None:
+    """Writes the table without the columns that depend on the machine. The file is replaced atomically."""
+    columns, rows = table.read_rows(source)
+    kept = [c for c in columns if c not in table.NOT_COMPARED]
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(target.name + ".part")
+    with open(part, "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, kept, extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    part.replace(target)
+
+
+def agreed() -> bool:
+    print("make this table the baseline? [y/N] ", end="", flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def update(chosen: argparse.Namespace, watched: night.Watched) -> int:
+    source = watched.table()
+    if source is None:
+        print(f"{watched.run} has no table of {watched.name}; next: scripts/nightly {chosen.job}", file=sys.stderr)
+        return 6
+    _, rows = table.read_rows(source)
+    bad = [row["id"] for row in rows if row["status"] != "complete"]
+    if bad:
+        print(f"{watched.name}: {len(bad)} of {len(rows)} cases are not complete ({', '.join(bad[:5])}): the "
+              "baseline is not written", file=sys.stderr)
+        return 4
+    if watched.baseline.is_file():
+        program = Program(os.environ.get("SHEARWAKE", ROOT / "build" / "shearwake"), os.devnull)
+        code, output, _ = night.compare(program, watched)
+        print(output, end="")
+        if code == 0:
+            print("the baseline is up to date")
+            return 0
+        if code != 5 and not chosen.yes:
+            print("the tables cannot be compared; use --yes to replace the baseline nevertheless", file=sys.stderr)
+            return code
+    else:
+        print(f"{watched.name} has no baseline yet; the new one has {len(rows)} cases")
+    if not chosen.yes and not agreed():
+        print("the baseline is unchanged")
+        return 5
+    write_baseline(source, watched.baseline)
+    print(f"written: {watched.baseline}")
+    return 0
+
+
+def main() -> int:
+    chosen = arguments()
+    chosen.out, chosen.baselines = chosen.out.resolve(), chosen.baselines.resolve()
+    try:
+        watched = night.watched_jobs([chosen.job], ROOT, chosen.out, chosen.baselines)[0]
+        return update(chosen, watched)
+    except ValueError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"the baseline cannot be updated: {problem}", file=sys.stderr)
+        return 6
+
+
+if __name__ == "__main__":
+    sys.exit(main())

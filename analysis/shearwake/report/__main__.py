@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws the figures of an output folder and writes a self-contained HTML page.
+
+Usage: python3 -m shearwake.report DIR [--only ID[,ID]] [--json]    writes DIR/report/index.html and each figure as .png and .pdf
+Prints the result in a sentence and the path of the page, or a JSON document. Needs numpy, h5py and matplotlib. Exit 0: done;
+1: a figure could not be drawn; 2: no complete case has the id; 4: case files are damaged, which the page lists; 6: the
+folder does not exist.
+"""
+import argparse
+import gc
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from . import (fig_adaptive, fig_afferents, fig_drive, fig_frequency, fig_hand, fig_heat, fig_intensity, fig_measures,
+               fig_medium, fig_multiples, fig_optimise, fig_profiles, fig_receptors, fig_spectra, fig_spectrogram,
+               fig_surface, fig_time, fig_traces, fig_uncertain, fig_volume, layout, style, warnings_of)
+from .figure import Figure
+from .in_one_piece import in_one_piece
+from .load import NoPlan, Sweep, load
+from .page import page
+from .player import player
+from .progress import Progress
+from .summary import summary
+from .unchanged import Drawn
+from .words import OTHERS, counted, some_of
+
+USAGE = 2        # exit code of the program for wrong arguments
+ENVIRONMENT = 6  # exit code of the program for missing files
+SCHEMA = 1       # version of the JSON document
+DAMAGED = 4      # exit code of the program for cases that failed or are damaged
+
+
+def of_all(sweep: Sweep) -> list[tuple[str, Callable]]:
+    """Figures in which each case is a point or a cell, in the order of the page. Those of samples summarise them."""
+    first = [("adaptive axes", fig_adaptive.figures)] if sweep.adaptive else []
+    if sweep.uncertain:
+        return [*first, ("samples", fig_uncertain.figures)]
+    if fig_optimise.is_study(sweep):  # its cases are five modulations each, which the generic figures cannot distinguish
+        return [*first, ("optima", fig_optimise.figures)]
+    return [*first, ("measures", fig_measures.figures), ("frequencies", fig_frequency.figures),
+            ("afferents", fig_afferents.figures), ("heat maps", fig_heat.figures),
+            ("small multiples", fig_multiples.figures)]
+
+
+class NoCase(Exception):
+    """No complete case has the id that --only names."""
+
+
+OF_THEIR_OWN = ("medium", "receptors")  # their captions state which part of the sweep they show
+
+
+def of_few(sweep: Sweep) -> list[tuple[str, Callable]]:
+    """Figures in which each case is a panel or a line; of a large sweep they show only a few cases. Lines over
+    time and frequency are omitted if there are too many curves for a panel."""
+    if fig_optimise.is_study(sweep):
+        return [("medium", fig_medium.figures), ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
+    made = [("surface", fig_surface.figures), ("intensity", fig_intensity.figures), ("drive", fig_drive.figures),
+            ("medium", fig_medium.figures), ("volumes", fig_volume.figures),
+            ("receptors", fig_receptors.figures), ("hand", fig_hand.figures)]
+    if len(layout.groups(sweep)) > style.CURVES:
+        return made
+    return [*made, ("profiles", fig_profiles.figures), ("time courses", fig_time.figures),
+            ("traces", fig_traces.figures), ("spectra", fig_spectra.figures),
+            ("spectrograms", fig_spectrogram.figures)]
+
+
+def attempt(name, problems, draw, *arguments):
+    """Returns the result of `draw`. If it fails, adds a sentence to the problems and returns None, so that the
+    other figures are drawn."""
+    try:
+        return draw(*arguments)
+    except OSError:
+        raise  # for example a full disk, on which nothing else can be written
+    except Exception as error:
+        traceback.print_exc()
+        problems.append(f"The figures of the {name} could not be drawn: {error}")
+        return None
+
+
+def shown_caption(sweep, figure, made):
+    """States how many cases the figures of a group show, unless they show all: each one by itself, or the first for all
+    of them if each shows a single case."""
+    alone = len(made) > 1 and all(len(f.cases) == 1 for f in made)
+    if alone and figure is not made[0]:
+        return ""
+    ids = {i for f in made for i in f.cases} if alone else set(figure.cases)
+    every = layout.ordinary(sweep)
+    count = sum(case.id in ids for case in every)
+    return f" {some_of(count, len(every), 'case')}; {OTHERS}." if count < len(every) else ""
+
+
+def draw_all(sweep: Sweep, some: Sweep, folder: Path, drawn: Drawn,
+             progress: Progress) -> tuple[list[Figure], str, list[str]]:
+    """The figures, of which those with a panel or a line per case show only the sweep `some`, the player of the surface,
+    and a sentence for each part that could not be drawn."""
+    figures: list[Figure] = []
+    problems: list[str] = []
+    if not layout.ordinary(sweep):
+        return figures, "", problems
+    groups = [(name, draw, sweep) for name, draw in of_all(sweep)]
+    all_cases = len(groups)
+    groups += [(name, draw, some) for name, draw in of_few(sweep)]
+    missing = sum(not case.whole for case in sweep.cases)
+    for n, (name, draw, cases) in enumerate(groups):
+        progress.show(f"figures {n + 1} of {len(groups) + 1} ({name})")
+        made = attempt(name, problems, drawn.draw, name, draw, cases, folder) or []
+        for figure in made:
+            if figure.cases is None:
+                figure.cases = [case.id for case in cases.cases if case.whole]
+        for figure in made:
+            if missing and n < all_cases and not figure.name.startswith("heat_"):  # heat maps mark these cases
+                figure.caption += f" {counted(missing, 'case')} without a result: see \"Not in the figures\"."
+            if n >= all_cases and name not in OF_THEIR_OWN:
+                figure.caption += shown_caption(sweep, figure, made)
+            figure.warnings = warnings_of.of_figure(sweep, figure.name, figure.cases)
+            figures.append(figure)
+    progress.show(f"figures {len(groups) + 1} of {len(groups) + 1} (surface over time)")
+    return figures, attempt("surface over time", problems, drawn.draw, "surface over time", player, sweep) or "", problems
+
+
+def collect_garbage_seldom() -> None:
+    """Matplotlib creates many objects that refer to each other, most of which live as long as a figure."""
+    gc.freeze()
+    gc.set_threshold(200_000, 20, 20)
+
+
+def selected(sweep: Sweep, ids: Sequence[str]) -> Sweep:
+    """The cases of figures with a panel or a line per case. Raises NoCase."""
+    complete = [case.id for case in layout.ordinary(sweep)]
+    if wrong := [i for i in ids if i not in complete]:
+        raise NoCase(f"{', '.join(wrong)}: not the id of a complete case of {sweep.folder}, references apart; "
+                     f"tables/{sweep.name}.csv lists the ids")
+    return layout.only(sweep, ids) if ids else layout.few(sweep)
+
+
+def write_report(directory: str | Path, only: Sequence[str] = ()) -> tuple[Path, str, list[str], Sweep]:
+    """Returns the path of the page, the summary, the figures that could not be drawn, and the sweep. Raises NoPlan,
+    NoCase."""
+    progress = Progress()
+    sweep = load(directory, progress.show)
+    some = selected(sweep, only)
+    folder = Path(directory) / "report"
+    path = folder / "index.html"
+    with in_one_piece(folder, ("*.png", "*.pdf"), last=path.name) as part:
+        drawn = Drawn(folder, part)
+        figures, moving, problems = draw_all(sweep, some, part, drawn, progress)
+        drawn.save()
+        (part / path.name).write_text(page(sweep, figures, part, problems, moving), encoding="utf-8")
+    progress.end()
+    return path, summary(sweep), problems, sweep
+
+
+def document(path: Path, result: str, sweep: Sweep, damaged: list[str]) -> str:
+    """The JSON document of `shearwake report --json`."""
+    complete = [case for case in sweep.cases if case.whole]
+    return json.dumps({"schema": SCHEMA, "command": "report", "folder": str(sweep.folder), "page": str(path),
+                       "result": result, "cases": len(sweep.cases), "complete": len(complete),
+                       "not_valid": sum(any(w["severity"] == "error" for w in case.warnings) for case in complete),
+                       "damaged": damaged}, indent=1, ensure_ascii=False)
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(prog="report", description="Draws figures and writes one HTML page.")
+    parser.add_argument("folder", metavar="DIR")
+    parser.add_argument("--only", metavar="ID[,ID]", default="", help="draw these cases where not all can be drawn")
+    parser.add_argument("--json", action="store_true", help="print a JSON document instead of text")
+    given = parser.parse_args(arguments)
+    collect_garbage_seldom()
+    try:
+        path, result, problems, sweep = write_report(given.folder, [i for i in given.only.split(",") if i])
+    except NoCase as error:
+        print(f"report: {error}", file=sys.stderr)
+        return USAGE
+    except (NoPlan, OSError) as error:
+        print(f"report: {error}", file=sys.stderr)
+        return ENVIRONMENT
+    for problem in problems:
+        print(f"report: {problem}", file=sys.stderr)
+    damaged = [case.id for case in sweep.cases if case.status == "damaged"]
+    if damaged:
+        print(f"report: {counted(len(damaged), 'damaged case file')}: {', '.join(damaged)}", file=sys.stderr)
+    try:
+        if not given.json:
+            print(f"result: {result}\nreport: {path}", flush=True)
+        elif not problems:
+            print(document(path, result, sweep, damaged), flush=True)
+    except OSError as error:
+        print(f"report: the output cannot be written: {error.strerror}", file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # discards what is not flushed yet
+        return ENVIRONMENT
+    return 1 if problems else DAMAGED if damaged else 0
+
+
+def command() -> None:
+    sys.stdout.reconfigure(errors="replace")  # type: ignore[attr-defined]  # the encoding of a terminal may lack η
+    sys.exit(main(sys.argv[1:]))
+
+
+if __name__ == "__main__":
+    command()

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Interactive versions of the curves against the swept key, with their error bars."""
+import numpy as np
+
+from . import layout, style
+from .chart import Chart, Line
+from .numerical_error import valid
+from .validity import split
+from .words import value_text
+
+
+def errors(cases, column):
+    """Half the lengths of the error bars, which `reduce` adds as columns; NaN without."""
+    return np.array([case.value(column + "_error") for case in cases])
+
+
+def draw_errors(axes, x, y, cases, column, colour):
+    """Adds error bars to a curve of a picture if a case has an error. Returns whether it did."""
+    half = errors(cases, column)
+    known = np.isfinite(half) & np.isfinite(y)
+    if known.any():
+        axes.errorbar(np.asarray(x)[known], np.asarray(y)[known], half[known], fmt="none", ecolor=colour,
+                      elinewidth=1.2, capsize=3.5, zorder=2.5)
+    return bool(known.any())
+
+
+def have_errors(sweep, column):
+    """Whether a valid case has an error; values that are not valid have no error bars."""
+    return bool(np.isfinite(errors(valid(sweep, column), column)).any())
+
+
+def error_caption(sweep, *columns):
+    if any(have_errors(sweep, column) for column in columns):
+        return " Error bars: the estimated numerical error."
+    return ""
+
+
+def reference_lines(sweep, figure, group, column, label, colour):
+    """The values of the reference at each x of a curve, and crosses where they are not valid."""
+    pairs = [(layout.x_position(sweep, c), r) for c in group.cases if (r := sweep.reference_of(c))]
+    values = np.array([r.value(column) for _, r in pairs])
+    if not pairs or not np.isfinite(values).any():
+        return []
+    return with_crosses(Line(label, [x for x, _ in pairs], values, colour, dashed=True),
+                        split(sweep, [r for _, r in pairs], column, figure, values))
+
+
+def with_crosses(line, parts):
+    """A line of the valid values and one of grey crosses; one of them alone if the other has no values."""
+    line.y, invalid = parts
+    crosses = Line(f"{line.label}, not valid", line.x, invalid, style.GREY, points=True, crossed=True)
+    if not np.isfinite(invalid).any():
+        return [line]
+    return [line, crosses] if np.isfinite(line.y).any() else [crosses]
+
+
+def curve_chart(sweep, figure, column, y_label, title="", y_log=False):
+    """One line per curve of the figure of this name, and dashed lines of the references; a ratio to the reference has no
+    references."""
+    found = layout.groups(sweep)
+    name = layout.reference_name(layout.all_references(sweep))
+    lines, colours = [], {}
+    for group, colour in zip(found, style.distinct(len(found))):
+        x = [layout.x_position(sweep, c) for c in group.cases]
+        y = [c.value(column) for c in group.cases]
+        line = Line(group.label or "all cases" if len(found) > 1 else y_label, x, y, colour,
+                    error=errors(group.cases, column), points=True)
+        lines += with_crosses(line, split(sweep, group.cases, column, figure, y))
+        colours[group.label] = colour
+    sets = [] if sweep.is_ratio(column) else layout.by_reference(sweep, found, column)
+    for same in sets:
+        label = name if len(sets) == 1 else layout.references_label(sweep, same)
+        colour = style.INK if len(sets) == 1 else colours[same[0].label]
+        lines += reference_lines(sweep, figure, same[0], column, label, colour)
+    lines.sort(key=lambda line: (line.dashed, line.crossed))
+    values = layout.x_values(sweep)
+    names = None if layout.is_numeric(sweep) else [value_text(sweep.x, v) for v in values]
+    return Chart(layout.axis_label(sweep, sweep.x), y_label.replace("\n", " "), lines, title, names,
+                 names is None and bool(layout.is_logarithmic(values)), y_log)

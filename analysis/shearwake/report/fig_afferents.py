@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The responses of each class of afferents against the swept key."""
+import math
+from dataclasses import replace
+
+from . import fig_curves as curves_module, layout, style
+from .figure import Figure
+from .validity import invalid_caption
+from .words import key_name
+
+PANELS = [("spikes_1", "spikes"), ("rate_Hz", "rate of the\nactive (Hz)"),
+          ("spread_mm", "spread (mm)"), ("vector_strength_1", "vector strength (1)")]
+
+
+# Spikes per firing afferent: random phases alone give a vector strength of sqrt(pi / 4n) on average, 0.40 for n = 5. The
+# column `_locking_1` has the same limit.
+FEWEST = 5
+
+
+def with_enough_spikes(sweep, kind):
+    """The sweep without the vector strengths of cases with too few spikes, and the number of these cases."""
+    few = [c for c in sweep.cases if not math.isnan(c.value(f"{kind}_vector_strength_1"))
+           and not c.value(f"{kind}_spikes_1") >= FEWEST * c.value(f"{kind}_active_1")]
+    rest = [replace(c, scalars={**c.scalars, f"{kind}_vector_strength_1": math.nan}) if c in few else c for c in sweep.cases]
+    return replace(sweep, cases=rest), few
+
+
+def class_figure(sweep, folder, kind):
+    sweep, few = with_enough_spikes(sweep, kind)
+    columns = [(f"{kind}_{name}", label) for name, label in PANELS]
+    columns = [c for c in columns if curves_module.has_any(sweep, c[0])]
+    if not columns or not any(c.value(f"{kind}_spikes_1") > 0 for c in layout.ordinary(sweep)):
+        return None
+    name, curves = f"afferents_{kind}", curves_module.curves_of(sweep)
+    figure, made = curves_module.panels(len(columns), curves, height_in=1.35)
+    for axes, (column, label) in zip(made, columns):
+        for group, colour, marker in curves:
+            curves_module.draw_curve(axes, sweep, group, column, name, marker=marker, color=colour,
+                                     linestyle="-" if layout.is_numeric(sweep) else "none")
+        labels = curves_module.reference_lines(axes, sweep, curves, column, name)
+        low, high = axes.get_ylim()
+        axes.set_ylim(min(0.0, low), max(1.06 * high, 1e-9))
+        axes.set_ylabel(label)
+        style.label_right(axes, labels)
+    curves_module.set_x_axis(made[-1], sweep)
+    curves_module.legend_above(figure, curves)
+    style.save(figure, folder / f"{name}.png")
+    title = f"{kind} afferents against {key_name(sweep.x)}"
+    return Figure(name, title,
+                  f"Response of the {kind} afferents: the number of spikes, the mean rate of the afferents that "
+                  "fire, the rms distance of the spikes from the path of the focus, and the vector strength of the "
+                  "spikes at the modulation frequency (1: all spikes have the same phase)." + few_caption(few)
+                  + " Panels without a value in any case are omitted." + invalid_caption(sweep, name, *(c for c, _ in columns)), title)
+
+
+def few_caption(few):
+    """States which vector strengths are not drawn, and why."""
+    if not few:
+        return ""
+    return (f" The vector strength of {layout.count_of(few)} with fewer than {FEWEST} spikes per firing afferent is not drawn: "
+            "that of n spikes with random phases is 0.89/√n on average, 0.4 for five.")
+
+
+def figures(sweep, folder):
+    if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
+        return []
+    values = {layout.x_position(sweep, c) for c in layout.ordinary(sweep) if c.whole}
+    if len([v for v in values if not math.isnan(v)]) < 2:
+        return []
+    return [f for kind in layout.receptor_classes(sweep) if (f := class_figure(sweep, folder, kind))]

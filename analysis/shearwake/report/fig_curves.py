@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Curves of a measure against the swept key: the mean over periods above, the instant below."""
+import math
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullFormatter, NullLocator
+
+from . import layout, style, warnings_of
+from .curve_chart import curve_chart, draw_errors, error_caption
+from .figure import Figure
+from .validity import CROSSES, invalid_caption, split
+from .words import SUPERSCRIPTS, counted, number, value_text
+
+
+def set_x_axis(axes, sweep):
+    """Puts ticks at the swept values if they fit; strings of x become labels."""
+    values = layout.x_values(sweep)
+    axes.set_xlabel(layout.axis_label(sweep, sweep.x))
+    if not layout.is_numeric(sweep):
+        few = len(values) <= 6
+        axes.set_xticks(range(len(values)), [style.plain(value_text(sweep.x, v)) for v in values],
+                        rotation=0 if few else 30, ha="center" if few else "right")
+        axes.set_xlim(-0.5, len(values) - 0.5)
+        return
+    if layout.is_logarithmic(values):
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(style.PlainFormatter())
+        places = np.log(values)
+    else:
+        places = np.array(values, dtype=float)
+    room = np.ptp(places) or max(1.0, abs(places[0]))
+    ends = np.array([places[0] - 0.045 * room, places[-1] + 0.045 * room])
+    axes.set_xlim(*(np.exp(ends) if axes.get_xscale() == "log" else ends))
+    if len(values) <= 12 and (len(values) < 2 or np.min(np.diff(places)) > 0.055 * room):
+        axes.set_xticks(values, tick_labels(values))
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def tick_labels(values):
+    """The numbers with six digits or, where these labels would touch, with the three that still distinguish them."""
+    exact, short = ([number(float(v), digits) for v in values] for digits in (6, 3))
+    return short if sum(map(len, exact)) > 60 and len(set(short)) == len(values) else exact
+
+
+def points(sweep, group, column, aside=0.0):
+    """x and y of a curve. `aside` shifts x if it is a string, so that curves do not hide each other."""
+    x = [layout.x_position(sweep, c) + aside for c in group.cases]
+    return np.array(x), np.array([c.value(column) for c in group.cases])
+
+
+def draw_curve(axes, sweep, group, column, figure, aside=0.0, **look):
+    """Draws the values of a column; those that are not valid in this figure become grey crosses without a line. Returns x
+    and y of the curve."""
+    x, y = points(sweep, group, column, aside)
+    y, invalid = split(sweep, group.cases, column, figure, y)
+    axes.plot(x, y, **{"markersize": 6, "zorder": 3, **look})
+    if np.isfinite(invalid).any():
+        axes.plot(x, invalid, **CROSSES)
+    return x, y
+
+
+def asides(sweep, curves):
+    middle = 0.5 * (len(curves) - 1)
+    step = 0.0 if layout.is_numeric(sweep) else 0.12
+    return [step * (i - middle) for i in range(len(curves))]
+
+
+def draw_reference(axes, sweep, group, column, figure, colour, line, labels, name):
+    """Draws a single reference as a horizontal line, and one reference per x as a line in the colour of the
+    curve. References that are not valid in this figure are grey: a dotted line or crosses."""
+    found = layout.references(sweep, group)
+    look = {"color": colour, "linestyle": line, "linewidth": 1.3, "zorder": 1.5}
+    if not found:
+        return
+    if len(found) == 1:
+        value = found[0].value(column)
+        if math.isnan(value):
+            return
+        text = f"{name}\n{number(value, 3)}"
+        if not warnings_of.is_valid(found[0], figure):
+            colour, text = style.GREY, f"{name}\nnot valid"
+            look |= {"color": colour, "linestyle": ":"}
+        axes.axhline(value, **look)
+    else:
+        cases = [c for c in group.cases if sweep.reference_of(c)]
+        own = [sweep.reference_of(c) for c in cases]
+        x = [layout.x_position(sweep, c) for c in cases]
+        y, invalid = split(sweep, own, column, figure, np.array([r.value(column) for r in own]))
+        axes.plot(x, invalid, **CROSSES)
+        if not np.isfinite(y).any():
+            return
+        if layout.is_numeric(sweep):
+            axes.plot(x, y, **look)
+        else:  # strings have no order: a dash at each
+            for at, value in zip(x, y):
+                axes.plot([at - 0.3, at + 0.3], [value, value], **look)
+        value, text = y[np.isfinite(y)][-1], name
+    if (text, colour) not in [(t, c) for _, t, c in labels]:
+        labels.append((value, text, colour))
+
+
+def reference_lines(axes, sweep, curves, column, figure):
+    """Draws all references of a panel dashed and returns their labels for the right edge."""
+    names = layout.reference_name(layout.all_references(sweep))
+    colours = {group.label: colour for group, colour, _ in curves}
+    labels = []
+    sets = layout.by_reference(sweep, [group for group, _, _ in curves], column)
+    for same in sets:
+        own = style.INK if len(sets) == 1 else colours[same[0].label]
+        draw_reference(axes, sweep, same[0], column, figure, own, "--", labels, names)
+    return labels if len(labels) <= 6 else []
+
+
+def widen(axes, least=0.02):
+    """Widens the y axis of a flat curve, which would otherwise show only rounding errors."""
+    if axes.get_yscale() == "log":
+        return
+    low, high = axes.get_ylim()
+    middle = 0.5 * (low + high)
+    if middle and high - low < least * abs(middle):
+        axes.set_ylim(middle * (1 - least / 2), middle * (1 + least / 2))
+
+
+def legend_above(figure, curves, top_in=0.08):
+    """A legend with one entry per curve, above the panels."""
+    if len(curves) < 2:
+        return
+    lines = [Line2D([], [], color=colour, marker=marker, label=group.label or "all")
+             for group, colour, marker in curves]
+    figure.legend(handles=lines, ncol=legend_columns(curves), loc="upper center",
+                  bbox_to_anchor=(0.48, 1.0 - top_in / figure.get_figheight()))
+
+
+def curves_of(sweep):
+    found = layout.groups(sweep)
+    colours = style.distinct(len(found))
+    return [(g, colours[i], style.MARKERS[i % len(style.MARKERS)]) for i, g in enumerate(found)]
+
+
+def legend_columns(curves):
+    """The number of columns that fit into a line of about 100 characters."""
+    longest = max(len(group.label) for group, _, _ in curves) + 8  # for the marker
+    return max(1, min(4, len(curves), 100 // longest))
+
+
+def legend_rows(curves):
+    return 0 if len(curves) < 2 else math.ceil(len(curves) / legend_columns(curves))
+
+
+def panels(count, curves, height_in=2.35):
+    """Stacked axes with room for labels at the right and for the legend above; lengths are in inches."""
+    rows = legend_rows(curves)
+    top, bottom, between = 0.4 + 0.25 * rows if rows else 0.3, 0.62, 0.42
+    total = top + bottom + count * height_in + (count - 1) * between
+    figure = plt.figure(figsize=(style.WIDTH_in, total))
+    made = []
+    for i in range(count):
+        y = bottom + (count - 1 - i) * (height_in + between)
+        made.append(figure.add_axes([0.85 / style.WIDTH_in, y / total, 5.65 / style.WIDTH_in,
+                                     height_in / total], sharex=made[0] if made else None))
+    for axes in made[:-1]:
+        axes.tick_params(labelbottom=False)
+    return figure, made
+
+
+def has_any(sweep, column):
+    return any(not math.isnan(c.value(column)) for c in layout.ordinary(sweep))
+
+
+def move_power_to_label(axes):
+    """Moves the power of ten from the axis to the label: '1.9 ... 2.7 (10⁻⁷ mm²)'."""
+    largest = max(abs(limit) for limit in axes.get_ylim())
+    if axes.get_yscale() == "log" or not 0 < largest < 1e-3:
+        return
+    exponent = math.floor(math.log10(largest))
+    power = f"10{str(exponent).translate(SUPERSCRIPTS)}"
+    axes.yaxis.set_major_formatter(lambda value, _: number(value / 10.0**exponent))
+    axes.set_ylabel(axes.get_ylabel().replace("(mm²)", f"({power} mm²)"))
+
+
+def spans_decades(sweep, column):
+    values = [c.value(column) for c in [*layout.ordinary(sweep), *layout.all_references(sweep)]]
+    values = [v for v in values if not math.isnan(v)]
+    return min(values) > 0 and max(values) > 10 * min(values)
+
+
+def instant_title(sweep):
+    """'at the instant t = 14 ms', if it is the same for all cases."""
+    times = {round(1e3 * c.setting("measure", "at_s"), 9) for c in layout.ordinary(sweep)}
+    return f"at the instant t = {number(times.pop())} ms" if len(times) == 1 else "at one instant"
+
+
+def measure_figure(sweep, folder, measure):
+    """Writes the figure of one measure; None if no case has a value."""
+    period, instant = measure["period"], measure["instant"]
+    rows = [c for c in (period, instant) if has_any(sweep, c)]
+    if not sweep.x or not rows:
+        return None
+    curves = curves_of(sweep)
+    numeric = layout.is_numeric(sweep)
+    figure, made = panels(len(rows), curves)
+    for axes, column in zip(made, rows):
+        whole_periods = column == period
+        for (group, colour, marker), aside in zip(curves, asides(sweep, curves)):
+            look = {"clip_on": False} if whole_periods else {"linewidth": 0.7, "markerfacecolor": "white"}
+            x, y = draw_curve(axes, sweep, group, column, measure["name"], aside, marker=marker, color=colour,
+                              linestyle="-" if numeric else "none", **look)
+            draw_errors(axes, x, y, group.cases, column, colour)
+        if measure.get("log") and spans_decades(sweep, column):
+            axes.set_yscale("log")
+        labels = reference_lines(axes, sweep, curves, column, measure["name"])
+        axes.margins(y=0.12)
+        widen(axes)
+        axes.set_ylabel(measure["label"])
+        move_power_to_label(axes)
+        axes.yaxis.set_label_coords(-0.105, 0.5)
+        axes.set_title("mean over periods" if whole_periods else instant_title(sweep), loc="left",
+                       color="#555555")
+        style.label_right(axes, labels)
+    set_x_axis(made[-1], sweep)
+    for axes in made if not numeric else []:
+        axes.grid(False, axis="x")
+    legend_above(figure, curves)
+    style.save(figure, folder / (measure["name"] + ".png"))
+    title = measure["title"].format(x=layout.name(sweep, sweep.x))
+    charts = [curve_chart(sweep, measure["name"], column, measure["label"],
+                          "mean over periods" if column == period else instant_title(sweep),
+                          bool(measure.get("log") and spans_decades(sweep, column))) for column in rows]
+    return Figure(measure["name"], title,
+                  measure["caption"].format(region=region_words(sweep)) + marker_caption(sweep, rows, period, instant)
+                  + error_caption(sweep, *rows) + invalid_caption(sweep, measure["name"], *rows),
+                  f"{title}: mean over periods and instant, with the reference as dashed lines", charts)
+
+
+def is_modulated(sweep):
+    """Whether a case has a modulation; plain STM has none."""
+    return any(c.setting("load", "modulation", "kind", default="") != "STM" for c in layout.ordinary(sweep))
+
+
+def is_steady(sweep):
+    """Whether all cases are in the periodic regime."""
+    return all(layout.repeats(c) for c in layout.ordinary(sweep))
+
+
+def region_words(sweep):
+    """The region over which the measures are taken, as a part of a sentence."""
+    areas = [c.value("region_mm2") for c in layout.ordinary(sweep)]
+    areas = [area for area in areas if not math.isnan(area)]
+    if not areas:
+        return f"{layout.plane_name(layout.ordinary(sweep))} within the domain"
+    low, high = number(min(areas) / 100.0, 3), number(max(areas) / 100.0, 3)
+    return f"the measured region ({low if low == high else f'{low} to {high}'} cm²)"
+
+
+def period_words(sweep):
+    if is_steady(sweep):
+        return "one period of the load"
+    return "complete modulation periods" if is_modulated(sweep) else "the settled part of the run"
+
+
+def marker_caption(sweep, rows, period, instant):
+    """Explains the markers; in detail for eta, whose figure is the first."""
+    if period != "eta_period_1":
+        return " Panels and lines as in the figure of the efficiency."
+    sentences = []
+    if period in rows:
+        sentences.append(f" Mean over periods: the energy-weighted mean over {period_words(sweep)}.")
+    if instant in rows:
+        text = f" {instant_title(sweep)[:1].upper()}{instant_title(sweep)[1:]}: the value at a single instant"
+        if is_modulated(sweep):
+            text += ", which depends on the phase of the modulation at that instant; its variation is not a trend"
+        sentences.append(text + ".")
+    if layout.all_references(sweep):
+        sentences.append(f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}, "
+                         "evaluated in the same way.")
+        found = layout.groups(sweep)
+        if 1 < len(layout.by_reference(sweep, found, rows[0])) < len(found):
+            sentences.append(" A line that belongs to several curves has the colour of the first of them.")
+    missing = sum(math.isnan(c.value(period)) for c in layout.ordinary(sweep))
+    if missing:
+        every = counted(len(layout.ordinary(sweep)), "case")
+        sentences.append(f" {missing} of {every} {'has' if missing == 1 else 'have'} no mean over periods; the "
+                         "reasons are listed below the table.")
+    if period in rows:
+        sentences.append(" The vertical axes do not start at zero.")
+    return "".join(sentences)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The dominant frequency at the centre and the fraction of its energy in bands against x."""
+import math
+from dataclasses import dataclass
+
+from .. import wake
+from . import fig_curves, layout, style
+from .figure import Figure
+from .validity import invalid_caption
+from .words import listed
+
+NAME = "frequency"
+
+
+@dataclass
+class Band:
+    """One panel: a column of u, that of du/dt (empty: none), its title and the label of its axis."""
+    column: str
+    velocity: str
+    title: str
+    label: str
+
+    @property
+    def is_share(self):
+        return bool(self.velocity)
+
+
+# The perceptible vibration, if the job has no `measure.bands_Hz`.
+FELT = Band("rms_40_400_um", "", "motion within 40 to 400 Hz", "rms (µm)")
+
+
+def bands(sweep):
+    """The bands of the job, else that of perceptible vibration."""
+    for case in layout.ordinary(sweep):
+        edges = case.setting("measure", "bands_Hz", default=[])
+        if edges:
+            return [Band(f"share_{low:g}_{high:g}_1", f"velocity_share_{low:g}_{high:g}_1",
+                         f"energy within {low:g} to {high:g} Hz", "share (1)")
+                    for low, high in zip(edges[::2], edges[1::2])]
+    return [FELT]
+
+
+def has_values(sweep, column):
+    return any(not math.isnan(case.value(column)) for case in layout.ordinary(sweep))
+
+
+def peaks(sweep):
+    """The dominant frequencies that most cases have, as (column, quantity)."""
+    cases = layout.ordinary(sweep)
+    both = [("peak_frequency_Hz", "u"), ("velocity_peak_frequency_Hz", "du/dt")]
+    return [(column, of) for column, of in both
+            if 2 * sum(not math.isnan(c.value(column)) for c in cases) > len(cases)]
+
+
+def draw_peaks(axes, sweep, curves, column, of):
+    numeric = layout.is_numeric(sweep)
+    for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
+        fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour,
+                              linestyle="-" if numeric else "none")
+    labels = fig_curves.reference_lines(axes, sweep, curves, column, NAME)
+    axes.set_ylabel("frequency (Hz)")
+    axes.set_title(f"dominant frequency of {of}", loc="left", color="#555555")
+    axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
+    style.label_right(axes, labels)
+
+
+def draw_band(axes, sweep, curves, band):
+    """Draws the fraction of u with filled markers, and that of du/dt with open markers and dashed lines."""
+    numeric = layout.is_numeric(sweep)
+    for (group, colour, marker), aside in zip(curves, fig_curves.asides(sweep, curves)):
+        for column, line, face in ((band.column, "-", colour), (band.velocity, "--", "white")):
+            fig_curves.draw_curve(axes, sweep, group, column, NAME, aside, marker=marker, color=colour, markersize=5,
+                                  markerfacecolor=face, linestyle=line if numeric else "none")
+    if band.is_share:  # without references: those of u and du/dt could not be told apart
+        axes.set_ylim(-0.02, 1.04)
+    else:
+        labels = fig_curves.reference_lines(axes, sweep, curves, band.column, NAME)
+        axes.set_ylim(bottom=0.0)
+        style.label_right(axes, labels)
+    axes.set_ylabel(band.label)
+    axes.set_title(band.title, loc="left", color="#555555")
+
+
+def caption(sweep, found, shown):
+    text = []
+    if found:
+        text.append("The dominant frequency is that at which the spectrum at the centre of "
+                    + listed("the displacement u" if of == "u" else "the velocity du/dt"
+                             for _, of in found) + " is largest, above one period per run.")
+    if shown:
+        text.append("The share in a band is that of the energy above one period per run."
+                    if shown[0].is_share else
+                    "The motion is the root mean square of u at the centre in the band of perceptible vibration.")
+        if any(has_values(sweep, b.velocity) for b in shown):
+            text.append("Filled markers: u. Open markers with dashed lines: du/dt.")
+    if "u" not in [of for _, of in found] and found:
+        text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
+    if kinds != {"STM"} and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
+        text.append("The focus passes the centre once, so the values describe a single passage and depend on the "
+                    "phase of the modulation at that time.")
+    return " ".join(text)
+
+
+def figures(sweep, folder):
+    if not sweep.x or len(layout.groups(sweep)) > style.CURVES:
+        return []
+    found = peaks(sweep)
+    shown = [b for b in bands(sweep) if has_values(sweep, b.column)]
+    if not found and not shown:
+        return []
+    curves = fig_curves.curves_of(sweep)
+    figure, made = fig_curves.panels(len(found) + len(shown), curves, height_in=1.75)
+    for axes, (column, of) in zip(made, found):
+        draw_peaks(axes, sweep, curves, column, of)
+    for axes, band in zip(made[len(found):], shown):
+        draw_band(axes, sweep, curves, band)
+    fig_curves.set_x_axis(made[-1], sweep)
+    fig_curves.legend_above(figure, curves)
+    style.save(figure, folder / f"{NAME}.png")
+    parts = ["dominant frequency"] * bool(found)
+    if shown:
+        parts.append("energy in bands" if shown[0].is_share else "motion that is felt")
+    title = f"{' and '.join(parts)} against {layout.name(sweep, sweep.x)}"
+    title = title[:1].upper() + title[1:]
+    columns = [*(column for column, _ in found), *(b.column for b in shown)]
+    return [Figure(NAME, title, caption(sweep, found, shown) + invalid_caption(sweep, NAME, *columns), title)]

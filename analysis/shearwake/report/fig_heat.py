@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Heat maps of a measure over two swept keys, with one panel per value of the other keys."""
+import math
+import textwrap
+from itertools import product
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .. import wake
+from . import hover, layout, style, warnings_of
+from .figure import Figure
+from .words import counted, listed, number, some_of, value_text
+
+NAME = "heat_"  # followed by the column
+PANELS = 12
+COLUMNS = 3
+WORDS = 18  # characters per line of a tick label
+WRITTEN = 60  # largest number of cells with printed values
+NUMBERS_pt = 8.0
+PANEL_pt = 420.0, 250.0  # about the width and height of a single panel
+LEAST = 3  # smallest number of values along both keys; fewer are drawn as curves
+
+MEASURES = [
+    ("eta_period_1", "Reconstruction efficiency", "efficiency η, mean over periods (1)"),
+    ("eta_period_over_reference_1", "Efficiency relative to {reference}",
+     "η / η of {reference} (1)"),
+    ("focal_rms_um", "Strength at the focus", "focal rms (µm)"),
+    ("focal_rms_over_reference_1", "Strength relative to {reference}",
+     "focal rms / {reference} (1)"),
+    ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
+    ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
+    ("peak_frequency_Hz", "Dominant frequency at the centre", "frequency (Hz)"),
+    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity at the centre",
+     "frequency of du/dt (Hz)"),
+]
+HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
+
+
+def measure_label(sweep, column):
+    """The label of an axis with this column, in lines for a low panel; the name of the column if it has no
+    other one."""
+    reference = layout.reference_name(layout.all_references(sweep))
+    found = next((label for name, _, label in MEASURES if name == column), column)
+    return textwrap.fill(found.format(reference=reference), 26, break_on_hyphens=False, break_long_words=False)
+
+
+def band_measures(sweep):
+    """Shares of the energy at the centre in the bands of the job."""
+    found = dict.fromkeys(name for c in layout.ordinary(sweep) for name in c.scalars
+                          if name.startswith("share_"))
+    for name in found:
+        low, high = name.split("_")[1:3]
+        yield (name, f"Fraction of the energy within {low} to {high} Hz", "fraction of the energy (1)")
+
+
+def plane(sweep):
+    """x, y and the keys of the panels; None if curves are more suitable."""
+    keys = layout.axes(sweep)
+    if len(keys) < 2:
+        return None
+    counts = {k: len(layout.values_of(sweep, k)) for k in keys}
+    x = sweep.x if sweep.x in keys else keys[0]
+    y = max((k for k in keys if k != x), key=counts.get)
+    enough = counts[x] >= LEAST and counts[y] >= LEAST
+    if not enough and len(layout.groups(sweep)) <= style.CURVES:
+        return None
+    return x, y, [k for k in keys if k not in (x, y)]
+
+
+def panels(sweep, others):
+    """The combinations of the other keys that are drawn, and the number of combinations that occur."""
+    every = list(product(*(layout.values_of(sweep, k) for k in others)))
+    there = {tuple(c.settings.get(k) for k in others) for c in layout.swept_cases(sweep)}
+    every = [values for values in every if values in there]
+    return layout.evenly(every, PANELS), len(every)
+
+
+def cells(sweep, column, x, y, others, values):
+    """The values (y, x) of one panel, a mask of cells whose case has no result, and a mask of values that are not
+    valid."""
+    xs, ys = layout.values_of(sweep, x), layout.values_of(sweep, y)
+    shape = len(ys), len(xs)
+    found, failed, invalid = np.full(shape, math.nan), np.zeros(shape, bool), np.zeros(shape, bool)
+    for case in layout.swept_cases(sweep):
+        own = case.settings
+        if x not in own or y not in own or tuple(own.get(k) for k in others) != values:
+            continue
+        place = ys.index(own[y]), xs.index(own[x])
+        found[place] = case.value(column)
+        failed[place] = not case.whole
+        invalid[place] = np.isfinite(found[place]) and not warnings_of.holds(sweep, case, column, NAME + column)
+    return found, failed, invalid
+
+
+def scale(grids, relative):
+    """Norm and colour map from the smallest to the largest value; the middle of a diverging map is at 1 for
+    ratios with values on both sides of 1."""
+    every = np.concatenate([g[np.isfinite(g)] for g in grids])
+    if relative and every.min() < 1.0 < every.max():
+        reach = max(1e-3, np.abs(every - 1.0).max())
+        return plt.Normalize(1.0 - reach, 1.0 + reach), plt.get_cmap(style.DIVERGING)
+    low, high = every.min(), every.max()
+    if high - low <= 1e-12 * abs(high):
+        low, high = low - 0.5 * abs(low or 1.0), high + 0.5 * abs(high or 1.0)
+    if low > 0 and high > 30 * low:
+        return plt.matplotlib.colors.LogNorm(low, high), style.sequential_map()
+    return plt.Normalize(low, high), style.sequential_map()
+
+
+def ticks(axis, key, sweep, room):
+    values = layout.values_of(sweep, key)
+    every = max(1, math.ceil(len(values) / room))
+    words = [number(float(v), 3) if layout.is_number(v)
+             else textwrap.fill(value_text(key, v), WORDS, break_on_hyphens=False) for v in values]
+    axis.set_ticks(range(0, len(values), every), list(map(style.plain, words[::every])))
+    longest = max(len(line) for word in words for line in word.splitlines())
+    if axis.axis_name == "x" and longest * min(len(words), room) > 6 * room:
+        axis.set_tick_params(rotation=35)
+        for label in axis.get_ticklabels():
+            label.set_horizontalalignment("right")
+
+
+def rotation(words, shape):
+    """The angle in degrees at which numbers fit into the cells of a single panel without touching; None if they do not
+    fit."""
+    length, height = 0.64 * NUMBERS_pt * max(map(len, words)) + 4.0, 1.4 * NUMBERS_pt  # digits are 0.64 em wide
+    cell = PANEL_pt[0] / shape[1], PANEL_pt[1] / shape[0]
+    if length <= cell[0] and height <= cell[1]:
+        return 0
+    return 90 if length <= cell[1] and height <= cell[0] else None
+
+
+def write_numbers(axes, values, norm, colours):
+    """Writes the finite values into their cells if there is room."""
+    words = {place: number(value, 3) for place, value in np.ndenumerate(values) if np.isfinite(value)}
+    angle = rotation(words.values(), values.shape) if words else None
+    if angle is None:
+        return
+    for (row, column), word in words.items():
+        red, green, blue, _ = colours(norm(values[row, column]))
+        dark = 0.3 * red + 0.59 * green + 0.11 * blue < 0.55
+        axes.text(column, row, word, ha="center", va="center", fontsize=NUMBERS_pt, rotation=angle,
+                  color="white" if dark else style.INK)
+
+
+def draw(axes, grid, failed, invalid, norm, colours, written):
+    valid = np.where(invalid, math.nan, grid)
+    axes.imshow(valid, origin="lower", aspect="auto", norm=norm, cmap=colours,
+                interpolation="nearest")
+    for row, column in np.argwhere(invalid):
+        ends = np.array([-0.5, 0.5])
+        for way in (1, -1):
+            axes.plot(column + ends, row + way * ends, color=style.GREY, linewidth=1.0, zorder=1.5,
+                      scalex=False, scaley=False)
+    for row, column in np.argwhere(~np.isfinite(grid)):
+        mark = "xxxx" if failed[row, column] else "////"
+        axes.add_patch(plt.Rectangle((column - 0.5, row - 0.5), 1, 1, facecolor="#f1f1f1",
+                                     edgecolor="#9a9a9a", hatch=mark, linewidth=0))
+    if written:
+        write_numbers(axes, valid, norm, colours)
+    axes.grid(False)
+
+
+def columns_of(sweep, others, count):
+    """The number of columns: the number of values of the last key if they fit."""
+    last = len(layout.values_of(sweep, others[-1])) if others else 1
+    if len(others) > 1 and last <= 4 and count % last == 0:
+        return last
+    return 2 if count == 4 else min(COLUMNS, count)
+
+
+def heat_figure(sweep, folder, measure, plan):
+    column, title, label = measure
+    x, y, others = plan
+    shown, of = panels(sweep, others)
+    every = [cells(sweep, column, x, y, others, v) for v in shown]
+    grids = [np.where(invalid, math.nan, g) for g, _, invalid in every]
+    known = [c.value(column) for c in layout.ordinary(sweep)]
+    if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
+        return None
+    reference = layout.reference_name(layout.all_references(sweep))
+    title, label = title.format(reference=reference), label.format(reference=reference)
+    norm, colours = scale(grids, sweep.is_ratio(column))
+    columns = columns_of(sweep, others, len(shown))
+    rows = math.ceil(len(shown) / columns)
+    height = 3.6 if rows == 1 and columns == 1 else 2.1
+    figure, made = plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.8 + height * rows))
+    for axes, values, (grid, failed, invalid) in zip(made.flat, shown, every):
+        draw(axes, grid, failed, invalid, norm, colours, grid.size <= WRITTEN and len(shown) == 1)
+        settings = ", ".join(layout.setting_text(sweep, k, v) for k, v in zip(others, values))
+        hover.attach(axes, grid, (-0.5, grid.shape[1] - 0.5), (-0.5, grid.shape[0] - 0.5), label, "", "", title=settings, x_names=[
+            layout.setting_text(sweep, x, v) for v in layout.values_of(sweep, x)], y_names=[
+                layout.setting_text(sweep, y, v) for v in layout.values_of(sweep, y)], invalid=invalid)
+        axes.set_title(layout.wrapped(settings, 6.6 / columns), loc="left", fontsize=9)
+    for axes in made.flat[len(shown):]:
+        axes.set_visible(False)
+    for i in range(len(shown)):
+        made.flat[i].tick_params(labelbottom=i + columns >= len(shown))
+    ticks(made[0, 0].xaxis, x, sweep, 15 // columns + 1)
+    ticks(made[0, 0].yaxis, y, sweep, 12 if rows == 1 else 8)
+    figure.supxlabel(layout.axis_label(sweep, x), fontsize=9.5)
+    figure.supylabel(layout.axis_label(sweep, y), fontsize=9.5)
+    bar = figure.colorbar(plt.cm.ScalarMappable(norm=norm, cmap=colours), ax=list(made.flat),
+                          label=label, aspect=30, pad=0.02)
+    bar.outline.set_visible(False)
+    bar.ax.grid(False)
+    name = NAME + column
+    style.save(figure, folder / (name + ".png"))
+    head = f"{title} over {layout.name(sweep, x)} and {layout.name(sweep, y)}"
+    text = caption(every, [layout.name(sweep, k) for k in others], len(shown), of)
+    return Figure(name, head, text, head + ", as colours", maps=hover.maps_of(figure))
+
+
+def caption(every, others, shown, of):
+    text = "Each cell is a case; the cells are equidistant irrespective of their values."
+    if others:
+        text += f" One panel per {listed(others)}, with the same colour scale in all panels."
+    if shown < of:
+        text += f" {some_of(shown, of, 'panel')}, spread evenly; the table lists all cases."
+    failed, invalid = (sum(int(cell[i].sum()) for cell in every) for i in (1, 2))
+    empty = sum(int((~np.isfinite(cell[0])).sum()) for cell in every) - failed
+    if invalid:
+        text += f" White with a cross: {counted(invalid, 'case')} not valid, excluded from the colour scale."
+    if failed:
+        text += f" Cross-hatched: {failed} without a result, see \"Not in the figures\"."
+    if empty:
+        text += f" Hatched: {empty} without a value or not swept; the reasons are in the table."
+    return text
+
+
+def figures(sweep, folder):
+    plan = plane(sweep)
+    if plan is None:
+        return []
+    many = len(layout.groups(sweep)) > style.CURVES  # otherwise the other measures are drawn as curves
+    measures = list(MEASURES if many else MEASURES[:4])
+    if not all(map(wake.is_passed, layout.ordinary(sweep))):
+        measures = [m for m in measures if "frequency" not in m[0]]  # some foci stay far from the point
+    else:
+        measures += band_measures(sweep)
+    return [f for m in measures if (f := heat_figure(sweep, folder, m, plan))]

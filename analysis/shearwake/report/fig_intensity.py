@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Time-averaged intensity of the surface with the shape that the focus draws."""
+import numpy as np
+
+from .. import wake
+from . import fig_surface, hover, layout, load, style
+from .figure import Figure
+from .words import number
+
+
+def draw_lines(axes, lines):
+    for line in lines:
+        axes.plot(*(1e3 * line).T, color="white", linewidth=0.9, linestyle=(0, (3, 2)),
+                  marker="+" if len(line) == 1 else "", path_effects=style.halo(1.8, "black"))
+
+
+def window(found, shots, end):
+    """The rectangle that contains all visible vibration and the drawn shape."""
+    limits = fig_surface.window(shots, end)
+    points = 1e3 * np.concatenate([line for _, (_, _, _, lines) in found for line in lines])
+    low, high = points.min(axis=0) - 3.0, points.max(axis=0) + 3.0
+    return (min(limits[0], low[0]), max(limits[1], high[0]), min(limits[2], low[1]),
+            max(limits[3], high[1]))
+
+
+def figures(sweep, folder):
+    cells, columns = fig_surface.cells(sweep)
+    with_map = [(c, m) if c and (m := load.mean_square(c)) else None for c in cells]
+    found = [f for f in with_map if f]
+    if not found or all(wake.runs_straight_on(c) for c, _ in found):
+        return []
+    shots = [f and fig_surface.Snapshot(f[0], f[0].series["time"][-1], 1e3 * f[1][0], 1e3 * f[1][1],
+                                        1e6 * np.sqrt(f[1][2])) for f in with_map]
+    end = max(s.u_um.max() for s in shots if s)
+    if not end > 0:
+        return []
+    limits = window(found, [s for s in shots if s], end)
+    figure, made, bar_axes = fig_surface.arrange(sweep, shots, columns, limits)
+    for axes, shot, cell in zip(made, shots, with_map):
+        if not shot:
+            continue
+        image = axes.imshow(shot.u_um.T, origin="lower", cmap="magma", vmin=0.0, vmax=end,
+                            extent=fig_surface.extent(shot), interpolation="bicubic",
+                            interpolation_stage="data")
+        draw_lines(axes, cell[1][3])
+        fig_surface.frame(axes, limits)
+        fig_surface.attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits, "rms of u")
+        share = number(shot.case.value("sharpness_1"), 3)
+        if share:
+            fig_surface.note(axes, f"sharpness {share}", "white")
+    bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal",
+                          label="rms of $u_z$ over time (µm)")
+    bar.outline.set_linewidth(0.5)
+    bar_axes.grid(False)
+    style.save(figure, folder / "intensity.png")
+    text = ("Root of the time-averaged intensity, the mean of u² over complete periods, of "
+            f"{layout.plane_name([c for c, _ in found])}, on the same colour scale in all panels. Dashed lines or crosses: the shape that the focus draws.")
+    if any(s and number(s.case.value("sharpness_1")) for s in shots):
+        text += " Sharpness: the fraction of this energy within one FWHM of the shape."
+    return [Figure("intensity", "Time-averaged intensity", text,
+                   "Time-averaged intensity seen from above", maps=hover.maps_of(figure),
+                   cases=[case.id for case, _ in found])]

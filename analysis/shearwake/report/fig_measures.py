@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The measures that are drawn against the swept key, and their captions."""
+import math
+
+from .. import wake
+from . import fig_curves as curves_module, layout, style
+from .chart import Line
+from .curve_chart import curve_chart, draw_errors, error_caption
+from .figure import Figure
+from .validity import invalid_caption
+from .words import number
+
+MEASURES = [
+    {"name": "eta", "title": "Reconstruction efficiency against {x}",
+     "period": "eta_period_1", "instant": "eta_at_1", "label": "efficiency η (1)",
+     "caption": "η is the fraction of Σu² of {region} that lies within the focal disc. The larger η is, "
+                "the better the vibration is confined to the focus."},
+    {"name": "ipr_abs", "title": "Spread of the vibration (IPR of |u|) against {x}",
+     "period": "ipr_abs_period_mm2", "instant": "ipr_abs_at_mm2", "label": "(Σ|u|)² / Σu² (mm²)",
+     "caption": "The area over which the displacement is spread, (Σ|u|)²/Σu² times the area of a cell. Weak, "
+                "widespread waves contribute strongly."},
+    {"name": "participation", "title": "Participation area against {x}",
+     "period": "participation_period_mm2", "instant": "participation_at_mm2",
+     "label": "(Σu²)² / Σu⁴ (mm²)",
+     "caption": "The area over which the energy is spread, (Σu²)²/Σu⁴ times the area of a cell. Spots of strong "
+                "vibration contribute most."},
+    {"name": "ipr", "title": "Inverse participation ratio of the thesis against {x}",
+     "period": "ipr_period_mm2", "instant": "ipr_at_mm2", "label": "(Σu)² / Σu² (mm²)",
+     "log": True,
+     "caption": "(Σu)²/Σu², as the thesis defines it, measures compressibility, not spread: nearly incompressible tissue conserves "
+                "its volume, so Σu is close to zero and the value is very small for any pattern. Use the two areas "
+                "above to compare the spread."},
+]
+
+
+SHARPNESS = {
+    "name": "sharpness", "title": "Sharpness of the drawn shape against {x}",
+    "period": "sharpness_1", "instant": None, "label": "sharpness (1)",
+    "caption": "The fraction of the time-averaged energy within one FWHM of the shape that the focus draws."}
+
+
+def draw_column(axes, sweep, curves, column, figure):
+    """Draws one column of the table with its error bars, one line per curve, as a part of the figure of this name."""
+    for (group, colour, marker), aside in zip(curves, curves_module.asides(sweep, curves)):
+        x, y = curves_module.draw_curve(axes, sweep, group, column, figure, aside, marker=marker, color=colour,
+                                        linestyle="-" if layout.is_numeric(sweep) else "none")
+        draw_errors(axes, x, y, group.cases, column, colour)
+    axes.margins(y=0.12)
+    curves_module.widen(axes)
+
+
+def ratio_curves(sweep, folder, column, name, label):
+    """Draws one panel with a measure relative to the reference, which is a line at 1. Returns its chart."""
+    curves = curves_module.curves_of(sweep)
+    figure, (axes,) = curves_module.panels(1, curves, height_in=2.6)
+    draw_column(axes, sweep, curves, sweep.ratio_of(column), name)
+    axes.axhline(1.0, color=style.INK, linestyle="--", linewidth=1.3, zorder=1.5)
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 1.0 - 0.1 * (high - 1.0)), max(high, 1.0 + 0.1 * (1.0 - low)))
+    axes.set_ylabel(label)
+    reference = layout.reference_name(layout.all_references(sweep))
+    style.label_right(axes, [(1.0, reference, style.INK)])
+    finish(figure, axes, sweep, curves, folder / (name + ".png"))
+    chart = curve_chart(sweep, name, sweep.ratio_of(column), label)
+    x = sorted({layout.x_position(sweep, c) for c in layout.ordinary(sweep)})
+    chart.lines.append(Line(reference, x, [1.0] * len(x), style.INK, dashed=True))
+    return [chart]
+
+
+def finish(figure, axes, sweep, curves, path):
+    curves_module.set_x_axis(axes, sweep)
+    curves_module.legend_above(figure, curves)
+    style.save(figure, path)
+
+
+def gain_figure(sweep, folder):
+    """eta relative to that of the reference, both as means over periods."""
+    if not sweep.x or not curves_module.has_any(sweep, sweep.ratio_of("eta_period_1")):
+        return None
+    name = layout.reference_name(layout.all_references(sweep))
+    charts = ratio_curves(sweep, folder, "eta_period_1", "gain", f"η / η of {name} (1)")
+    title = f"Efficiency relative to {name} against {layout.name(sweep, sweep.x)}"
+    within = "in the same medium" if curves_module.is_steady(sweep) else "in the same time window and medium"
+    return Figure("gain", title, f"η over complete periods relative to that of {name} {within}, which is the dashed line at 1. Above "
+                  f"it, a case keeps a larger fraction of the energy at the focus than {name} does."
+                  + error_caption(sweep, sweep.ratio_of("eta_period_1"))
+                  + invalid_caption(sweep, "gain", sweep.ratio_of("eta_period_1")), title, charts)
+
+
+def strength_figure(sweep, folder):
+    """rms over the focal disc relative to the reference; None without a reference."""
+    if not sweep.x or not layout.all_references(sweep) or not curves_module.has_any(sweep, "focal_rms_um"):
+        return None
+    title = f"Strength at the focus against {layout.name(sweep, sweep.x)}"
+    name = layout.reference_name(layout.all_references(sweep))
+    charts = ratio_curves(sweep, folder, "focal_rms_um", "strength", f"focal rms / {name} (1)")
+    caption = (f"The rms of u over the focal disc and {curves_module.period_words(sweep)}, relative to {name}, the dashed "
+               "line at 1." + impulse_caption(sweep, name) + error_caption(sweep, sweep.ratio_of("focal_rms_um"))
+               + invalid_caption(sweep, "strength", sweep.ratio_of("focal_rms_um")))
+    return Figure("strength", title, caption, title, charts)
+
+
+DISPLACEMENT = [("focal_rms_um", "focal rms (µm)", "rms over the focal disc"),
+                ("peak_um", "peak (µm)", "largest displacement")]
+
+
+def displacement_figure(sweep, folder):
+    """The rms over the focal disc and the peak in micrometres."""
+    rows = [row for row in DISPLACEMENT if curves_module.has_any(sweep, row[0])]
+    if not sweep.x or not rows:
+        return None
+    curves = curves_module.curves_of(sweep)
+    figure, made = curves_module.panels(len(rows), curves)
+    for axes, (column, label, title) in zip(made, rows):
+        draw_column(axes, sweep, curves, column, "displacement")
+        style.label_right(axes, curves_module.reference_lines(axes, sweep, curves, column, "displacement"))
+        axes.set_ylabel(label)
+        axes.set_title(title, loc="left", color="#555555")
+    finish(figure, made[-1], sweep, curves, folder / "displacement.png")
+    title = f"Displacement in µm against {layout.name(sweep, sweep.x)}"
+    words = {"focal_rms_um": f"rms of u over the focal disc and {curves_module.period_words(sweep)}.",
+             "peak_um": "largest |u| within one period." if curves_module.is_steady(sweep) else
+             "largest |u| from the start of the run to the instant measure.at_ms."}
+    starts = ("Above: the", "Below: the") if len(rows) == 2 else ("The",)
+    caption = " ".join(f"{start} {words[column]}" for start, (column, _, _) in zip(starts, rows))
+    if layout.all_references(sweep):
+        caption += f" Dashed lines: {layout.reference_name(layout.all_references(sweep))}."
+    columns = [row[0] for row in rows]
+    caption += error_caption(sweep, *columns) + invalid_caption(sweep, "displacement", *columns)
+    return Figure("displacement", title, caption, title, [curve_chart(sweep, "displacement", *row) for row in rows])
+
+
+def impulse_caption(sweep, name):
+    """States the impulse relative to the reference, since half the mean force halves the displacement."""
+    shares = [c.value("impulse_mN_ms") / sweep.reference_of(c).value("impulse_mN_ms")
+              for c in layout.ordinary(sweep)
+              if sweep.reference_of(c) and sweep.reference_of(c).value("impulse_mN_ms")]
+    shares = [s for s in shares if not math.isnan(s)]
+    if not shares or (min(shares) > 0.99 and max(shares) < 1.01):
+        return ""
+    low, high = number(min(shares), 2), number(max(shares), 2)
+    amount = low if low == high else f"{low} to {high}"
+    return f" The impulse on the skin (mean force times time) is {amount} times that of {name}."
+
+
+def figures(sweep, folder):
+    if len(layout.groups(sweep)) > style.CURVES:
+        return []  # drawn as small multiples and heat maps instead
+    made = [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[:1]]
+    made += [gain_figure(sweep, folder), strength_figure(sweep, folder),
+             displacement_figure(sweep, folder)]
+    if not all(map(wake.runs_straight_on, layout.ordinary(sweep))):
+        made.append(curves_module.measure_figure(sweep, folder, SHARPNESS))
+    made += [curves_module.measure_figure(sweep, folder, m) for m in MEASURES[1:]]
+    return [f for f in made if f]

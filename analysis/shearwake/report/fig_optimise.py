@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Figures of `shearwake optimise`: efficiency against strength with its upper bound, envelopes, the energy at the focus and
+in the wake over time, and surfaces."""
+import matplotlib.pyplot as plt
+import numpy as np
+
+from . import fig_surface, layout, style
+from .figure import Figure
+from .optima import by_case, is_study, middle, optima, swept, title_of
+from .words import number
+
+CASES = 6  # largest number of optimised cases with panels of their own
+KINDS = (("optimum", "optimum"), ("AM-STM", "am"), ("SM-STM", "sm"))
+NAMES = {"eta_period_1": "efficiency η (1)"}
+COLOURS = {"unmodulated": style.GREY, **dict(zip((name for name, _ in KINDS), style.PALETTE))}
+
+
+def panels(count, height, **more):
+    """One panel per case in up to two columns, and the figure."""
+    columns = min(2, count)
+    rows = -(-count // columns)
+    figure, made = plt.subplots(rows, columns, figsize=(style.WIDTH_in, height * rows + 0.4), squeeze=False, sharex=True,
+                                sharey=True, layout="constrained", **more)
+    for axes in made.flat[count:]:
+        axes.set_visible(False)
+    return figure, list(made.flat[:count])
+
+
+def draw_front(sweep, axes, rows):
+    axes.plot([r["strength_at_least_1"] for r in rows], [r["eta_ceiling_1"] for r in rows], color=style.INK,
+              linestyle="--", label="upper bound")
+    for label, name in KINDS:
+        points = sorted({(r[f"strength_{name}_1"], r[f"eta_{name}_1"]) for r in rows if r[f"eta_{name}_1"] > 0})
+        if points:
+            axes.plot(*zip(*points), color=COLOURS[label], marker="o", markersize=4,
+                      label={"optimum": "optimum", "am": "best AM-STM"}.get(name, f"best {label} tried"), linestyle="-" if name == "optimum" else "none")
+    axes.plot([1.0], [rows[0]["eta_unmodulated_1"]], color=COLOURS["unmodulated"], marker="s", linestyle="none",
+              label="unmodulated")
+    axes.set_title(title_of(sweep, rows[0]), loc="left", color="#555555")
+
+
+def finish(figure, made, x, y):
+    for axes in made[-2:]:
+        axes.set_xlabel(x)
+        axes.xaxis.set_tick_params(labelbottom=True)
+    for axes in made[::2]:
+        axes.set_ylabel(y)
+    handles = {text: handle for axes in made for handle, text in zip(*axes.get_legend_handles_labels())}
+    style.legend_strip(figure, list(handles.values()))
+
+
+def front(sweep, folder, table):
+    figure, made = panels(len(table), 2.2)
+    for axes, rows in zip(made, table.values()):
+        draw_front(sweep, axes, rows)
+    made[0].set_ylim(bottom=0.0)  # of all panels
+    finish(figure, made, "strength (1)", NAMES.get(optima(sweep).maximised, optima(sweep).maximised))
+    style.save(figure, folder / "optimise_front.png")
+    return Figure("optimise_front", f"The largest {optima(sweep).maximised} for a given strength",
+                  "The best envelope that was found for each strength, and the best AM-STM and the best of the SM-STM that were "
+                  "tried, of at least the same strength. The strength is the rms over the focal disc relative to the load without "
+                  "modulation. The dashed line is an upper bound for all envelopes from 0 to 1 that are linear between the knots, "
+                  "with the motion of the optimum; it does not apply to SM-STM, which is another motion. "
+                  "scripts/verify_certificate.py verifies it.",
+                  f"{optima(sweep).maximised} against strength for the optimum, its upper bound and common modulations", cases=[])
+
+
+def envelope(sweep, case, strength):
+    """Times in ms and values of an optimum, to the end of a period."""
+    optimum = optima(sweep).optimum(case, strength)
+    knots = optima(sweep).forms(optimum["forms"])["knots"]
+    values = optimum["found"]["values"] + (optimum["found"]["values"][:1] if knots["repeat"] else [])
+    return 1e3 * knots["interval_s"] * np.arange(len(values)), values
+
+
+def envelopes(sweep, folder, table):
+    figure, made = panels(len(table), 1.8)
+    for axes, (case, rows) in zip(made, table.items()):
+        for colour, row in zip(style.distinct(len(rows)), rows):
+            strength = row["strength_at_least_1"]
+            axes.plot(*envelope(sweep, case, strength), color=colour, label=f"strength {strength:g}")
+        axes.set_title(title_of(sweep, rows[0]), loc="left", color="#555555")
+    finish(figure, made, "t (ms)", "force (1)")
+    style.save(figure, folder / "optimise_envelopes.png")
+    return Figure("optimise_envelopes", "The best envelopes",
+                  "Force of the focus over time, relative to that of the load without modulation. The envelope is linear between "
+                  "its knots.", "Envelopes of the optima over time", cases=[])
+
+
+def compared(sweep, rows, strength):
+    """{modulation: case} of one optimised case and strength, unmodulated first. A case that several strengths share has
+    the settings of the first one."""
+    ordinary = [c for c in layout.ordinary(sweep)
+                if all(str(c.settings.get(key)) == rows[0][key] or c.settings.get(key) == rows[0][key] for key in swept(rows[0]))]
+    found = {}
+    for name in ("unmodulated", "AM-STM", "SM-STM", "optimum"):
+        of = [c for c in ordinary if c.settings.get("optimise.modulation") == name]
+        exact = [c for c in of if c.settings.get("optimise.strength_at_least") == strength]
+        if exact or (of and name != "optimum"):
+            found[name] = (exact or of)[0]
+    return found
+
+
+def draw_energy(made, case, name, unit):
+    t, inside, total = (case.series[key] for key in ("time", "focal_sum_u2", "sum_u2"))
+    outside = (total - inside) / unit
+    for axes, values in zip(made, (inside / unit, outside, np.gradient(outside, 1e3 * t))):
+        axes.plot(1e3 * t, values, color=COLOURS[name], label=name)
+
+
+def energy(sweep, folder, table):
+    """Energy at the focus and in the wake over time, for the first optimised case."""
+    rows = next(iter(table.values()))
+    shown = {name: c for name, c in compared(sweep, rows, middle(rows)).items() if "focal_sum_u2" in c.series}
+    if "unmodulated" not in shown or "optimum" not in shown:
+        return []
+    unit = shown["unmodulated"].series["sum_u2"].mean()
+    figure, made = plt.subplots(4, 1, figsize=(style.WIDTH_in, 7.6), sharex=True, layout="constrained")
+    for name, case in shown.items():
+        force = case.series["force"] / shown["unmodulated"].series["force"].max()
+        made[0].plot(1e3 * case.series["time"], force, color=COLOURS[name], label=name)
+        draw_energy(made[1:], case, name, unit)
+    for axes, label in zip(made, ("force (1)", "energy in the disc (1)", "energy elsewhere (1)", "its growth (1/ms)")):
+        axes.set_ylabel(label)
+    for axes in made[:3]:
+        axes.set_ylim(bottom=0.0)
+    made[3].axhline(0.0, color="#999999", linewidth=0.8)
+    rates = np.abs(np.concatenate([line.get_ydata()[3:-3] for line in made[3].lines[:-1]]))
+    made[3].set_ylim(-1.1 * rates.max(), 1.1 * rates.max())  # without the jump of the focus to the start of a path
+    made[-1].set_xlabel("t (ms)")
+    style.legend_strip(figure, made[0].get_legend_handles_labels()[0])
+    style.save(figure, folder / "optimise_energy.png")
+    return [Figure("optimise_energy", "Energy at the focus and in the wake",
+                   f"Force, sum of u² over the focal disc, and sum of u² over the rest of the measured region, for {title_of(sweep, rows[0])} "
+                   f"and a strength of at least {number(middle(rows), 3)}. The sums are relative to the mean over the region for the load "
+                   "without modulation. The growth of the energy elsewhere is what flows into the wake less what is absorbed and "
+                   "leaves the region.", "Force, energy at the focus and energy in the wake over time",
+                   cases=[c.id for c in shown.values()])]
+
+
+def surfaces(sweep, folder, rows, place):
+    """The surfaces of one strength of an optimised case side by side."""
+    shots = [(name, c, fig_surface.snapshot(c)) for name, c in compared(sweep, rows, middle(rows)).items()]
+    shots = [(name, c, shot) for name, c, shot in shots if shot is not None]
+    if not shots:
+        return []
+    end = fig_surface.scale([shot for _, _, shot in shots])
+    limits = fig_surface.window([shot for _, _, shot in shots], end)
+    rows_of_panels = -(-len(shots) // 2)
+    height = 0.35 + 0.5 * (style.WIDTH_in - 1.6) * (limits[3] - limits[2]) / (limits[1] - limits[0])  # of a panel with its title
+    figure, made = plt.subplots(rows_of_panels, 2, figsize=(style.WIDTH_in, height * rows_of_panels + 0.5), squeeze=False,
+                                sharex=True, sharey=True, layout="constrained")
+    for axes in made.flat[len(shots):]:
+        axes.set_visible(False)
+    for axes, (name, _, shot) in zip(made.flat, shots):
+        image, _ = fig_surface.draw(axes, shot, plt.Normalize(-end, end), limits)
+        axes.set_title(f"{name}, {shot.t_s * 1e3:.3g} ms", loc="left", color="#555555")
+    for axes in made[-1]:
+        axes.set_xlabel("x (mm)")
+    for axes in made[:, 0]:
+        axes.set_ylabel("y (mm)")
+    figure.colorbar(image, ax=list(made.flat), label="$u_z$ (µm)")
+    name = f"optimise_surfaces_{place}"
+    style.save(figure, folder / f"{name}.png")
+    return [Figure(name, f"Surfaces: {title_of(sweep, rows[0])}",
+                   "Displacement of the surface at the same instant: without modulation, with the best AM-STM and SM-STM, and with "
+                   f"the optimum of strength {number(middle(rows), 3)}.",
+                   "Snapshots of the surface for the compared modulations", cases=[c.id for _, c, _ in shots])]
+
+
+def figures(sweep, folder):
+    if not is_study(sweep):
+        return []
+    table = dict(list(by_case(sweep).items())[:CASES])
+    found = [front(sweep, folder, table), envelopes(sweep, folder, table), *energy(sweep, folder, table)]
+    for place, rows in enumerate(table.values(), start=1):
+        found += surfaces(sweep, folder, rows, place)
+    return found

@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Spectra of the displacement at the trace nearest to the centre, for all cases and their reference."""
+import math
+import re
+from dataclasses import replace
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .. import wake
+from . import fig_frequency, fig_time, layout, style, warnings_of
+from .chart import Chart, Line, Mark
+from .figure import Figure
+from .words import listed, millimetres, number, split_unit
+
+SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
+SEEN = 0.02  # smallest visible amplitude relative to the largest
+UNLIKE = 3.0  # largest ratio of the largest amplitudes of panels with a common scale
+MODULATIONS = ("am_frequency", "sm_frequency", "draw_frequency")
+
+
+def own_frequency_Hz(sweep, case):
+    """The modulation frequency of the case if x is a modulation frequency, else NaN."""
+    name, unit = split_unit(sweep.x or "")
+    factor = {"Hz": 1.0, "kHz": 1e3}.get(unit)
+    value = case.settings.get(sweep.x)
+    if name not in MODULATIONS or factor is None or not layout.is_number(value):
+        return math.nan
+    return factor * value
+
+
+def spectrum(case):
+    """The spectrum without the mean, which would look like a step in a one-sided spectrum."""
+    frequency, amplitude = case.spectrum
+    return frequency[frequency > 0], amplitude[frequency > 0]
+
+
+def unit_of(cases):
+    """Unit and factor of the amplitudes: nm below 1 um, else um."""
+    largest = max(np.nanmax(spectrum(c)[1], initial=0.0) for c in cases)
+    return ("µm", 1e6) if largest >= 1e-6 else ("nm", 1e9)
+
+
+def velocity_spectrum(case):
+    """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s; the skin is at rest at
+    t = 0."""
+    nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
+    interval_s = float(case.series["time"][1] - case.series["time"][0])
+    velocity = np.diff(nearest, prepend=0.0) / interval_s
+    padded = 16 * len(velocity)  # for a smooth curve
+    amplitude = 2e3 * np.abs(np.fft.rfft(velocity, n=padded)) / len(velocity)
+    frequency = np.fft.rfftfreq(padded, interval_s)
+    return frequency[1:], amplitude[1:]
+
+
+def of_one_period(cases):
+    """Whether all cases are in the periodic regime and have the same period, so that their lines coincide."""
+    ends = {round(float(c.series["time"][-1]), 9) for c in cases}
+    return all(layout.repeats(c) for c in cases) and len(ends) == 1
+
+
+def draw_spectrum(axes, case, frequency, values, coincide, **look):
+    """A curve. In the periodic regime a dot per line of the spectrum, with a bar per visible line; if the lines of all
+    cases coincide, bars would hide each other, and thin lines join the dots."""
+    if coincide:
+        axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+        axes.plot(frequency, values, color=look["color"], linewidth=0.4, linestyle=look.get("linestyle", "-"))
+        return
+    if not layout.repeats(case):
+        axes.plot(frequency, values, **look)
+        return
+    seen = values > 0.2 * SEEN * np.nanmax(values, initial=0.0)
+    frequency, values = frequency[seen], values[seen]
+    axes.vlines(frequency, 0.0, values, colors=look["color"], linewidth=look["linewidth"],
+                linestyles=look.get("linestyle", "-"))
+    axes.plot(frequency, values, "o", color=look["color"], markersize=2.5 * look["linewidth"])
+
+
+def draw_case(axes, sweep, case, frequency, values, coincide, colour, **look):
+    draw_spectrum(axes, case, frequency, values, coincide, color=colour, **look)
+    own = own_frequency_Hz(sweep, case)
+    if own <= SHOWN_Hz:
+        axes.plot([own, own], [0.0, 0.035], color=colour, linewidth=2.0, clip_on=False,
+                  transform=axes.get_xaxis_transform())
+
+
+def plain_of(sweep, case):
+    """The case with which a case is compared: its reference, or STM in a sweep over the modulation. A
+    reference and STM are compared with themselves. None if there is no such case."""
+    if reference := sweep.reference_of(case):
+        return reference
+    if case.is_reference or kind_of(case) == "STM":
+        return case
+    same = {k: v for k, v in case.settings.items() if "modulation" not in k or "speed_m_s" in k}
+    return next((c for c in layout.ordinary(sweep) if kind_of(c) == "STM"
+                 and all(c.settings.get(k) == v for k, v in same.items())), None)
+
+
+def kind_of(case):
+    return case.setting("load", "modulation", "kind", default="")
+
+
+def largest(case):
+    return float(np.nanmax(spectrum(case)[1], initial=0.0)) if case and case.spectrum else 0.0
+
+
+def rows_of(sweep):
+    """The panels that contain a spectrum: (title, cases, reference or None)."""
+    rows = [(title, [c for c in drawn if c.spectrum], reference)
+            for title, drawn, reference in layout.rows(sweep)]
+    return [row for row in rows if row[1]]
+
+
+def highest(curves, own_Hz, end_Hz):
+    """The end of the frequency axis: a half or a quarter of the range if all curves and the modulation
+    frequencies of the cases fit, else the range."""
+    above = max((f for f in own_Hz if f <= end_Hz), default=0.0)
+    for frequency, values in curves:
+        seen = frequency[values > SEEN * np.nanmax(values)]
+        above = max(above, seen[seen <= end_Hz].max(initial=0.0))
+    return next((part * end_Hz for part in (0.25, 0.5) if above < 0.9 * part * end_Hz), end_Hz)
+
+
+def draw_rows(sweep, rows, label, curve_of, path, end_Hz=SHOWN_Hz, peaks=False):
+    """Draws one panel per row. `curve_of(case)` returns frequencies and values; `peaks` marks the largest
+    value. Returns whether the panels share their scale, and the charts of the panels."""
+    cases = [c for _, drawn, _ in rows for c in drawn]
+    colours = fig_time.colours_by_x(sweep, cases)
+    few = len(layout.x_values(sweep)) <= style.DIRECT_LABELS if sweep.x else True
+    height = 3.4 if len(rows) == 1 else 2.3
+    tops = [max(np.nanmax(curve_of(c)[1], initial=0.0) for c in [*drawn, *([reference] if reference and reference.spectrum else [])])
+            for _, drawn, reference in rows]
+    alike = bool(max(tops) <= UNLIKE * min(tops))
+    own_Hz = [own_frequency_Hz(sweep, c) for c in cases]
+    coincide = of_one_period([*cases, *(r for _, _, r in rows if r)])
+    shown_Hz = highest([curve_of(c) for c in cases], own_Hz, end_Hz)
+    figure, made = plt.subplots(len(rows), 1, sharex=True, sharey=alike, squeeze=False,
+                                layout="constrained",
+                                figsize=(style.WIDTH_in, 0.75 + height * len(rows)))
+    for axes, (title, drawn, reference) in zip(made[:, 0], rows):
+        for low, high in bands(drawn):
+            axes.axvspan(low, min(high, shown_Hz), color="#f3f3f3", zorder=0, linewidth=0)
+        if reference and reference.spectrum:
+            draw_spectrum(axes, reference, *curve_of(reference), coincide, color="black", linewidth=1.4,
+                          linestyle=fig_time.DASHED)
+        for case in drawn:
+            frequency, values = curve_of(case)
+            draw_case(axes, sweep, case, frequency, values, coincide, colours[case.id], linewidth=1.3 if few else 0.9,
+                      linestyle=fig_time.DASHED if case.is_reference else "-")
+            if peaks:
+                top = np.nanargmax(values)
+                axes.plot(frequency[top], values[top], "o", color=colours[case.id], markersize=5)
+        axes.set_xlim(0.0, min(shown_Hz, drawn[0].spectrum[0][-1]))
+        axes.set_ylabel(label)
+        axes.set_title(title, loc="left", color="#555555")
+    for axes in made[:, 0]:
+        axes.set_ylim(bottom=0.0)  # after all curves, since it fixes the upper limit
+    made[-1, 0].set_xlabel("frequency (Hz)")
+    if sweep.x:
+        fig_time.add_x_key(figure, list(made[:, 0]), sweep, colours)
+    style.save(figure, path)
+    y_limits = (0.0, 1.06 * max(tops)) if alike and max(tops) > 0.0 else None
+    marks = [row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks) for _, drawn, _ in rows]
+    return alike, [row_chart(sweep, row, colours, label, curve_of, y_limits, own, end_Hz) for row, own in zip(rows, marks)]
+
+
+def row_marks(sweep, drawn, colours, curve_of, end_Hz, peaks):
+    """The band of the table, the modulation frequencies of the cases, and the largest values."""
+    marks = [Mark("band", low, end=high) for low, high in bands(drawn)]
+    for case in drawn:
+        own = own_frequency_Hz(sweep, case)
+        if own <= end_Hz:
+            marks.append(Mark("tick", own, colour=colours[case.id], case=case.id))
+        if peaks:
+            frequency, values = curve_of(case)
+            top = int(np.nanargmax(values))
+            marks.append(Mark("dot", float(frequency[top]), y=float(values[top]), colour=colours[case.id], case=case.id))
+    return marks
+
+
+def row_chart(sweep, row, colours, label, curve_of, y_limits, marks, end_Hz):
+    """The interactive version of one panel."""
+    title, drawn, reference = row
+    lines = []
+    for case in [*drawn, *([reference] if reference and reference.spectrum else [])]:
+        frequency, values = curve_of(case)
+        shown = frequency <= end_Hz
+        lines.append(Line(warnings_of.label(sweep, case, "spectra"), frequency[shown], values[shown],
+                          "black" if case is reference else colours[case.id], case.id, dashed=case.is_reference,
+                          dots=layout.repeats(case)))
+    return Chart("frequency (Hz)", re.sub(r"[$_]", "", label).replace("\n", " "), lines, title,
+                 y_limits=y_limits, marks=marks)
+
+
+def bands(cases):
+    """The band of `measure.bands_Hz` in Hz if all cases have the same single band, else none."""
+    edges = {tuple(c.setting("measure", "bands_Hz", default=())) for c in cases}
+    return [edges.pop()] if len(edges) == 1 and len(next(iter(edges))) == 2 else []
+
+
+def relative_figure(sweep, folder, rows):
+    """Spectra relative to the largest amplitude of plain STM; None if a case has no reference or if the foci
+    of the references do not pass the point."""
+    drawn = [c for _, cases, _ in rows for c in cases]
+    plain = {c.id: plain_of(sweep, c) for c in drawn}
+    if (not all(map(largest, plain.values())) or all(plain[c.id] is c for c in drawn)
+            or not all(map(wake.is_passed, plain.values()))):
+        return None
+    name = layout.reference_name(list(plain.values()))
+
+    def relative(case):
+        frequency, amplitude = spectrum(case)
+        return frequency, amplitude / largest(plain.get(case.id, case))
+
+    _, charts = draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
+                          folder / "spectra_relative.png")
+    text = (f"The spectra above, relative to the largest amplitude of {name} under the same conditions. They show "
+            "how much of the strength each case preserves, and at which frequencies.")
+    return Figure("spectra_relative", f"Spectra relative to {name}", text,
+                  f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
+
+
+def velocity_figure(sweep, folder, rows):
+    """Spectra of du/dt if du/dt has a dominant frequency and u has none, else None."""
+    if [of for _, of in fig_frequency.peaks(sweep)] != ["du/dt"]:
+        return None
+    if not all(c.traces for _, cases, _ in rows for c in cases):
+        return None
+    alike, charts = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
+                      folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
+    text = ("Spectra of the velocity du/dt; a dot marks the dominant frequency, at which the amplitude is "
+            f"largest.{own_scale(alike)}")
+    return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
+                  "Amplitude spectra of the velocity at one point, one line per case", charts)
+
+
+def own_scale(alike):
+    return "" if alike else " Each panel has its own scale."
+
+
+def figures(sweep, folder):
+    sweep = layout.fewer_lines(sweep)
+    cases = [c for c in layout.ordinary(sweep) if c.spectrum]
+    rows = rows_of(sweep)
+    if not cases or not rows:
+        return []
+    unit, factor = unit_of(cases + [r for r in layout.all_references(sweep) if r.spectrum])
+
+    def shown(case):
+        frequency, amplitude = spectrum(case)
+        return frequency, factor * amplitude
+
+    alike, charts = draw_rows(sweep, rows, f"amplitude of $u_z$ ({unit})", shown, folder / "spectra.png")
+    text = caption(sweep, cases) + own_scale(alike)
+    made = [Figure("spectra", spectra_title(cases), text, "Amplitude spectra of the displacement "
+                   "at one point, one line per case", charts),
+            velocity_figure(sweep, folder, rows), relative_figure(sweep, folder, rows)]
+    shown = [c.id for _, drawn, reference in rows for c in [*drawn, reference] if c]
+    return [replace(f, cases=shown) for f in made if f]
+
+
+def spectra_title(cases):
+    at_centre = all(math.hypot(*c.trace_at_m) < 1e-9 for c in cases)
+    return "Spectra at the centre" if at_centre else "Spectra at the point nearest to the centre"
+
+
+def caption(sweep, cases):
+    places = sorted({tuple(millimetres(1e3 * v) for v in c.trace_at_m) for c in cases})
+    duration = {round(c.series["time"][-1], 9) for c in cases}
+    where = listed(f"({x}, {y}) mm" for x, y in places)
+    where += "" if (plane := layout.plane_name(cases)) == "the surface" else f" in {plane}"
+    if all(layout.repeats(c) for c in cases):
+        text = f"One-sided amplitude of u at {where}: the lines at the multiples of 1 / period of the load."
+    else:
+        text = f"One-sided amplitude of u at {where} over the complete run."
+    if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
+        run = duration.pop()
+        text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(1 / run, 2)} Hz apart."
+    passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
+    if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
+        text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."
+        if any(kind_of(c) != "STM" for c in cases):
+            text += " Their heights depend on the phase of the modulation at that time."
+    if any(not math.isnan(own_frequency_Hz(sweep, c)) for c in cases):
+        text += f" Ticks on the axis: the {layout.name(sweep, sweep.x)} of each case."
+    if bands(cases):
+        low, high = bands(cases)[0]
+        text += f" Grey: {number(low)} to {number(high)} Hz, the band of the share in the table."
+    if references := layout.all_references(sweep):
+        text += f" Dashed: {layout.reference_name(references)}."
+    return text

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Arranges the cases of a sweep for the figures: x, one group per curve, and the references."""
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from . import words
+from .load import Case, Sweep
+
+
+@dataclass
+class Group:
+    """One curve: the complete cases that share their series settings, in the order of x."""
+    label: str
+    cases: list
+    values: tuple = ()  # of the keys that distinguish curves
+
+
+def is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def ordinary(sweep: Sweep) -> list[Case]:
+    return [c for c in sweep.cases if c.whole and not c.is_reference]
+
+
+def repeats(case: Case) -> bool:
+    """Whether the load has always repeated (time.regime = "periodic")."""
+    return case.setting("time", "regime", default="") == "periodic"
+
+
+def is_numeric(sweep: Sweep) -> bool:
+    values = [c.settings.get(sweep.x) for c in sweep.cases if not c.is_reference]
+    return bool(sweep.x) and bool(values) and all(is_number(v) for v in values)
+
+
+def group_keys(sweep: Sweep) -> list[str]:
+    """The keys that distinguish curves; all other swept keys if cases would otherwise share an x."""
+    if sweep.label_keys is not None:
+        return sweep.label_keys
+    vary = [k for k in axes(sweep) if k != sweep.x]
+    keys = [k for k in vary if k in sweep.series_keys]
+    seen = [tuple(str(c.settings.get(k)) for k in [sweep.x, *keys]) for c in ordinary(sweep)]
+    return vary if len(set(seen)) < len(seen) else keys
+
+
+def groups(sweep: Sweep) -> list[Group]:
+    keys = group_keys(sweep)
+    found: dict[str, Group] = {}
+    for case in ordinary(sweep):
+        values = [case.settings.get(k, "") for k in keys]
+        label = ", ".join(setting_text(sweep, k, v) for k, v in zip(keys, values) if v != "")
+        found.setdefault(label, Group(label, [], tuple(values))).cases.append(case)
+    if is_numeric(sweep):
+        for group in found.values():
+            group.cases.sort(key=lambda c: c.settings[sweep.x])
+    made = list(found.values())
+    if all(is_number(v) for group in made for v in group.values):
+        made.sort(key=lambda group: group.values)
+    return made
+
+
+def x_values(sweep: Sweep) -> list:
+    """All values of x of the complete cases: sorted numbers, or strings in the order of the plan."""
+    cases = [c for c in ordinary(sweep) if sweep.x in c.settings]
+    values = list(dict.fromkeys(c.settings[sweep.x] for c in cases))
+    return sorted(values) if is_numeric(sweep) else values
+
+
+def x_position(sweep: Sweep, case: Case) -> float:
+    """The position of a case on the x axis: its number, or the index of its string."""
+    value: Any = case.settings.get(sweep.x)
+    return float(value) if is_numeric(sweep) else float(x_values(sweep).index(value))
+
+
+def is_logarithmic(values: Any) -> bool:
+    """Whether the numbers span a decade or more and have more uniform ratios than differences."""
+    values = np.asarray(values, dtype=float)
+    if len(values) < 3 or values.min() <= 0 or values.max() < 10 * values.min():
+        return False
+    steps, ratios = np.diff(values), np.diff(np.log(values))
+    return np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps)
+
+
+def setting_text(sweep: Sweep, key: str, value: Any) -> str:
+    """Key, value and unit: 'AM frequency 400 Hz'."""
+    return words.setting_text(name(sweep, key), key, value)
+
+
+def medium_label(sweep: Sweep, case: Case) -> str:
+    """The swept keys of the medium with their values; the label of the case if no such key is swept."""
+    keys = [k for k in axes(sweep) if k.startswith("medium.") and k in case.settings]
+    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys) or case_label(sweep, case)
+
+
+def case_label(sweep: Sweep, case: Case) -> str:
+    """The swept keys of a case with their values: 'AM frequency 200 Hz, focus FWHM 3 mm'."""
+    if case.is_reference:
+        keys = [k for k in axes(sweep) if k in case.settings and not is_reading(k) and affects(sweep, k, case)]
+        return ", ".join([reference_name([case]), *(setting_text(sweep, k, case.settings[k]) for k in keys)])
+    if not sweep.swept_keys:
+        return ", ".join(["this case", *(setting_text(sweep, k, v) for k, v in case.settings.items() if not is_reading(k))])
+    keys = ([sweep.x] if sweep.x in case.settings else []) + group_keys(sweep)
+    return ", ".join(setting_text(sweep, k, case.settings[k]) for k in keys if k in case.settings)
+
+
+def affects(sweep: Sweep, key: str, reference: Case) -> bool:
+    """Whether a key changes the field of a reference: no reference with another value of the key has the same field."""
+    others = [c for c in sweep.cases if c.is_reference and c.whole and key in c.settings
+              and c.settings[key] != reference.settings[key]]
+    return not any(have_same_motion(reference, other) for other in others)
+
+
+CHARACTERS = 12  # of a title per inch
+
+
+def wrapped(title: str, width_in: float) -> str:
+    """The title, wrapped to the width of a panel, but not between the two sides of an equals sign."""
+    title = re.sub(r" (?:\d+ )?= ", lambda match: match.group(0).replace(" ", "\u00a0"), title)
+    return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
+
+
+def plane_name(cases: list[Case]) -> str:
+    """'the surface', or the plane at the first of measure.depths_mm, in which surfaces, traces and measures are recorded."""
+    depths = sorted({round(1e3 * c.setting("measure", "depths_m", default=[0.0])[0], 6) for c in cases})
+    if not depths or depths == [0.0]:
+        return "the surface"
+    low, high = words.number(depths[0]), words.number(depths[-1])
+    return f"the plane z = {low if low == high else f'{low} to {high}'}\u00a0mm"
+
+
+def is_reading(key: str) -> bool:
+    """Whether the key affects only the measurement of a field, not the field itself."""
+    return key.startswith("measure.")
+
+
+def swept_cases(sweep: Sweep) -> list[Case]:
+    """All cases except references, with or without a result: heat maps have a cell for each."""
+    return [c for c in sweep.cases if not c.is_reference]
+
+
+def values_of(sweep: Sweep, key: str) -> list:
+    """All values of a key: sorted numbers, or strings in the order of the plan."""
+    values = list(dict.fromkeys(c.settings[key] for c in swept_cases(sweep) if key in c.settings))
+    return sorted(values) if all(map(is_number, values)) else values
+
+
+def name(sweep: Sweep, key: str) -> str:
+    """The name of a key, with its table if another swept key has the same name and other values: 'AM depth, carrier'. AM
+    and SM frequencies that are swept together have a common name, since a case has only one of them."""
+    shown = displayed_key(sweep, key)
+    title = words.key_name(shown)
+    alike = [k for k in sweep.swept_keys if k != key and words.key_name(displayed_key(sweep, k)) == title]
+    if shown != key or all(c.settings.get(k) == c.settings.get(key) for k in alike for c in swept_cases(sweep)):
+        return title
+    return f"{title}, {key.split('.')[-2]}" if "." in key else title
+
+
+def axis_label(sweep: Sweep, key: str) -> str:
+    """The name of a key, with its unit if the values are numbers."""
+    if all(map(is_number, values_of(sweep, key))):
+        return words.axis_label(displayed_key(sweep, key), name(sweep, key))
+    label = name(sweep, key)
+    return label[:1].upper() + label[1:]
+
+
+def settings_text(sweep: Sweep, case: Case) -> str:
+    """All settings of a case. Keys of the same name and value, which are swept together, appear once."""
+    return ", ".join(dict.fromkeys(setting_text(sweep, k, v) for k, v in case.settings.items()))
+
+
+def displayed_key(sweep: Sweep, key: str) -> str:
+    """The key itself, or the common key of a frequency or a phase that AM and SM share."""
+    for what in ("frequency_Hz", "phase_deg"):
+        am, sm = f"load.modulation.am_{what}", f"load.modulation.sm_{what}"
+        if key in (am, sm) and {am, sm} <= set(sweep.swept_keys):
+            same = all(c.settings.get(am) == c.settings.get(sm) for c in swept_cases(sweep))
+            return f"load.modulation.modulation_{what}" if same else key
+    return key
+
+
+def axes(sweep: Sweep) -> list[str]:
+    """The keys that vary independently, x first. A key that follows another one (zip) is not an axis."""
+    cases = swept_cases(sweep)
+    kept: list[str] = []
+    for key in dict.fromkeys([sweep.x, *sweep.series_keys, *sweep.swept_keys]):
+        if not key or len(values_of(sweep, key)) < 2:
+            continue
+        follows = any(len({(str(c.settings.get(other)), str(c.settings.get(key))) for c in cases})
+                      == len({str(c.settings.get(other)) for c in cases}) for other in kept)
+        if not follows:
+            kept.append(key)
+    return kept
+
+
+def evenly(items: Sequence, most: int) -> list:
+    """At most `most` items, including the first and the last."""
+    if len(items) <= most:
+        return list(items)
+    picks = np.unique(np.round(np.linspace(0, len(items) - 1, most)).astype(int))
+    return [items[i] for i in picks]
+
+
+def only(sweep: Sweep, ids: Sequence[str]) -> Sweep:
+    """The sweep with the cases of these ids and their references."""
+    kept = {*ids, *(sweep.by_id(i).reference_id for i in ids)}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept], label_keys=group_keys(sweep))
+
+
+def few(sweep: Sweep, most: int = 40) -> Sweep:
+    """The sweep; if it has more than `most` cases, reduced to a few that are spread evenly over it."""
+    if len(ordinary(sweep)) <= most:
+        return sweep
+    chosen = evenly(groups(sweep), 3)
+    values = set(evenly(x_values(sweep), 24 // len(chosen)))
+    kept = {c.id for g in chosen for c in g.cases if c.settings.get(sweep.x) in values}
+    kept |= {sweep.by_id(i).reference_id for i in kept}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in kept],
+                   label_keys=group_keys(sweep))  # keys that no longer vary remain in the labels
+
+
+def fewer_lines(sweep: Sweep, most: int = 8, kept: int = 6) -> Sweep:
+    """The sweep; if it has too many values of x for a line or a panel each, reduced to some of them, spread
+    evenly."""
+    values = x_values(sweep)
+    if not sweep.x or not is_numeric(sweep) or len(values) <= most:
+        return sweep
+    return with_some(sweep, set(evenly(values, kept)))
+
+
+def with_some(sweep: Sweep, some: set) -> Sweep:
+    """The sweep with those cases whose x is one of some values, and their references."""
+    ids = {c.id for c in ordinary(sweep) if c.settings.get(sweep.x) in some}
+    ids |= {sweep.by_id(i).reference_id for i in ids}
+    return replace(sweep, cases=[c for c in sweep.cases if c.id in ids], label_keys=group_keys(sweep))
+
+
+def lines_of_one_panel(sweep: Sweep, most: int = 7) -> Sweep:
+    """The sweep; if its curves have too many cases for the lines of one panel, reduced to some that are spread
+    evenly."""
+    curves, values = len(groups(sweep)), x_values(sweep) if sweep.x else []
+    each = max(1, most // max(1, curves))
+    if curves < 2 or len(values) <= each:
+        return fewer_lines(sweep)
+    return with_some(sweep, set(evenly(values, each)))
+
+
+def references(sweep: Sweep, group: Group) -> list[Case]:
+    """The distinct complete references of a group, in the order of its cases."""
+    found = {}
+    for case in group.cases:
+        reference = sweep.reference_of(case)
+        if reference:
+            found[reference.id] = reference
+    return list(found.values())
+
+
+ROUNDING = 1e-9  # of the largest value: fields that differ by less are equal
+
+
+def field_settings(case: Case) -> dict[str, str]:
+    """All settings except those that affect only the measurement."""
+    return {k: str(v) for k, v in case.settings.items() if not is_reading(k)}
+
+
+def have_same_motion(one: Case, other: Case) -> bool:
+    """Whether two cases have the same field: their settings differ only in the measurement, or all that is recorded of
+    them is equal, since a swept key often changes nothing in a reference."""
+    if field_settings(one) == field_settings(other):
+        return True
+    if not one.traces or len(one.traces) != len(other.traces) or one.series.keys() != other.series.keys():
+        return False
+    if abs(one.value("peak_um") - other.value("peak_um")) > 1e-3 * abs(one.value("peak_um")):
+        return False  # at once
+    pairs = [(one.series[name], other.series[name]) for name in one.series]
+    pairs += [pair for (a, u), (b, v) in zip(one.traces, other.traces) for pair in ((np.array(a), np.array(b)), (u, v))]
+    return all(a.shape == b.shape and np.allclose(a, b, rtol=0.0, atol=ROUNDING * np.nanmax(np.abs(a), initial=0.0),
+                                                  equal_nan=True) for a, b in pairs)
+
+
+def motion_sets(cases: Iterable[Case]) -> list[list[Case]]:
+    """The cases in sets of the same field, each set in the order of the cases."""
+    sets: list[list[Case]] = []
+    for case in cases:
+        found = next((s for s in sets if have_same_motion(s[0], case)), None)
+        if found is None:
+            sets.append([case])
+        else:
+            found.append(case)
+    return sets
+
+
+def motions(cases: Iterable[Case]) -> list[Case]:
+    """One case of each set of cases that have the same field."""
+    return [same[0] for same in motion_sets(cases)]
+
+
+def by_reference(sweep: Sweep, found: list[Group], column: str) -> list[list[Group]]:
+    """The groups of `found` as lists of those whose references have the same values of the column, to nine digits: a
+    swept key often changes nothing in a reference."""
+    sets: dict[tuple, list[Group]] = {}
+    for group in found:
+        with_one = [(c, r) for c in group.cases if (r := sweep.reference_of(c))]
+        pairs = [(str(x_position(sweep, c)), f"{r.value(column):.9g}") for c, r in with_one]
+        values = {value for _, value in pairs}
+        if pairs:
+            sets.setdefault(tuple(values if len(values) == 1 else pairs), []).append(group)
+    return list(sets.values())
+
+
+def references_label(sweep: Sweep, found: list[Group]) -> str:
+    """The name of the references of some groups: with the keys on which they depend, or with the curves to which they belong
+    if they differ within a curve."""
+    own = motions([r for group in found for r in references(sweep, group)])
+    if len(own) == 1:
+        return case_label(sweep, own[0])
+    return f"{reference_name(own)}, {' and '.join(group.label for group in found)}"
+
+
+def all_references(sweep: Sweep) -> list[Case]:
+    """The distinct complete references of all groups."""
+    found = {r.id: r for group in groups(sweep) for r in references(sweep, group)}
+    return list(found.values())
+
+
+def references_among(cases: list[Case]) -> str:
+    """'10 of them references', 'a reference' if this is the only case, '' without references."""
+    found = sum(c.is_reference for c in cases)
+    one = "a reference" if found == 1 else "references"
+    if found == len(cases):
+        return one if found == 1 else f"all {one}" if found else ""
+    return f"{found} of them {one}" if found else ""
+
+
+def count_of(cases: list[Case]) -> str:
+    """The number of cases, which names references: '51 cases, 10 of them references'."""
+    if cases and all(c.is_reference for c in cases):
+        return words.counted(len(cases), "reference")
+    among = references_among(cases)
+    return words.counted(len(cases), "case") + (f", {among}" if among else "")
+
+
+def reference_name(cases: list[Case]) -> str:
+    kinds = {c.setting("load", "modulation", "kind", default="") for c in cases}
+    if len(kinds) != 1 or kinds == {""}:
+        return "reference"
+    kind = kinds.pop()
+    return f"plain {kind}" if kind == "STM" else f"reference {kind}"
+
+
+def rows(sweep: Sweep) -> list[tuple[str, list[Case], Case | None]]:
+    """Panels of overlaid lines as (title, cases, reference or None): the cases of each group with its
+    reference. Several references of a group have a separate panel, which groups with equal references share."""
+    made: list[Any] = []
+    separate: list[tuple[list[Case], list[Group]]] = []  # references, and the groups that have them
+    for group in groups(sweep):
+        found = motions(references(sweep, group))
+        made.append((group.label, group.cases, found[0] if len(found) == 1 else None))
+        if len(found) < 2:
+            continue
+        same = next((g for own, g in separate if len(own) == len(found) and all(map(have_same_motion, own, found))), None)
+        if same is None:
+            separate.append((found, [group]))
+            made.append(separate[-1])
+        else:
+            same.append(group)
+    of_all = len(separate) == 1 and len(separate[0][1]) == len(groups(sweep))
+    return [panel if len(panel) == 3 else (separate_title(panel[0], panel[1], of_all), panel[0], None) for panel in made]
+
+
+def separate_title(found: list[Case], members: list[Group], of_all: bool) -> str:
+    """The title of a panel of references, with the curves to which they belong unless they belong to all of them."""
+    labels = [] if of_all else [group.label for group in members if group.label]
+    return ", ".join([reference_name(found), *([" and ".join(labels)] if labels else [])])
+
+
+def receptor_classes(sweep: Sweep) -> list[str]:
+    """The classes of receptors with columns in the table."""
+    end = "_spikes_1"
+    return [column["name"].removesuffix(end) for column in sweep.columns if column["name"].endswith(end)]

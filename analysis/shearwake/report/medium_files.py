@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Maps and k-Wave studies that a case refers to. Case files contain only the hash of these files."""
+import functools
+import tomllib
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+import numpy as np
+
+from .. import inputs
+from .load import UNREADABLE
+
+LATE_s = 2.0  # between writing a file and the start of a case, whose time is stored in whole seconds
+
+
+@dataclass
+class Grid:
+    """Shear-wave speeds c_s_m_s(x, y, z) at the nodes x_m, y_m, z_m of a regular grid."""
+    x_m: np.ndarray
+    y_m: np.ndarray
+    z_m: np.ndarray
+    c_s_m_s: np.ndarray
+
+    def speed(self, x, y, z):
+        """The speed on a plane, of which x and y are a row and a number, or a number and a row, and z a column in m.
+        Linear between nodes; NaN farther outside than half a spacing."""
+        along = [weights(np.ravel(at), nodes) for at, nodes in ((x, self.x_m), (y, self.y_m), (z, self.z_m))]
+        values = np.einsum("xi,yj,zk,ijk->zxy", *along, self.c_s_m_s, optimize=True)
+        return values.reshape(np.broadcast(x, y, z).shape)
+
+
+def weights(at, nodes):
+    """The matrix of linear interpolation from the nodes to the points `at`; rows of NaN outside."""
+    if len(nodes) == 1:
+        return np.ones((len(at), 1))
+    spacing = nodes[1] - nodes[0]
+    place = (at - nodes[0]) / spacing
+    outside = (place < -0.5 - 1e-9) | (place > len(nodes) - 0.5 + 1e-9)
+    place = np.clip(place, 0.0, len(nodes) - 1.0)
+    first = np.minimum(place.astype(int), len(nodes) - 2)
+    matrix = np.zeros((len(at), len(nodes)))
+    rows = np.arange(len(at))
+    matrix[rows, first], matrix[rows, first + 1] = 1.0 - (place - first), place - first
+    matrix[outside] = np.nan
+    return matrix
+
+
+@functools.cache
+def keys_in(text):
+    """A job, or one override, as a dictionary; empty if it is not TOML."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        return {}
+
+
+def job_value(sweep, case, key):
+    """The value of a key of the job for this case: swept, overridden on the command line, or in the job file."""
+    found = case.settings.get(key)
+    for text in [*str(case.attributes.get("overrides", "")).splitlines()[::-1], sweep.job_text]:
+        if found is not None:
+            break
+        found = keys_in(text)
+        for part in key.split("."):
+            found = found.get(part) if isinstance(found, dict) else None
+    return found
+
+
+def file_of(sweep, case, key):
+    """The path of the file that a key of the job names, if the file is found and was not changed after the start of
+    the case; else None. Paths in jobs are relative to the job, which usually lies near the output folder."""
+    name = job_value(sweep, case, key)
+    if not isinstance(name, str):
+        return None
+    above = sweep.folder.resolve().parents
+    for folder in [*above[:3], *(parent / "jobs" for parent in above[:3]), Path.cwd()]:
+        path = folder / name
+        if path.is_file() and path.stat().st_mtime < started(case) + LATE_s:
+            return path
+    return None
+
+
+def started(case):
+    """The start of a case in seconds since 1970."""
+    try:
+        moment = datetime.strptime(case.attributes.get("started", ""), "%Y-%m-%dT%H:%M:%SZ")
+    except ValueError:
+        return 0.0
+    return moment.replace(tzinfo=timezone.utc).timestamp()
+
+
+def read_map(path):
+    """The grid of a map, or None if the file has no shear-wave speed or cannot be read."""
+    try:
+        found = inputs.read_map(path)
+    except (OSError, KeyError, ValueError):
+        return None
+    return Grid(found.x_m, found.y_m, found.z_m, found.c_s_m_s)
+
+
+@dataclass
+class Study:
+    grid: Grid
+    sources_mm: np.ndarray  # (n, 3)
+    sensors_mm: np.ndarray
+
+
+def read_study(path, case):
+    """The grid of a study and the places of its nodes, or None if the file cannot be read. The surface of the case has
+    the nodes of one plane of the grid."""
+    try:
+        _, x, y, _ = case.stored.snapshot()
+        found = inputs.read_study(path)
+        counts, speed = found.points, found.c_s_m_s
+        z = found.spacing_m[2] * np.arange(counts[2])
+        grid = Grid(x, y, z, np.broadcast_to(speed if speed.ndim == 3 else speed.item(), counts))
+        if (len(x), len(y)) != tuple(counts[:2]):
+            return None
+        return Study(grid, *(places(grid, nodes) for nodes in (found.source_nodes, found.sensor_nodes)))
+    except UNREADABLE:
+        return None
+
+
+def places(grid, nodes):
+    """The places of nodes, given by their indices, in mm."""
+    return 1e3 * np.column_stack([axis[nodes[:, i]] for i, axis in enumerate((grid.x_m, grid.y_m, grid.z_m))])

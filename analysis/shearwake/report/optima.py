@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The results of `shearwake optimise` in words and tables: the first sentence of the page, the optima with their upper bounds,
+their robustness, and the numbers of the certificates."""
+import csv
+import html
+import math
+
+from ..tables import Optima
+from . import layout
+from .words import number, value_text
+
+COMPARED = (("no modulation", "unmodulated"), ("best AM-STM", "am"), ("best SM-STM tried", "sm"), ("optimum found", "optimum"))
+
+
+def optima(sweep):
+    return Optima(sweep.folder)
+
+
+def is_study(sweep):
+    return optima(sweep).exists
+
+
+def by_case(sweep):
+    """{id of the optimised case: rows}."""
+    found = {}
+    for row in optima(sweep).rows:
+        found.setdefault(row["case"], []).append(row)
+    return found
+
+
+def swept(row):
+    """The swept keys: the columns before the strength."""
+    names = list(row)
+    return names[1:names.index("strength_at_least_1")]
+
+
+def title_of(sweep, row):
+    """The swept values of an optimised case, without those that follow from the values before them."""
+    rows, keys = optima(sweep).rows, []
+    for key in swept(row):
+        values = {r[key] for r in rows}
+        follows = any(len({(r[k], r[key]) for r in rows}) == len({r[k] for r in rows}) for k in keys)
+        if len(values) > 1 and not follows:
+            keys.append(key)
+    return ", ".join(_value(sweep, key, row[key]) for key in keys) or "the case of the job"
+
+
+def _value(sweep, key, text):
+    """A number with its key, and other values alone: 'periodic', 'focus speed 7 m/s'."""
+    try:
+        return layout.setting_text(sweep, key, float(text))
+    except ValueError:
+        return value_text(key, text)
+
+
+def middle(rows):
+    """The strength that is shown where only one is."""
+    return rows[(len(rows) - 1) * 2 // 3]["strength_at_least_1"]
+
+
+def relation(ratio):
+    if ratio >= 1.5:
+        return f"{number(ratio, 2)} times that of"
+    return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
+
+
+def sentence(sweep):
+    """The result for the first case, and how close all optima are to their upper bounds."""
+    rows = next(iter(by_case(sweep).values()))
+    row = next(r for r in rows if r["strength_at_least_1"] == middle(rows))
+    best = row["eta_optimum_1"]
+    where = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
+        f"strength {number(row['strength_at_least_1'], 3)}")
+    others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
+              + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
+              for text, name in (("the load without modulation", "unmodulated"), ("the best AM-STM", "am"),
+                                 ("the best SM-STM tried", "sm")) if row[f"eta_{name}_1"] > 0]
+    gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(sweep).rows]
+    return (f"{optima(sweep).maximised} of the optimum ({where}) is {number(best, 3)}: {', '.join(others)}. The upper bound for "
+            f"its path is {number(row['eta_ceiling_1'], 3)}. In all {len(gaps)} optima, the bound exceeds the optimum by "
+            f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
+
+
+def cell(value):
+    if isinstance(value, str):
+        return f"<td>{html.escape(value)}</td>"
+    return f'<td class="n" title="{value:.9g}">{number(value, 4)}</td>' if not math.isnan(value) else '<td class="n empty">–</td>'
+
+
+def table(names, rows):
+    head = "".join(f'<th scope="col">{html.escape(name)}</th>' for name in names)
+    body = "".join(f"<tr>{''.join(cell(v) for v in row)}</tr>" for row in rows)
+    return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def results(sweep):
+    names = ["case", "strength at least", *(text for text, _ in COMPARED), "strength of SM-STM", "upper bound", "bound / optimum"]
+    exported = any("eta_exported_1" in row for row in optima(sweep).rows)
+    names += ["exported", "its strength"] if exported else []
+    rows = [[title_of(sweep, r), r["strength_at_least_1"], *(r[f"eta_{name}_1"] for _, name in COMPARED), r["strength_sm_1"],
+             r["eta_ceiling_1"], r["ceiling_over_optimum_1"],
+             *((r["eta_exported_1"], r["strength_exported_1"]) if exported else ())] for r in optima(sweep).rows]
+    return table(names, rows)
+
+
+def robustness(sweep):
+    """Each optimum in other tissues and at other speeds; '' if these were not computed."""
+    path = optima(sweep).folder / "robustness.csv"
+    if not path.is_file():
+        return ""
+    with open(path, newline="", encoding="utf-8") as file:
+        read = list(csv.DictReader(file))
+    columns = ("strength_at_least_1", "eta_unmodulated_1", "eta_found_1", "found_over_unmodulated_1", "strength_1")
+    cases = {rows[0]["case"]: title_of(sweep, rows[0]) for rows in by_case(sweep).values()}
+
+    def difference(text):
+        return f"tissue of: {cases[text.split()[-1]]}" if text.split()[-1] in cases else text
+    rows = [[cases[r["case"]], difference(r["difference"]), *(float(r[c] or "nan") for c in columns)] for r in read]
+    names = ["optimised for", "difference", "strength at least", "no modulation", "the same envelope", "relative to no modulation",
+             "strength"]
+    return f"<h3>The same envelopes in other tissues and at other speeds</h3>{table(names, rows)}"
+
+
+def certificates(sweep):
+    """Knots, envelope and certificate of each optimum, folded."""
+    items = ""
+    for row in optima(sweep).rows:
+        optimum = optima(sweep).optimum(row["case"], row["strength_at_least_1"])
+        bound, knots = optimum["ceiling"], optima(sweep).forms(optimum["forms"])["knots"]
+        title = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}"
+        listed = {"knots": f"{knots['count']}, {number(1e6 * knots['interval_s'], 6)} µs apart",
+                  "e": ", ".join(f"{v:.6g}" for v in optimum["found"]["values"]), "eta": f"{bound['eta']:.9g}",
+                  "mu": f"{bound['mu']:.9g}", "tau (m²)": f"{bound['tau']:.9g}",
+                  "w (m²)": ", ".join(f"{v:.6g}" for v in bound["weights"])}
+        inner = "".join(f"<dt>{k}</dt><dd>{html.escape(v)}</dd>" for k, v in listed.items())
+        items += f"<details><summary>{html.escape(title)}</summary><dl>{inner}</dl></details>"
+    return ("<h3>Envelopes and certificates</h3><p>Values e of each envelope at its knots, and the numbers that prove its upper "
+            f"bound. scripts/verify_certificate.py states the proof and verifies it.</p>{items}")
+
+
+def section(sweep):
+    """The tables of the page."""
+    note = ("<p>The strength is the rms over the focal disc, relative to that without modulation. All columns without "
+            f"another name are {html.escape(optima(sweep).maximised)}. The optimum is the best of a local search from several starts. The upper bound "
+            "is a proof for all envelopes from 0 to 1 that are linear between the knots, on the same path and at the same "
+            "speed as the optimum.</p>")
+    return note + results(sweep) + robustness(sweep) + certificates(sweep)

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes one HTML page that contains all figures, loads nothing from elsewhere, and escapes all text."""
+import base64
+import html
+import io
+import json
+from collections import Counter
+from datetime import datetime
+from pathlib import Path
+
+from PIL import Image
+
+from . import layout, optima, player, table, warnings_of
+from .figure import Figure
+from .load import Sweep
+from .summary import summary
+from .topics import headlines, topics
+from .words import counted, number
+
+HERE = Path(__file__).resolve().parent
+COLOURS = 96  # of the pictures within the page; the files next to it have all
+FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
+         ("build", "build_type"), ("MPI", "mpi_version"), ("FFTW", "fftw_version"),
+         ("HDF5", "hdf5_version"), ("host", "host"), ("ranks per case", "ranks")]
+
+
+def escape(text):
+    return html.escape(str(text))
+
+
+def counts(sweep):
+    """For example '8 cases (of them 1 reference): 8 complete.'"""
+    by_status = Counter(c.status for c in sweep.cases)
+    references = sum(c.is_reference for c in sweep.cases)
+    parts = [f"{n} {status}" for status, n in by_status.most_common()]
+    kinds = f" (of them {counted(references, 'reference')})" if references else ""
+    return f"{counted(len(sweep.cases), 'case')}{kinds}: {', '.join(parts)}."
+
+
+def folded(name, title, count, inner, state=""):
+    """A section of the page that is closed unless `state` is "open"."""
+    return (f'<details class="topic" id="{name}"{" " + state if state else ""}><summary><h2>{escape(title)}</h2> '
+            f"<span>{escape(count)}</span></summary>{inner}</details>")
+
+
+def notices(sweep, problems):
+    """One line below the result that counts what is missing or doubtful, with links; '' if nothing is."""
+    links = []
+    if missing := sum(not case.whole for case in sweep.cases):
+        links.append(f'<a href="#missing">{counted(missing, "case")} without a result</a>')
+    if problems:
+        links.append(f'<a href="#missing">{counted(len(problems), "group")} of figures not drawn</a>')
+    if found := warnings_of.kinds(sweep):
+        invalid = {case.id for kind in found if kind.is_error for case in kind.cases}
+        wrong = f", {counted(len(invalid), 'case')} not valid" if invalid else ""
+        links.append(f'<a href="#warnings">{counted(len(found), "warning")}{wrong}</a>')
+    return f'<p class="badge">See also: {"; ".join(links)}.</p>' if links else ""
+
+
+def warning_list(sweep, state=""):
+    """All warnings of the sweep, once each, with the number of cases; '' without warnings."""
+    items = ""
+    for kind in warnings_of.kinds(sweep):
+        start = "Not valid" if kind.is_error else "Warning"
+        where = ""
+        if len(kind.cases) > 1:
+            where = f" ({layout.count_of(kind.cases)})"
+        elif len(sweep.cases) > 1:
+            where = f" ({layout.case_label(sweep, kind.cases[0])})"
+        items += f'<li id="warning-{kind.number}">{escape(f"{start}: {kind.message}{where}.")}</li>'
+    count = counted(items.count("<li "), "warning")
+    return folded("warnings", "Warnings", count, f'<ol class="warning">{items}</ol>', state) if items else ""
+
+
+def badge(found, shown):
+    """A line with the warnings of those cases that a figure shows, with links to the list."""
+    if not found:
+        return ""
+    links = [f'<a href="#warning-{kind.number}" title="{escape(kind.message)}">{escape(kind.name())}</a>'
+             + (f" ({escape(layout.count_of(kind.cases))})" if shown > 1 else "") for kind in found]
+    return f'<p class="badge">{"Warning" if len(found) == 1 else "Warnings"} about the cases shown: {"; ".join(links)}.</p>'
+
+
+def small_picture(path, reduction=1):
+    """The picture with few colours as base64 text of a lossless WebP, a fifth of the size of the file."""
+    file = io.BytesIO()
+    few = Image.open(path).convert("RGB").reduce(reduction).quantize(COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
+    few.convert("RGB").save(file, format="WEBP", lossless=True, method=2)
+    return base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def json_script(data):
+    """JSON within a page, in which no text can end the script."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False).replace("</", "<\\/").replace("<!", "<\\u0021")
+    return f'<script type="application/json">{text}</script>'
+
+
+def picture(figure, folder, level):
+    """A figure with its heading: interactive if it has charts, else as picture. Without JavaScript interactive figures
+    are pictures of half the resolution."""
+    name = escape(figure.name)
+    stored = small_picture(folder / (figure.name + ".png"), 2 if figure.charts else 1)
+    still = (f'<div class="scroll"><img alt="{escape(figure.alternative)}" '
+             f'src="data:image/webp;base64,{stored}"></div>')
+    shown = still
+    if figure.maps:
+        shown = (f'<div class="maps" id="maps-{name}">{still}{json_script(figure.maps)}<output>Point at a picture to read '
+                 "its values.</output></div>")
+    if figure.charts:
+        shown = (f'<div class="chart" id="chart-{name}">{json_script(figure.charts)}</div>'
+                 f"<noscript>{still}</noscript>")
+    return (f'<{level} id="{name}">{escape(figure.title)}</{level}><figure>{shown}'
+            f"{badge(figure.warnings, len(figure.cases or []))}<figcaption>{escape(figure.caption)}</figcaption>"
+            f'<p class="files">For papers, next to this page: <a href="{name}.png">{name}.png</a>, '
+            f'<a href="{name}.pdf">{name}.pdf</a>{escape(". " + figure.of_picture if figure.of_picture else "")}</p></figure>')
+
+
+def trouble(sweep, problems, state=""):
+    """The cases without results and the figures that could not be drawn, with their reasons."""
+    items = []
+    for case in sweep.cases:
+        if not case.whole:
+            label = f"{case.id}{' (reference)' if case.is_reference else ''} {layout.settings_text(sweep, case)}".strip()
+            items.append(f"<li><b>{escape(case.status)}</b> <code>{escape(label)}</code>: "
+                         f"{escape(case.reason)}</li>")
+    items += [f"<li>{escape(p)}</li>" for p in problems]
+    if not items:
+        return ""
+    return folded("missing", "Not in the figures", counted(len(items), "item"),
+                  f'<div class="trouble"><ul>{"".join(items)}</ul></div>', state)
+
+
+def moment(stamp):
+    try:
+        return datetime.strptime(stamp, "%Y-%m-%dT%H:%M:%SZ").strftime("%Y-%m-%d %H:%M:%S UTC")
+    except ValueError:
+        return stamp
+
+
+def provenance(sweep):
+    whole = [c.attributes for c in sweep.cases if c.whole]
+    rows = []
+    for name, attribute in FACTS:
+        values = list(dict.fromkeys(str(a[attribute]) for a in whole if attribute in a))
+        if values:
+            rows.append((name, ", ".join(values)))
+    started = sorted(a["started"] for a in whole if "started" in a)
+    ended = sorted(a["ended"] for a in whole if "ended" in a)
+    if started and ended:
+        rows.append(("computed", f"{moment(started[0])} to {moment(ended[-1])}"))
+    rows.append(("total time (s)", number(sum(a.get("wall_s", 0.0) for a in whole), 3)))
+    rows.append(("folder", sweep.folder.resolve().name))
+    rows.append(("interactive figures", f"uPlot {read('uplot/VERSION').strip()}, MIT licence"))
+    cells = "".join(f"<dt>{escape(n)}</dt><dd>{escape(v)}</dd>" for n, v in rows)
+    return f"<details><summary>Provenance</summary><dl>{cells}</dl></details>"
+
+
+def job(sweep):
+    if not sweep.job_text:
+        return ""
+    return f"<details><summary>Job file</summary><pre>{escape(sweep.job_text)}</pre></details>"
+
+
+def read(name):
+    """A file of this folder that becomes part of the page."""
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def scripts():
+    """uPlot with its licence, and the scripts of the page."""
+    uplot = read("uplot/uPlot.iife.min.js").partition("*/")[2]  # without the comment with its address
+    licence = read("uplot/LICENSE").replace("*/", "")
+    own = "\n".join(read(name) for name in ("charts.js", "maps.js", "page.js", "player.js"))
+    return f"<script>/* uPlot {read('uplot/VERSION').strip()}\n{licence}*/{uplot}</script><script>{own}</script>"
+
+
+def anchor(title):
+    return "topic-" + "-".join(title.lower().split())
+
+
+def parts(sweep, figures, folder, problems, moving):
+    """The parts of the page in their order: (id, title in the contents, HTML, links within)."""
+    made = []
+    if moving:
+        shown = [c.id for c in player.cases_of(sweep)]
+        notice = badge(warnings_of.of_figure(sweep, "player", shown), len(shown))
+        plane = layout.plane_name(player.cases_of(sweep))
+        title = f"{plane[:1].upper()}{plane[1:]} seen from above"
+        made.append(("player", title, f'<h2 id="player">{escape(title)}</h2>{notice}{moving}', []))
+    made += [(f.name, f.title, picture(f, folder, "h2"), []) for f in headlines(figures)]
+    if optima.is_study(sweep):
+        made.append(("optima", "Optima", f'<h2 id="optima">Optima</h2>{optima.section(sweep)}', []))
+    state = "" if made else "open"
+    if notice := trouble(sweep, problems, state):
+        made.append(("missing", "Not in the figures", notice, []))
+    if listed := warning_list(sweep, state):
+        made.append(("warnings", "Warnings", listed, []))
+    for title, members in topics(figures):
+        inner = "".join(picture(f, folder, "h3") for f in members)
+        made.append((anchor(title), title, folded(anchor(title), title, counted(len(members), "figure"), inner),
+                     [(f.name, f.title) for f in members]))
+    made.append(("table", "All cases", f'<h2 id="table">All cases</h2>{table.table(sweep, figures)}', []))
+    return made
+
+
+def contents(made):
+    """Links to all parts of the page in its order; the links of a topic are folded."""
+    items = ""
+    for name, title, _, within in made:
+        items += f'<li><a href="#{escape(name)}">{escape(title)}</a>'
+        if within:
+            inner = "".join(f'<li><a href="#{escape(n)}">{escape(t)}</a></li>' for n, t in within)
+            items += f"<details><summary>{counted(len(within), 'figure')}</summary><ul>{inner}</ul></details>"
+        items += "</li>"
+    return f'<nav aria-label="contents"><p>On this page</p><ul>{items}</ul></nav>'
+
+
+def page(sweep: Sweep, figures: list[Figure], folder: Path, problems: list[str], moving: str = "") -> str:
+    lone = "" if sweep.x or not layout.ordinary(sweep) else (
+        "<p>The job sweeps no key, so there are no curves over a swept key.</p>")
+    made = parts(sweep, figures, folder, problems, moving)
+    return "\n".join([
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{escape(sweep.title)}</title><style>{read('uplot/uPlot.min.css')}\n{read('page.css')}</style>"
+        "</head><body>",
+        f'<header><h1>{escape(sweep.title)}</h1><p class="lead">{escape(summary(sweep))}</p>'
+        f'<p class="counts">{escape(counts(sweep))}</p>{notices(sweep, problems)}</header>',
+        f'<div class="columns">{contents(made)}<main>', lone, *(content for _, _, content, _ in made),
+        "</main></div><footer>", job(sweep), provenance(sweep), "</footer>", scripts(), "</body></html>\n"])

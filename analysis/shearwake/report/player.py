@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The surface over time: a player of the recorded snapshots or frames of all cases, which player.js draws.
+
+Each time is a small picture within the page. Its grey levels are sign(u) sqrt(|u| / largest |u|), so that the page
+can show values and choose the colours.
+"""
+import base64
+import html
+import io
+import json
+import math
+from dataclasses import dataclass
+
+import matplotlib
+import numpy as np
+from PIL import Image
+
+from .. import wake
+from . import fig_surface, layout, load, style, warnings_of
+from .words import counted, number
+
+MOMENTS = 60             # largest number of times per case
+WIDEST_px = 240
+BUDGET_bytes = 1_200_000  # of all pictures; times are omitted and pictures reduced until they fit
+QUALITY = 85             # of the lossy pictures that are used if lossless ones do not fit
+PLAYED_s = 6.0           # duration of the run at the initial slow-down
+SLOW_DOWNS = (10, 20, 50, 100, 200, 500, 1000, 2000, 5000)
+
+
+@dataclass
+class Detail:
+    """How precisely the surfaces are stored."""
+    moments: int
+    widest_px: int = WIDEST_px
+    lossless: bool = True
+
+
+def cases_of(sweep):
+    """All cases with a recorded surface, those of the figures first and references last."""
+    return [c for c in [*layout.ordinary(sweep), *layout.motions(layout.all_references(sweep))] if len(load.surface_times(c))]
+
+
+def first_shown(sweep, cases):
+    """The indices of the two cases that are shown at first: the reference or the first case, and the last one."""
+    def rank(case):
+        value = case.value("eta_period_1")
+        return -math.inf if case.is_reference or math.isnan(value) or not warnings_of.is_valid(case) else value
+    best = max(cases, key=rank)
+    own = sweep.reference_of(best)
+    others = [c for c in cases if c is not best]
+    other = next((c for c in others if own and layout.have_same_motion(c, own)), others[0] if others else best)
+    return [cases.index(c) for c in dict.fromkeys([other.id, best.id]) for c in [sweep.by_id(c)]]
+
+
+def shot_of(case, index):
+    t, x, y, u = load.surface(case, index)
+    return fig_surface.Snapshot(case, t, 1e3 * x, 1e3 * y, 1e6 * u)
+
+
+def cut(shot, limits, widest_px):
+    """The part of a snapshot within the limits, at a resolution for the page: extent and u(x, y)."""
+    x = np.flatnonzero((shot.x_mm >= limits[0]) & (shot.x_mm <= limits[1]))
+    y = np.flatnonzero((shot.y_mm >= limits[2]) & (shot.y_mm <= limits[3]))
+    u = shot.u_um[x[0]: x[-1] + 1, y[0]: y[-1] + 1]
+    dx, dy = np.diff(shot.x_mm[:2])[0] / 2, np.diff(shot.y_mm[:2])[0] / 2
+    extent = (shot.x_mm[x[0]] - dx, shot.x_mm[x[-1]] + dx, shot.y_mm[y[0]] - dy, shot.y_mm[y[-1]] + dy)
+    step = math.ceil(max(u.shape) / widest_px)
+    return [round(float(v), 4) for v in extent], u[::step, ::step]
+
+
+def picture(u_um, peak, lossless):
+    """A grey WebP picture as base64 text; its rows run from the largest y to the smallest."""
+    level = np.nan_to_num(u_um / peak) if peak else np.zeros_like(u_um)
+    level = np.round(127.5 + 127.5 * np.sign(level) * np.sqrt(np.abs(level))).astype(np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(level.T[::-1]), mode="L").save(
+        file, format="WEBP", lossless=lossless, quality=QUALITY, method=2)
+    return base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def case_data(sweep, case, limits, detail):
+    """The pictures of a case, its path and the positions of its focus, in mm, ms and um."""
+    shots = [shot_of(case, n) for n in layout.evenly(range(len(load.surface_times(case))), detail.moments)]
+    parts = [cut(s, limits, detail.widest_px) for s in shots]
+    peaks = [float(f"{np.nanmax(np.abs(u), initial=0.0):.4g}") for _, u in parts]
+    path = wake.focus_at(case, case.series["time"][-1])[2]
+    focus = [None if wake.is_over(case, s.t_s) else rounded(wake.focus_at(case, s.t_s)[0]) for s in shots]
+    period = round(1e3 * float(case.series["time"][-1]), 6) if layout.repeats(case) else None
+    return {"label": warnings_of.label(sweep, case, "player"), "period": period, "times": [round(1e3 * s.t_s, 6) for s in shots],
+            "extent": parts[0][0], "peaks": peaks, "focus": focus,
+            "pictures": [picture(u, p, detail.lossless) for (_, u), p in zip(parts, peaks)],
+            "radius": 1e3 * case.setting("measure", "focal_radius_m"),
+            "offsets": [rounded(o) for o in wake.offsets_mm(case)],
+            "path": [rounded(p) for p in layout.evenly(path, 300)] if np.ptp(path, axis=0).max() > 0 else []}
+
+
+def rounded(place):
+    return [round(float(v), 3) for v in place]
+
+
+def common_view(cases):
+    """End of the colour scale of the wake, largest displacement, and the part of the surface that all cases show,
+    from the last times of at most 40 cases."""
+    shots = []
+    for case in layout.evenly(cases, 40):
+        count = len(load.surface_times(case))
+        shots += [shot_of(case, n) for n in sorted({0, count // 2, count - 1})]
+    shots = [s for s in shots if np.isfinite(s.u_um).any()]
+    end = fig_surface.scale(shots)
+    return end, max(float(np.nanmax(np.abs(s.u_um))) for s in shots), fig_surface.window(shots, end)
+
+
+def detail_that_fits(sweep, cases, limits):
+    """The best detail whose pictures are expected to fit on the page, estimated from a few cases."""
+    counts = [len(load.surface_times(c)) for c in cases]
+    choices = [Detail(MOMENTS), Detail(MOMENTS, lossless=False), Detail(30, lossless=False),
+               Detail(30, 160, False), Detail(20, 160, False), Detail(12, 120, False), Detail(6, 120, False),
+               Detail(3, 100, False), Detail(1, 80, False)]
+    for detail in choices:
+        sample = []
+        for case in layout.evenly(cases, 3):
+            u = [cut(shot_of(case, n), limits, detail.widest_px)[1] for n in (-1, 0)]
+            sample += [len(picture(v, float(np.nanmax(np.abs(v))), detail.lossless)) for v in u]
+        if max(sample) * sum(min(n, detail.moments) for n in counts) <= BUDGET_bytes:
+            return detail
+    return choices[-1]
+
+
+def colours():
+    table = matplotlib.colormaps[style.DIVERGING](np.linspace(0.0, 1.0, 129))
+    return (255 * table[:, :3]).round().astype(int).tolist()
+
+
+def slow_down_options(times):
+    """The slow-downs, of which that near PLAYED_s per run is selected."""
+    run_s = 1e-3 * (max(times) - min(times)) or 1.0
+    chosen = min(SLOW_DOWNS, key=lambda s: abs(math.log(s * run_s / PLAYED_s)))
+    return "".join(f'<option value="{s}"{" selected" if s == chosen else ""}>{s} times slower</option>'
+                   for s in SLOW_DOWNS)
+
+
+def controls(data, last):
+    wake_um, peak_um = (number(data[key], 3) for key in ("wake", "peak"))
+    times = [t for case in data["cases"] for t in case["times"]]
+    return (
+        '<div class="controls"><button type="button" class="play">Play</button>'
+        '<button type="button" class="back" aria-label="one frame back">◀|</button>'
+        '<button type="button" class="forward" aria-label="one frame forward">|▶</button>'
+        f'<input type="range" min="0" max="{last}" value="{last}" step="1" aria-label="time">'
+        '<output class="clock"></output></div><div class="controls">'
+        f'<label>Speed <select class="speed">{slow_down_options(times)}</select></label>'
+        '<label>Colours <select class="scaling">'
+        f'<option value="wake">wake, ±{wake_um} µm</option><option value="half">half of the wake</option>'
+        f'<option value="peak">peak, ±{peak_um} µm</option><option value="own">each picture by itself</option>'
+        '</select></label><button type="button" class="closer">Zoom in</button>'
+        '<button type="button" class="whole">Whole surface</button></div>')
+
+
+def caption(cases, data, detail):
+    kept = max(len(load.surface_times(c)) for c in cases)
+    text = (f"Displacement of {layout.plane_name(cases)} seen from above, {counted(len(cases), 'case')}. Solid circle with a centre point: "
+            "focal disc. Dotted line: path of the focus. Choose "
+            "the cases above the pictures. Point at a picture to read u at the same place in both; drag a "
+            "rectangle to zoom. Values beyond the colour scale are clipped.")
+    if all(c["period"] for c in data["cases"]):
+        text += " The load repeats for ever: the pictures cover one period and start again."
+    shown = max(len(c["times"]) for c in data["cases"])
+    if shown < kept:
+        text += f" The page contains {shown} of {counted(kept, 'frame')}."
+    if not detail.lossless:
+        text += " The pictures are compressed; values are accurate to about 3 % of the largest |u|."
+    return text
+
+
+def player(sweep):
+    """HTML of the player; '' if no case has a recorded surface."""
+    cases = cases_of(sweep)
+    if not cases:
+        return ""
+    end, peak, limits = common_view(cases)
+    detail = detail_that_fits(sweep, cases, limits)
+    stored = [case_data(sweep, c, limits, detail) for c in cases]
+    view = [f([c["extent"][i] for c in stored]) for i, f in enumerate((min, max, min, max))]
+    data = {"cases": stored, "first": first_shown(sweep, cases), "view": view, "wake": float(f"{end:.3g}"), "peak": float(f"{peak:.3g}"),
+            "palette": colours()}
+    steps = ", ".join("rgb({}, {}, {})".format(*c) for c in data["palette"][::8])
+    last = len({t for c in data["cases"] for t in c["times"]}) - 1
+    panel = ('<div class="player-panel"><select aria-label="case"></select><p class="chosen"></p><canvas role="img" '
+             f'aria-label="{layout.plane_name(cases)} seen from above"></canvas><output></output></div>')
+    return (
+        f'<figure class="player">{controls(data, last)}<div class="panels">{panel * len(data["first"])}</div>'
+        f'<div class="bar"><span class="low"></span><i style="background:linear-gradient(to right, {steps})"></i>'
+        '<span class="high"></span></div><noscript><p>The player needs JavaScript; the snapshots below do not.</p>'
+        f'</noscript><figcaption>{html.escape(caption(cases, data, detail))}</figcaption>'
+        f'<script type="application/json">{json.dumps(data).replace("</", "<" + chr(92) + "/")}</script></figure>')

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The statistics of a job with [uncertain], which `shearwake reduce` wrote."""
+import math
+
+from ..tables import read_statistics
+from . import layout
+from .words import counted, number
+
+RESULT = ("eta_period_1", "eta_at_1")  # the column of the summary: the first that has values
+
+
+def swept(sweep):
+    """The swept keys that are not uncertain."""
+    return [key for key in sweep.swept_keys if key not in sweep.uncertain["keys"]]
+
+
+def place(sweep, row):
+    """The swept values of a row or of the settings of a case, as in the CSV."""
+    def cell(value):
+        return value if isinstance(value, str) else f"{value:.9g}"
+    return tuple(cell(row[key]) if key in row else "" for key in swept(sweep))
+
+
+def label(sweep, where, without=""):
+    """'AM frequency 200 Hz, focus FWHM 3 mm' for the swept values `where`."""
+    parts = []
+    for key, value in zip(swept(sweep), where):
+        if key != without and value != "":
+            parts.append(layout.setting_text(sweep, key, amount(value)))
+    return ", ".join(parts)
+
+
+def amount(value):
+    try:
+        return float(value)
+    except ValueError:
+        return value
+
+
+def by_place(sweep, rows, column):
+    """{swept values: {statistic: row}} of a column."""
+    found = {}
+    for row in rows:
+        if row["column"] == column and not math.isnan(row["value"]):
+            found.setdefault(place(sweep, row), {})[row["statistic"]] = row
+    return found
+
+
+def sentence(sweep):
+    """The result in a sentence, for the top of the page."""
+    rows = read_statistics(sweep.folder, sweep.name)
+    column = next((c for c in RESULT if by_place(sweep, rows, c)), None)
+    if column is None:
+        return "No sample has a value yet, so there is nothing to summarise."
+    found = by_place(sweep, rows, column)
+    where, best = max(found.items(), key=lambda item: item[1]["q50"]["value"])
+    at = label(sweep, where)
+    text = (f"Over {counted(int(best['q50']['samples']), 'sample')} of "
+            f"{counted(len(sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
+            f"{number(best['q50']['value'], 3)}; 90 % of the samples are between {number(best['q05']['value'], 3)} and "
+            f"{number(best['q95']['value'], 3)}")
+    text += f" ({at}, the highest median of the sweep)." if at and len(found) > 1 else "."
+    for threshold, value in sweep.uncertain["exceedance"].items():
+        likely = by_place(sweep, rows, threshold)
+        name = f"exceeds {value:.9g}"
+        ranked = [(s[name]["value"], w, s[name]) for w, s in likely.items() if name in s]
+        if ranked:
+            _, w, row = max(ranked, key=lambda item: item[0])
+            at = label(sweep, w)
+            text += (f" {threshold} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
+                     f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)})"
+                     f"{', at ' + at if at else ''}.")
+    return text

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The common style of the figures: sizes, labels, and colours that colour-blind readers can distinguish."""
+import re
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.scale import LinearScale, register_scale
+from matplotlib.text import Text
+from matplotlib.ticker import ScalarFormatter
+
+from .. import wake
+from .words import SUPERSCRIPTS
+
+WIDTH_in = 7.6  # 730 CSS pixels, so that fonts appear at their nominal size
+DPI = 150
+PDF = True  # for papers; tests draw faster without
+INK = "#222222"
+GREY = "#8a8a8a"
+# Okabe and Ito (2008), without yellow, which is hardly visible on white.
+PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+MARKERS = ["o", "s", "^", "D", "v", "P", "X"]
+DIVERGING = "RdBu_r"
+DIRECT_LABELS = 8  # largest number of lines with a legend; more lines have a colour bar
+CURVES = 8  # largest number of curves in a panel; more are drawn as heat maps and small multiples
+
+plt.rcParams.update({
+    "font.family": "DejaVu Sans", "font.size": 9.5, "axes.labelsize": 9.5, "axes.titlesize": 9.5,
+    "xtick.labelsize": 9, "ytick.labelsize": 9, "legend.fontsize": 9, "axes.edgecolor": "#666666",
+    "axes.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False,
+    "text.color": INK, "axes.labelcolor": INK, "xtick.color": "#444444", "ytick.color": "#444444",
+    "axes.grid": True, "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.axisbelow": True,
+    "legend.frameon": False, "lines.linewidth": 1.6, "axes.unicode_minus": True,
+    "pdf.fonttype": 42, "mathtext.default": "regular", "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.titley": 1.0,  # Matplotlib would measure all tick labels to find a place
+})
+halo = wake.halo
+
+
+# All formulas in the figures: labels of this package and ticks of matplotlib's formatters.
+FORMULA = re.compile(r"(\$(?:d?u_z(?:/dt)?|(?:\\times)?(?:\\mathdefault\{[^$]*\})+)\$)")
+
+
+def plain(text: str) -> str:
+    """A text for a figure. Titles and names come from job files, so dollar signs outside of formulas are escaped and
+    control characters replaced."""
+    pieces = FORMULA.split(text)
+    pieces[::2] = [re.sub(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]", "\N{REPLACEMENT CHARACTER}", piece)
+                   .replace(r"\$", "$").replace("$", r"\$") for piece in pieces[::2]]
+    return "".join(pieces)
+
+
+def make_texts_plain(figure: Any) -> None:
+    """Applies plain() to all texts of a figure except the labels of ticks."""
+    for owner in (figure, *figure.axes):
+        for child in owner.get_children():
+            for text in [child.label] if isinstance(child, Axis) else [] if isinstance(child, Axes) else child.findobj(Text):
+                text.set_text(plain(text.get_text()))
+
+
+class PlainFormatter(ScalarFormatter):
+    def get_offset(self) -> str:
+        """The power of ten of an axis as '×10⁻⁷' instead of '1e−7' or a formula, which takes longer to draw."""
+        return re.sub(r"1e(\N{MINUS SIGN}?\d+)", lambda found: "×10" + found[1].replace("\N{MINUS SIGN}", "-").translate(
+            SUPERSCRIPTS), super().get_offset())
+
+
+class PlainScale(LinearScale):
+    """The linear scale of all axes."""
+
+    def set_default_locators_and_formatters(self, axis: Axis) -> None:
+        super().set_default_locators_and_formatters(axis)
+        axis.set_major_formatter(PlainFormatter())
+
+
+register_scale(PlainScale)
+
+
+def sequential(fraction: Any) -> np.ndarray:
+    """A perceptually uniform colour map without the pale end, which is hardly visible on white."""
+    return matplotlib.colormaps["viridis"](0.02 + 0.78 * np.asarray(fraction))
+
+
+def sequential_map() -> Any:
+    return matplotlib.colors.ListedColormap(sequential(np.linspace(0.0, 1.0, 256)))
+
+
+def distinct(count: int) -> list:
+    """`count` colours for unordered curves; for more than seven, samples of a colour map."""
+    if count <= len(PALETTE):
+        return PALETTE[:count]
+    return [sequential(f) for f in np.linspace(0.0, 1.0, count)]
+
+
+def spread(places: Any, gap: float) -> np.ndarray:
+    """`places`, moved as little as necessary to be at least `gap` apart, in the same order."""
+    order = np.argsort(places)
+    moved = np.array(places, dtype=float)
+    for _ in range(200):
+        steps = np.diff(moved[order])
+        if np.all(steps >= gap * 0.999):
+            break
+        for low, high in zip(order[:-1], order[1:]):
+            missing = gap - (moved[high] - moved[low])
+            if missing > 0:
+                moved[low] -= 0.5 * missing
+                moved[high] += 0.5 * missing
+    return moved
+
+
+def label_right(axes: Axes, labels: list[tuple]) -> None:
+    """Writes each (y, text, colour) at the right edge near the height y, without overlaps and within the height of the
+    axes if there is room."""
+    if not labels:
+        return
+    fractions = [axes.transLimits.transform(axes.transScale.transform((1.0, y)))[1]
+                 for y, _, _ in labels]
+    height_pt = 72.0 * axes.figure.get_figheight() * axes.get_position().height
+    lines = max(text.count("\n") + 1 for _, text, _ in labels)
+    gap = 12.0 * lines / height_pt
+    places = spread(fractions, gap)
+    places -= max(0.0, places.max() + gap / 2 - 1.0)
+    places += max(0.0, gap / 2 - places.min())
+    for place, (_, text, colour) in zip(places, labels):
+        axes.text(1.015, place, text, transform=axes.transAxes, va="center", ha="left", fontsize=9,
+                  color=colour, clip_on=False, linespacing=1.15)
+
+
+def legend_strip(figure: Any, handles: list) -> None:
+    """Adds a strip with a legend above the panels of a figure with constrained layout; handles have labels."""
+    across = max(1, min(4, 90 // (8 + max(len(handle.get_label()) for handle in handles))))
+    strip_in = 0.15 + 0.2 * -(-len(handles) // across)
+    figure.set_figheight(figure.get_figheight() + strip_in)
+    figure.legend(handles=handles, loc="upper center", ncol=across)
+    figure.get_layout_engine().set(rect=(0.0, 0.0, 1.0, 1.0 - strip_in / figure.get_figheight()))
+
+
+def save(figure: Any, path: Path) -> None:
+    """Writes the PNG for the page, and a PDF with vector graphics in the same folder."""
+    make_texts_plain(figure)
+    figure.savefig(path, dpi=DPI, facecolor="white", pil_kwargs={"compress_level": 3})
+    if PDF:
+        figure.set_layout_engine("none")  # the PDF keeps the places, which take half of the time to find
+        figure.savefig(path.with_suffix(".pdf"), facecolor="white", metadata={"CreationDate": None})
+    plt.close(figure)

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Arranges the figures of the page: the result first, then the other figures by topic."""
+from collections.abc import Iterable
+
+from .figure import Figure
+
+EFFICIENCY = ("optimise_front", "uncertain_bands", "eta", "heat_eta_period_1", "multiples_eta_period_1", "eta_time")
+STRENGTH = ("displacement", "strength", "heat_focal_rms_um", "heat_focal_rms_over_reference_1")
+
+# Title of a topic and the beginnings of the names of its figures; the first match counts.
+TOPICS = [
+    ("The best modulation", ("optimise_",)),
+    ("Uncertainty and sensitivity", ("uncertain_",)),
+    ("Adaptive axes", ("adaptive",)),
+    ("Snapshots and profiles", ("surface", "profiles", "intensity")),
+    ("Efficiency and strength", ("gain", "strength", "displacement", "heat_eta", "heat_focal", "multiples_eta",
+                                 "multiples_focal", "eta")),
+    ("Spread of the vibration", ("ipr_abs", "participation", "ipr", "sharpness", "heat_", "multiples_")),
+    ("Displacement and spectra at the trace points", ("traces", "spectra", "spectrograms", "frequency")),
+    ("Motion and force of the focus", ("drive",)),
+    ("Medium and volumes", ("medium", "volume")),
+    ("Receptors", ("",)),
+]
+
+
+def first_of(figures: list[Figure], names: Iterable[str]) -> Figure | None:
+    found = {figure.name: figure for figure in figures}
+    return next((found[name] for name in names if name in found), None)
+
+
+def headlines(figures: list[Figure]) -> list[Figure]:
+    """The figures of efficiency and of strength, as far as they exist."""
+    return [f for f in (first_of(figures, EFFICIENCY), first_of(figures, STRENGTH)) if f]
+
+
+def topic_of(figure: Figure) -> str:
+    return next(title for title, beginnings in TOPICS if figure.name.startswith(beginnings))
+
+
+def topics(figures: list[Figure]) -> list[tuple[str, list[Figure]]]:
+    """The remaining figures as pairs (title, figures), in the order of TOPICS."""
+    first = headlines(figures)
+    rest = [f for f in figures if f not in first]
+    grouped = [(title, [f for f in rest if topic_of(f) == title]) for title, _ in TOPICS]
+    return [(title, members) for title, members in grouped if members]

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reuses figures of the previous report whose code and data have not changed.
+
+DIR/report/figures.json maps the name of a group of figures to a hash of everything that the group depends on, and
+to what its drawing returned. The pictures lie next to it.
+"""
+import hashlib
+import json
+import os
+import shutil
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+from . import medium_files
+from .chart import Chart, chart_data
+from .figure import Figure
+
+NAME = "figures.json"
+MEDIUM_FILES = ("medium.map", "solver.pstd.study")
+HERE = Path(__file__).resolve().parent
+
+
+def code_hash():
+    """Of all modules of the report and of the package, and of the version of matplotlib."""
+    parts = [matplotlib.__version__.encode()]
+    parts += [path.read_bytes() for path in sorted([*HERE.glob("*.py"), *HERE.parent.glob("*.py")])]
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def stamp(path):
+    """Size and time of the last change of a file, None without one. A case that is computed again is a new file."""
+    try:
+        found = path.stat()
+        return [str(path), found.st_size, found.st_mtime_ns]
+    except (AttributeError, OSError):
+        return None
+
+
+def facts(sweep):
+    """Everything that figures read from a sweep, apart from the contents of the case files."""
+    return [sweep.name, sweep.title, sweep.swept_keys, sweep.x, sweep.series_keys, sweep.columns, sweep.label_keys,
+            sweep.uncertain, sweep.adaptive, stamp(sweep.folder / "optimise" / "table.csv"),
+            [[c.id, c.settings, c.is_reference, c.reference_id, c.status, c.reason, c.scalars, c.notes, c.warnings,
+              stamp(c.path), [stamp(medium_files.file_of(sweep, c, key)) for key in MEDIUM_FILES]]
+             for c in sweep.cases]]
+
+
+def plain(value):
+    """Values of the JSON file: figures as dictionaries, charts with few digits, numpy values as numbers and lists."""
+    if isinstance(value, Figure):
+        return vars(value)
+    if isinstance(value, Chart):
+        return chart_data(value)
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} cannot be stored")
+
+
+class Drawn:
+    """The figures of the previous report, and those of the new one in the folder `part`."""
+
+    def __init__(self, folder, part):
+        self.folder, self.part, self.code, self.new, self.reused = folder, part, code_hash(), {}, 0
+        try:
+            self.old = json.loads((folder / NAME).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            self.old = {}
+
+    def key(self, name, sweep):
+        text = json.dumps([self.code, name, facts(sweep)], default=str, sort_keys=True)
+        return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
+
+    def draw(self, name, draw, sweep, *arguments):
+        """The result of draw(sweep, *arguments): figures with charts as JSON objects, or a text. If nothing has
+        changed it is that of the previous report."""
+        key, before = self.key(name, sweep), self.old.get(name, {})
+        if before.get("key") == key and self.take(before["files"]):
+            self.new[name] = before
+            self.reused += 1
+        else:
+            existing = {path.name for path in self.part.iterdir()}
+            result = draw(sweep, *arguments)
+            files = sorted({path.name for path in self.part.iterdir()} - existing)
+            self.new[name] = {"key": key, "files": files,
+                              "result": json.loads(json.dumps(result, default=plain))}
+        result = self.new[name]["result"]
+        return result if isinstance(result, str) else [Figure(**figure) for figure in result]
+
+    def take(self, files):
+        """Copies the pictures of the previous report. Returns whether all of them exist."""
+        if not all((self.folder / name).is_file() for name in files):
+            return False
+        for name in files:
+            try:
+                os.link(self.folder / name, self.part / name)
+            except OSError:
+                shutil.copyfile(self.folder / name, self.part / name)
+        return True
+
+    def save(self):
+        (self.part / NAME).write_text(json.dumps(self.new), encoding="utf-8")

@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How figures show readings that are not valid: grey crosses, without a line and outside of colour scales."""
+import numpy as np
+
+from . import layout, style, warnings_of
+
+CROSSES = {"linestyle": "none", "marker": "x", "color": style.GREY, "markersize": 6, "markeredgewidth": 1.6, "zorder": 2.8}
+
+
+def split(sweep, cases, column, figure, values):
+    """The values of a column as two arrays: those that are valid in a figure, and those that are not; NaN elsewhere."""
+    holds = np.array([warnings_of.holds(sweep, c, column, figure) for c in cases], bool)
+    values = np.asarray(values, dtype=float)
+    return np.where(holds, values, np.nan), np.where(holds, np.nan, values)
+
+
+def invalid_cases(sweep, figure, *columns):
+    """The cases with a value in one of the columns that is not valid; references only unless all columns are ratios."""
+    shown = [*layout.ordinary(sweep), *([] if all(map(sweep.is_ratio, columns)) else layout.all_references(sweep))]
+    return [c for c in shown if any(np.isfinite(c.value(column)) and not warnings_of.holds(sweep, c, column, figure)
+                                    for column in columns)]
+
+
+def invalid_caption(sweep, figure, *columns):
+    """The sentence of a caption about grey crosses; '' if all readings are valid."""
+    found = invalid_cases(sweep, figure, *columns)
+    marks = "crosses and dotted lines" if any(c.is_reference for c in found) else "crosses"
+    return f" Grey {marks}, not valid: {layout.count_of(found)}." if found else ""

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The warnings that are stored with the cases, the figures that they concern, and the readings that they invalidate.
+
+`kinds(sweep)` lists the warnings of a sweep, `of_figure(sweep, name, ids)` those of the cases that a figure shows.
+"""
+import re
+from dataclasses import dataclass
+
+from . import layout, topics
+
+OF_DRIVE = ("drive",)  # shows the prescribed load alone
+OF_MEDIA = ("medium",)  # shows the medium alone
+OF_SURFACES = ("surface", "intensity", "player", "profiles", "volume")  # show fields, not readings
+OF_READINGS, OF_RECEPTORS = "eta", "afferents"  # figures that stand for all readings of the surface, and of receptors
+CONCLUSION = re.compile(": the readings( of this case)? are not valid$")
+NUMBER = re.compile(r"[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?")
+
+
+@dataclass
+class Kind:
+    """Warnings of one or more cases that differ only in their numbers."""
+    number: int  # position in the list of the page, from 1
+    severity: str
+    key: str
+    message: str  # with the range of every number
+    cases: list
+
+    @property
+    def is_error(self):
+        return self.severity == "error"
+
+    def name(self):
+        """A short name: the key of the job that the warning is about."""
+        key = self.key or f"warning {self.number}"
+        return f"not valid: {key}" if self.is_error else key
+
+
+def starts_with(name, beginnings):
+    return any(name.startswith(b) for b in beginnings)
+
+
+def is_of_receptors(name):
+    """Whether a figure belongs to the last topic, which has all figures that belong to no other."""
+    return name != "player" and not any(starts_with(name, beginnings) for _, beginnings in topics.TOPICS[:-1])
+
+
+def concerns(case, key, name):
+    """Whether a warning about this key of a case concerns the figure of this name."""
+    if key.startswith("afferents."):
+        return is_of_receptors(name)
+    if is_of_receptors(name) and case.setting("afferents", "input", default="") == "carrier":
+        return False  # the pins move as prescribed, independently of the simulated skin
+    if starts_with(name, OF_DRIVE):
+        return False
+    if starts_with(name, OF_MEDIA):
+        return key.startswith("medium.")
+    if key.startswith("measure."):  # at_ms is also the default time of the snapshots
+        return not is_of_receptors(name) and (key == "measure.at_ms" or not starts_with(name, OF_SURFACES))
+    return True
+
+
+def errors(case, name):
+    """The warnings of a case which state that what a figure shows is not valid."""
+    return [w for w in case.warnings if w["severity"] == "error" and concerns(case, w["key"], name)]
+
+
+def is_valid(case, name=OF_READINGS):
+    return not errors(case, name)
+
+
+def holds(sweep, case, column, name=OF_READINGS):
+    """Whether the value of a column is valid: that of the case and, for a ratio, that of its reference."""
+    if not is_valid(case, name):
+        return False
+    reference = sweep.reference_of(case) if sweep.is_ratio(column) else None
+    return reference is None or is_valid(reference, name)
+
+
+def label(sweep, case, name):
+    """The label of a case in a figure; states if what the figure shows of it is not valid."""
+    return layout.case_label(sweep, case) + ("" if is_valid(case, name) else " (not valid)")
+
+
+def template(warning):
+    """Equal for warnings that differ only in their numbers."""
+    return warning["severity"], warning["key"], NUMBER.sub("#", warning["message"])
+
+
+def merged(messages):
+    """Messages that differ only in their numbers as one message with the range of each number: 'at 4 to 5 ms'."""
+    pieces = NUMBER.split(messages[0])
+    text = pieces[0]
+    for values, piece in zip(zip(*map(NUMBER.findall, messages)), pieces[1:]):
+        low, high = min(values, key=float), max(values, key=float)
+        text += (low if float(low) == float(high) else f"{low} to {high}") + piece
+    return text if len(messages) == 1 else text.replace("the readings of this case are", "the readings are")
+
+
+def kinds_of(cases, name=None):
+    """The kinds of warnings of some cases that concern a figure, those of invalid readings first."""
+    found = {}
+    for case in cases:
+        for warning in case.warnings:
+            if name is None or concerns(case, warning["key"], name):
+                found.setdefault(template(warning), []).append((case, warning["message"]))
+    ordered = sorted(found.items(), key=lambda item: item[0][0] != "error")
+    return [Kind(n + 1, severity, key, merged([m for _, m in entries]),
+                 list({c.id: c for c, _ in entries}.values()))
+            for n, ((severity, key, _), entries) in enumerate(ordered)]
+
+
+def kinds(sweep):
+    """All kinds of warnings of the complete cases, references included, in the order of the list of the page."""
+    return kinds_of([c for c in sweep.cases if c.whole])
+
+
+def of_figure(sweep, name, ids=None):
+    """The kinds of warnings that concern the figure `name`, with those cases that it shows (None: all complete cases)."""
+    made = []
+    for kind in kinds(sweep):
+        shown = [c for c in kind.cases if (ids is None or c.id in ids) and concerns(c, kind.key, name)]
+        if shown:
+            made.append(Kind(kind.number, kind.severity, kind.key, kind.message, shown))
+    return made
+
+
+def reasons(cases, name=OF_READINGS):
+    """Why the readings of some cases are not valid, for a sentence that states that they are not: the last sentence of
+    each message, which contains what was computed."""
+    found = []
+    for kind in kinds_of(cases, name):
+        if kind.is_error:
+            text = CONCLUSION.sub("", kind.message.split(". ")[-1])
+            found.append(text[:1].lower() + text[1:])
+    return "; ".join(found)

@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Formats keys, units and numbers for figures and their captions."""
+import math
+import re
+import tomllib
+from collections.abc import Iterable
+
+# Suffix of a key -> unit on an axis; the suffixes of the job file.
+UNITS = {
+    "_kg_m3": "kg/m³", "_g_cm3": "g/cm³", "_m_s": "m/s", "_mm_s": "mm/s", "_cm_s": "cm/s",
+    "_km_s": "km/s", "_Pa_s": "Pa s", "_mPa_s": "mPa s", "_kHz": "kHz", "_Hz": "Hz", "_MHz": "MHz",
+    "_kPa": "kPa", "_MPa": "MPa", "_Pa": "Pa", "_mm": "mm", "_um": "µm", "_nm": "nm", "_cm": "cm",
+    "_m": "m", "_ms": "ms", "_us": "µs", "_ns": "ns", "_s": "s", "_deg": "°", "_rad": "rad",
+    "_mN": "mN", "_N": "N",
+}
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+NAMES = {
+    "am_frequency": "AM frequency", "sm_frequency": "SM frequency", "am_depth": "AM depth",
+    "am_phase": "AM phase", "am_on": "AM acts on", "sm_phase": "SM phase",
+    "draw_frequency": "draw frequency", "speed": "focus speed", "mach": "Mach number v/c_s",
+    "speed_deviation": "speed deviation", "fwhm": "focus FWHM", "peak": "peak pressure",
+    "c_s": "shear-wave speed", "c_p": "compression-wave speed", "spacing": "grid spacing",
+    "kind": "modulation", "output_interval": "frame interval", "settled_after": "settled after",
+    "modulation_frequency": "modulation frequency", "modulation_phase": "phase", "focal_radius": "focal radius",
+    "focal_radius_fwhm": "focal radius in FWHM",
+}
+
+POLYGONS = {3: "triangle", 4: "square", 5: "pentagon", 6: "hexagon"}
+
+
+def split_unit(key: str) -> tuple[str, str]:
+    """The last part of a dotted key without its unit, and the unit ('' if it has none)."""
+    word = key.split(".")[-1]
+    found = [s for s in UNITS if word.endswith(s) and len(word) > len(s)]
+    if not found:
+        return word, ""
+    suffix = max(found, key=len)
+    return word[: -len(suffix)], UNITS[suffix]
+
+
+def key_name(key: str) -> str:
+    """'medium.layer[1].c_s_m_s' -> 'shear-wave speed, layer 1'."""
+    word, _ = split_unit(key)
+    name = NAMES.get(word, word.replace("_", " "))
+    place = re.search(r"\b(layer|body)\W*(\d+)", key)
+    return f"{name}, {place.group(1)} {place.group(2)}" if place else name
+
+
+def axis_label(key: str, title: str = "") -> str:
+    """'AM frequency (Hz)'; the title replaces the name of the key."""
+    name, unit = title or key_name(key), split_unit(key)[1]
+    name = name[:1].upper() + name[1:]
+    return f"{name} ({unit})" if unit else name
+
+
+def number(value: float | None, digits: int = 4) -> str:
+    """The number with `digits` significant digits, a true minus sign, and a power of ten for very small or
+    large numbers; '' for NaN."""
+    if value is None or not math.isfinite(value):
+        return ""
+    if value == 0 or 1e-4 <= abs(value) < 1e6:
+        rounded = float(f"{value:.{digits}g}") + 0.0  # without the sign of zero
+        decimals = 0
+        if rounded:
+            decimals = max(0, digits - 1 - math.floor(math.log10(abs(rounded))))
+        shown = f"{rounded:.{decimals}f}"
+        if decimals:
+            shown = shown.rstrip("0").rstrip(".")
+    else:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        if "." in mantissa:
+            mantissa = mantissa.rstrip("0").rstrip(".")
+        shown = f"{mantissa}×10{str(int(exponent)).translate(SUPERSCRIPTS)}"
+    return shown.replace("-", "\N{MINUS SIGN}")
+
+
+def millimetres(value: float) -> str:
+    """A coordinate in mm, rounded to 1 um: the coordinates of pins have rounding errors."""
+    return number(round(float(value), 3))
+
+
+def value_text(key: str, value: str | float) -> str:
+    """The value with its unit: '200 Hz', '3 mm', 'AM-STM'."""
+    if isinstance(value, str):
+        if split_unit(key)[0] == "foci":
+            count = value.count("[") - 1
+            return "1 focus" if count == 1 else f"{count} foci"
+        return table_text(value) if value.startswith("{") else value
+    word, unit = split_unit(key)
+    if word in ("c_s", "c_p"):  # "4 m/s" alone could be the speed of the focus
+        return f"{word.replace('_', '')} {number(float(value), 6)}\u00a0{unit}"
+    gap = "" if unit in ("", "°") else "\u00a0"
+    return f"{number(float(value), 6)}{gap}{unit}"
+
+
+def setting_text(name: str, key: str, value: str | float) -> str:
+    """Key, value and unit: 'AM frequency 400 Hz', 'depth of body 1 = 8 mm', 'modulation AM-STM', '4 foci'. `name` is that
+    of the key, as from key_name()."""
+    title, _, place = name.partition(", ")
+    amount = value_text(key, value)
+    if split_unit(key)[0] == "foci":
+        return amount
+    amount = amount.removeprefix("cs ").removeprefix("cp ")  # the title states which speed it is
+    return f"{title} of {place} = {amount}" if place else f"{title} {amount}"
+
+
+def table_text(value: str) -> str:
+    """'{ shape = "circle", radius_mm = 15 }' -> 'circle, radius 15 mm'."""
+    try:
+        entries = tomllib.loads("value = " + value)["value"]
+    except tomllib.TOMLDecodeError:
+        return value
+    shape = entries.pop("shape", "")
+    if shape == "polygon" and entries.get("sides") in POLYGONS:
+        shape = POLYGONS[entries.pop("sides")]
+    words = [entries.pop("preset", shape)] if "preset" in entries or shape else []
+    for key, entry in entries.items():
+        is_number = isinstance(entry, (int, float)) and not isinstance(entry, bool)
+        name = {"fwhm": "FWHM"}.get(split_unit(key)[0], key_name(key))
+        words.append(f"{name} {value_text(key, entry) if is_number else entry}")
+    return ", ".join(words)
+
+
+def counted(count: int, noun: str) -> str:
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+OTHERS = "shearwake report --only ID[,ID] draws others"
+
+
+def some_of(count: int, every: int, noun: str) -> str:
+    """'3 of 8 cases are drawn'; `noun` is in the singular."""
+    return f"{count} of {counted(every, noun)} {'is' if count == 1 else 'are'} drawn"
+
+
+def listed(words: Iterable[str]) -> str:
+    words = list(words)
+    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]

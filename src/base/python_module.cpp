@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/python_module.hpp"
+
+#include "base/error.hpp"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace shearwake {
+namespace {
+
+/// Replaces this process.
+[[noreturn]] void replace_process(const std::vector<std::string>& command) {
+    std::vector<char*> argv;
+    for (const std::string& word : command)
+        argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    ::execvp(argv[0], argv.data());
+    ::_exit(127);
+}
+
+/// Exit code of a child; -1 if it was killed.
+int exit_code_of(pid_t child) {
+    int status = 0;
+    if (::waitpid(child, &status, 0) != child) return -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// Exit code of a program run without a shell and without output; -1 if it could not be started.
+int run_silently(const std::vector<std::string>& command) {
+    std::fflush(nullptr);
+    const pid_t child = ::fork();
+    if (child < 0) return -1;
+    if (child > 0) return exit_code_of(child);
+    if (!std::freopen("/dev/null", "w", stdout) || !std::freopen("/dev/null", "w", stderr))
+        ::_exit(127);
+    replace_process(command);
+}
+
+/// Makes the package importable by a child. PYTHONSAFEPATH omits the working folder, in which a
+/// file may have the name of a module.
+void set_search_path(const std::filesystem::path& folder) {
+    const char* own = std::getenv("PYTHONPATH");
+    const std::string path = own && *own ? folder.string() + ":" + own : folder.string();
+    ::setenv("PYTHONPATH", path.c_str(), 1);
+    ::setenv("PYTHONSAFEPATH", "1", 1);
+}
+
+/// Exit code of a program run without a shell; -1 if it could not be started.
+int run_program(const std::vector<std::string>& command, const std::filesystem::path& modules,
+                std::string* errors) {
+    std::fflush(nullptr);
+    std::array<int, 2> ends{-1, -1};
+    if (errors && ::pipe(ends.data()) != 0) return -1;
+    const pid_t child = ::fork();
+    if (child == 0) {
+        if (errors) {
+            ::dup2(ends[1], STDERR_FILENO);
+            ::close(ends[0]);
+            ::close(ends[1]);
+        }
+        set_search_path(modules);
+        replace_process(command);
+    }
+    if (errors) {
+        ::close(ends[1]);
+        std::array<char, 4096> part{};
+        for (ssize_t n = 0; child > 0 && (n = ::read(ends[0], part.data(), part.size())) > 0;)
+            errors->append(part.data(), static_cast<std::size_t>(n));
+        ::close(ends[0]);
+    }
+    return child < 0 ? -1 : exit_code_of(child);
+}
+
+/// "numpy, h5py and xxhash".
+std::string all_of(const std::vector<std::string>& names) {
+    return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+/// The first Python that has the packages.
+std::string find_python(const PythonPackages& packages) {
+    std::vector<std::string> candidates = {"python3", "/usr/bin/python3"};
+    if (const char* chosen = std::getenv("SHEARWAKE_PYTHON"))
+        candidates.insert(candidates.begin(), chosen);
+    for (const std::string& python : candidates)
+        if (run_silently(
+                {python, "-c", fmt::format("import {}", fmt::join(packages.modules, ", "))}) == 0)
+            return python;
+    throw UsageError(fmt::format("{} a Python with {} (Debian: {}); set SHEARWAKE_PYTHON to choose "
+                                 "another Python",
+                                 packages.purpose, all_of(packages.modules), packages.debian),
+                     ExitCode::environment);
+}
+
+/// The folder analysis next to the build folder, or in share/shearwake next to the folder of an
+/// installed program.
+std::filesystem::path find_package() {
+    const std::filesystem::path here =
+        std::filesystem::read_symlink("/proc/self/exe").parent_path();
+    const std::filesystem::path folders[] = {here / "../analysis",
+                                             here / "../share/shearwake/analysis"};
+    for (const std::filesystem::path& candidate : folders)
+        if (std::filesystem::exists(candidate / "shearwake"))
+            return std::filesystem::canonical(candidate);
+    throw UsageError(fmt::format("cannot find the Python package shearwake in {} or {}",
+                                 folders[0].lexically_normal().string(),
+                                 folders[1].lexically_normal().string()),
+                     ExitCode::environment);
+}
+
+} // namespace
+
+const PythonPackages figure_packages = {"figures need",
+                                        {"numpy", "h5py", "matplotlib", "xxhash"},
+                                        "python3-h5py python3-matplotlib python3-xxhash"};
+const PythonPackages explorer_packages = {
+    "explore needs",
+    {"aiohttp", "numpy", "h5py", "xarray", "pandas", "tomli_w", "xxhash"},
+    "python3-aiohttp python3-h5py python3-xarray "
+    "python3-pandas python3-tomli-w python3-xxhash"};
+const PythonPackages scan_packages = {"scans need",
+                                      {"numpy", "h5py", "scipy", "matplotlib", "xxhash"},
+                                      "python3-h5py python3-matplotlib python3-scipy "
+                                      "python3-xxhash"};
+
+int run_python_module(const std::string& module, const std::vector<std::string>& arguments,
+                      const PythonPackages& packages, std::string* errors) {
+    std::vector<std::string> command = {find_python(packages), "-m", module};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return run_program(command, find_package(), errors);
+}
+
+} // namespace shearwake
