@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from aiohttp import web
 
 from .engine import Engine
+from .page import keys_of
 from .server import Explorer
 
 # What an MPI program sets for itself: programs that inherit it would take themselves for its ranks.
@@ -34,7 +35,7 @@ def command(program: str, ranks: int) -> list[str]:
 
 async def serve(arguments: argparse.Namespace) -> None:
     token = secrets.token_urlsafe(24)
-    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out)
+    explorer = Explorer(Engine(command(arguments.program, arguments.ranks)), token, arguments.out, keys_of(arguments.program))
     runner = web.AppRunner(explorer.application(), access_log=None)
     await runner.setup()
     try:

@@ -112,7 +112,7 @@ def main() -> None:
     parser.add_argument("--program", required=True)
     parser.add_argument("page", type=Path)
     arguments = parser.parse_args()
-    text, _ = page.document({"stored": asyncio.run(compute(arguments.program)), "note": NOTE})
+    text, _ = page.document({"stored": asyncio.run(compute(arguments.program)), "note": NOTE, **page.keys_of(arguments.program)})
     if len(text.encode()) > LARGEST_B:
         sys.exit(f"the demonstration has {len(text.encode())} bytes; at most {LARGEST_B} are allowed")
     arguments.page.parent.mkdir(parents=True, exist_ok=True)

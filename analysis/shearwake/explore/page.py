@@ -3,12 +3,39 @@
 import base64
 import hashlib
 import json
+import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 UPLOT = HERE.parent / "report" / "uplot"
 SCRIPTS = ("presets.js", "settings.js", "source.js", "surface.js", "overlay.js", "plots.js", "controls.js", "drawing.js",
            "pins.js", "sweeps.js", "tour.js", "main.js")
+
+
+def ranges(schema: dict) -> dict[str, tuple[float | None, float | None]]:
+    """The limits of each number in the schema of jobs, by its key."""
+    found: dict[str, tuple[float | None, float | None]] = {}
+
+    def visit(node: dict, key: str) -> None:
+        if "$ref" in node:
+            return visit(schema["$defs"][node["$ref"].rpartition("/")[2]], key)
+        for name, below in node.get("properties", {}).items():
+            visit(below, f"{key}.{name}".lstrip("."))
+        for part in node.get("allOf", []):
+            visit(part.get("then", {}), key)
+        visit(node["items"], key) if "items" in node else None
+        if node.get("type") in ("number", "integer"):
+            found[key] = (node.get("minimum", node.get("exclusiveMinimum")), node.get("maximum", node.get("exclusiveMaximum")))
+        return None
+
+    visit(schema, "")
+    return found
+
+
+def keys_of(program: str) -> dict[str, dict]:
+    """The presets of media and the limits of keys, from the schema that the program prints."""
+    schema = json.loads(subprocess.run([program, "schema"], capture_output=True, check=True, encoding="utf-8").stdout)
+    return {"presets": schema["properties"]["medium"]["properties"]["preset"]["x-presets"], "ranges": ranges(schema)}
 
 
 def read(path: Path) -> str:

@@ -51,8 +51,8 @@ class Outbox:
 
 
 class Explorer:
-    def __init__(self, engine: Engine, token: str, folder: str) -> None:
-        self.desk, self.sweeps, self.token = Desk(engine), Sweeps(folder), token
+    def __init__(self, engine: Engine, token: str, folder: str, keys: dict[str, dict]) -> None:
+        self.desk, self.sweeps, self.token, self.keys = Desk(engine), Sweeps(folder), token, keys
         self.port = 0  # set when the server listens
         self.sockets: set[web.WebSocketResponse] = set()
 
@@ -95,7 +95,7 @@ class Explorer:
         return response
 
     async def show_page(self, request: web.Request) -> web.Response:
-        text, policy = page.document({"limits": self.desk.engine.hello.get("limits", {})})
+        text, policy = page.document({"limits": self.desk.engine.hello.get("limits", {}), **self.keys})
         response = web.Response(text=text, content_type="text/html", headers={"Content-Security-Policy": policy})
         response.set_cookie(self.cookie, self.token, httponly=True, samesite="Strict", path="/")
         return response

@@ -6,6 +6,8 @@
 #include "base/units.hpp"
 #include "base/vectors.hpp"
 #include "config/document/job_keys.hpp"
+#include "config/document/presets.hpp"
+#include "config/document/tree.hpp"
 #include "config/keys/key_table.hpp"
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
@@ -293,6 +295,34 @@ Json take_requirements(Json& schema) {
     return rules;
 }
 
+Json json_of(const Node& node) {
+    return std::visit(overloaded{
+                          [](const DateNode&) { return Json(); },
+                          [](const ListNode& list) {
+                              Json array = Json::array();
+                              for (const NodePtr& item : list)
+                                  array.push_back(json_of(*item));
+                              return array;
+                          },
+                          [](const TableNode& table) {
+                              Json members = Json::object();
+                              for (const Entry& entry : table.entries)
+                                  members[entry.key] = json_of(*entry.value);
+                              return members;
+                          },
+                          [](const auto& value) { return Json(value); },
+                      },
+                      node.value);
+}
+
+/// The tables that the presets of [medium] supply, for programs that show them.
+Json medium_presets() {
+    Json presets = Json::object();
+    for (const std::string& name : preset_names())
+        presets[name] = json_of(*medium_preset(name, {}));
+    return presets;
+}
+
 /// The tables of a job in addition to those of a case.
 void add_job_tables(Json& root) {
     const Json text = {{"type", "string"}};
@@ -340,6 +370,7 @@ std::string job_schema() {
     const OptimiseOptions optimise;
     walk_fields(walk, optimise);
 
+    root["properties"]["medium"]["properties"]["preset"]["x-presets"] = medium_presets();
     Json& layer = root["properties"]["medium"]["properties"]["layer"]["items"];
     Json& loss = layer["properties"]["loss"];
     loss = {{"anyOf", {{{"const", "none"}}, Json(loss)}}};

@@ -12,7 +12,7 @@ const DEFAULTS = {preset: "thesis-tissue", base: "rigid", layers: null, kind: "A
 
 // One entry per slider; `shows` decides whether the setting has an effect.
 const MOVES = s => s.kind.includes("STM");
-const SLIDERS = {
+const SLIDERS = limited({
   speed: {label: "Speed", unit: "m/s", min: 0.5, max: 15, step: 0.1, shows: MOVES, key: "load.modulation.speed_m_s"},
   radius: {label: "Radius of the circle", unit: "mm", min: 3, max: 30, step: 0.5, shows: s => MOVES(s) && s.path === "circle",
     key: "load.modulation.path.radius_mm"},
@@ -31,14 +31,14 @@ const SLIDERS = {
     key: "load.footprint.distance_mm"},
   pressure: {label: "Pressure of a transducer", unit: "Pa m", min: 0.5, max: 5, step: 0.1, shows: s => s.focus === "array",
     key: "load.footprint.pressure_Pa_m"},
-};
+}, (_, slider) => slider.key);
 const SWEPT_FREQUENCY = {"AM": "load.modulation.am_frequency_Hz", "AM-STM": "load.modulation.am_frequency_Hz",
   "SM-STM": "load.modulation.sm_frequency_Hz", "LM": "load.modulation.lm_frequency_Hz"};
-const LAYER_SLIDERS = {
+const LAYER_SLIDERS = limited({
   thickness_mm: {label: "Thickness", unit: "mm", min: 0.1, max: 40, step: 0.1},
   c_s_m_s: {label: "Shear-wave speed", unit: "m/s", min: 1, max: 40, step: 0.1},
   viscosity_Pa_s: {label: "Viscosity", unit: "Pa s", min: 0, max: 10, step: 0.1},
-};
+}, name => `medium.layer.${name}`);
 
 const exact = value => {  // a TOML float
   const text = String(Number(value));
