@@ -17,7 +17,7 @@ PATH_OF_A_CASE = {
         "tables": (0, 2, "tables/*.csv, *.md"), "report": (1, 2, "report/index.html"),
     },
     "arrows": [
-        ("job", "plan", "config"), ("plan", "teams", "cost"), ("teams", "run", "schedule:\nWorker"),
+        ("job", "plan", "config"), ("plan", "teams", "schedule/\ncost"), ("teams", "run", "schedule/run:\nWorker"),
         ("run", "engine", "Case"), ("engine", "observers", "frames,\nvolumes, stress"),
         ("engine", "saved", "storage/\ncheckpoint"), ("saved", "engine", ""), ("observers", "measures", "sums"),
         ("measures", "file", "columns,\nseries"), ("file", "tables", "reduce"), ("tables", "report", "shearwake.report\n(Python)"),
@@ -26,19 +26,18 @@ PATH_OF_A_CASE = {
 }
 COMPONENTS = {
     "boxes": {
-        "app": (2, 0, "app"), "bench": (1, 1, "bench"), "reduce": (3, 1, "reduce"), "converge": (2, 1, "converge"), "schedule": (1, 2, "schedule"),
-        "cost": (1, 3, "cost"), "config": (3, 3, "config"), "pipeline": (1, 4, "pipeline"), "check": (3, 4, "check"),
+        "app": (2, 0, "app"), "bench": (0, 1, "bench"), "reduce": (3, 2, "reduce"), "studies": (2, 1, "studies"),
+        "run": (2, 2, "schedule/run"), "cost": (1, 3, "schedule/cost"), "config": (3, 3, "config"), "pipeline": (1, 4, "pipeline"),
         "measures": (0, 6, "measures"), "neural": (1, 5.3, "neural"), "storage": (2, 5, "storage"),
         "engines": (3, 5, "engines: interface, layered,\nspectral, pstd, registry"),
-        "case": (2, 6.4, "case"), "fft": (4, 6, "fft"), "load": (1, 7.6, "load"), "medium": (2, 7.6, "medium"),
+        "case": (2, 6.4, "problem/case"), "fft": (4, 6, "fft"), "load": (1, 7.6, "problem/load"), "medium": (2, 7.6, "problem/medium"),
         "parallel": (4, 7, "parallel"), "simd": (4, 8, "simd"), "base": (2, 9, "base"),
     },
     "arrows": [(a, b, "") for a, others in {
         "simd": "base", "parallel": "simd", "fft": "parallel", "medium": "base", "load": "base", "case": "medium load",
         "engines": "case fft", "measures": "case simd", "neural": "case fft", "storage": "case parallel",
-        "check": "engines", "config": "check", "pipeline": "engines measures neural storage", "cost": "pipeline",
-        "schedule": "cost config", "reduce": "storage config", "converge": "engines measures", "bench": "cost",
-        "app": "bench reduce converge schedule",
+        "config": "engines", "pipeline": "engines measures neural storage", "cost": "pipeline",
+        "run": "cost config", "reduce": "storage config", "studies": "run reduce", "bench": "cost", "app": "bench studies",
     }.items() for b in others.split()],
     "spacing": (2.3, 0.86), "box": (1.25, 0.46),
 }

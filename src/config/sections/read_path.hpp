@@ -3,7 +3,6 @@
 
 #include "config/document/reader.hpp"
 #include "config/files/loaders.hpp"
-#include "problem/load/envelope.hpp"
 #include "problem/load/motion/trajectory.hpp"
 #include "problem/medium/medium.hpp"
 
@@ -35,11 +34,5 @@ Travel read_travel(Reader& reader, const PathContext& context, SpeedKind speed);
 
 /// A whole number; after an error, the smallest allowed one.
 int read_count(Reader& reader, std::string_view key, const Range& range);
-
-/// Reads the keys am_... of a modulation: a sine or a square wave.
-Gain read_am_gain(Reader& reader);
-
-/// Reads one table of [[load.modulation.envelope]].
-Gain read_gain(Reader reader);
 
 } // namespace shearwake::config
