@@ -4,7 +4,7 @@
 #include "base/text.hpp"
 #include "config/sections/read_afferents.hpp"
 #include "config/sections/read_case.hpp"
-#include "config/sections/read_lens.hpp"
+#include "config/sections/read_optimise.hpp"
 #include "config/sweep/expand.hpp"
 #include "config/sweep/override.hpp"
 #include "config/sweep/uncertain.hpp"

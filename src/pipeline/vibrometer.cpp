@@ -2,7 +2,7 @@
 #include "pipeline/vibrometer.hpp"
 
 #include "base/units.hpp"
-#include "sampling/points.hpp"
+#include "sampling/design.hpp"
 
 #include <algorithm>
 #include <array>

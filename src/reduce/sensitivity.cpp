@@ -2,7 +2,7 @@
 #include "reduce/sensitivity.hpp"
 
 #include "base/units.hpp"
-#include "sampling/points.hpp"
+#include "sampling/design.hpp"
 
 #include <algorithm>
 #include <array>

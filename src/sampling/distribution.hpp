@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "sampling/points.hpp"
+#include "sampling/design.hpp"
 
 #include <limits>
 #include <optional>

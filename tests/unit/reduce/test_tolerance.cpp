@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "reduce/tolerance.hpp"
+#include "reduce/diff.hpp"
 
 #include "base/error.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sampling/design.hpp"
 #include "sampling/distribution.hpp"
-#include "sampling/points.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
