@@ -35,20 +35,22 @@ void multiply(const double* a, const double* b, std::ptrdiff_t count, double* pr
     }
 }
 
+/// to += value * coefficients, for `count` doubles.
+void add_product(Vector value, const double* coefficients, std::ptrdiff_t count, double* to) {
+    std::ptrdiff_t l = 0;
+    for (; l + width <= count; l += width)
+        store(load(to + l) + value * load(coefficients + l), to + l);
+    for (std::ptrdiff_t lane = 0; l + lane < count; ++lane)
+        to[l + lane] += value[lane] * coefficients[l + lane];
+}
+
 void distribute(const double* values, const double* coefficients, const std::ptrdiff_t* first,
                 std::ptrdiff_t nodes, std::ptrdiff_t taps, double* samples, std::ptrdiff_t count) {
     for (std::ptrdiff_t n = 0; n < nodes; ++n, coefficients += 2 * taps) {
-        if (first[n] + taps > count) {
-            for (std::ptrdiff_t l = 0; l < 2 * taps; ++l) {
-                const std::ptrdiff_t sample = (first[n] + l / 2) % count;
-                samples[2 * sample + l % 2] += coefficients[l] * values[2 * n + l % 2];
-            }
-            continue;
-        }
         const Vector value = load_in_turns(values + 2 * n);
-        double* to = samples + 2 * first[n];
-        for (std::ptrdiff_t l = 0; l < 2 * taps; l += width)
-            store(load(to + l) + value * load(coefficients + l), to + l);
+        const std::ptrdiff_t before_end = std::min(taps, count - first[n]);
+        add_product(value, coefficients, 2 * before_end, samples + 2 * first[n]);
+        add_product(value, coefficients + 2 * before_end, 2 * (taps - before_end), samples);
     }
 }
 
