@@ -9,7 +9,7 @@ dependencies on each other, and of levels.
 ${SHEARWAKE_ENGINES} stands for the folders of engines, as in src/CMakeLists.txt. A folder that the registry does
 not include is an error, as is a file outside of an engine's folder that includes one of its headers; the registry and
 benchmarks may. Only an engine and problem/case may include the engine's options, problem/case/solver_options.hpp.
-A folder has at most 25 files, and `app` does not run jobs: it includes no engine.
+A folder has at most 25 source files, and `app` does not run jobs: it includes no engine.
 
 A component is a folder of src with a CMakeLists.txt that calls shearwake_component(), see
 cmake/components.cmake. It may include its own headers and those of the folders that it lists:
@@ -144,9 +144,9 @@ class Tree:
 
     def errors_of_sizes(self):
         for folder in self.components:
-            files = [path for path in (self.source / folder).iterdir() if path.is_file()]
+            files = [path for path in (self.source / folder).iterdir() if path.suffix in (".cpp", ".hpp")]
             if len(files) > MOST_FILES:
-                yield self.source / folder, 1, f"has {len(files)} files; a folder has at most {MOST_FILES}"
+                yield self.source / folder, 1, f"has {len(files)} source files; a folder has at most {MOST_FILES} source files"
             for path in files:
                 text = path.read_text(encoding="utf-8") if path.suffix == ".hpp" else ""
                 lines, source = text.count("\n"), path.with_suffix(".cpp")

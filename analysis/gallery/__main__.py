@@ -77,7 +77,7 @@ THESIS = {
     "pointers": ("pointers", "intensity"),
 }
 
-# Figures of docs/explanation/best-modulation.md, likewise.
+# Figures of docs/explanation/best-modulation.md, in the same form.
 BEST = {name: ("best-modulation", f"optimise_{figure}")
         for name, figure in (("envelopes", "envelopes"), ("energy", "energy"), ("surfaces", "surfaces_1"))}
 BEST["motion"] = ("best-motion", "optimise_energy")

@@ -91,8 +91,8 @@ class LayerCheck(unittest.TestCase):
                              "src/lower/tiny.hpp:1", "is not an interface")
 
     def test_rejects_a_folder_with_too_many_files(self):
-        files = {f"src/lower/part_{i}.cpp": f"int part_{i}() {{ return {i}; }}\n" for i in range(23)}
-        self.assert_rejected(files, "src/lower:1", "has 26 files")
+        files = {f"src/lower/part_{i}.cpp": f"int part_{i}() {{ return {i}; }}\n" for i in range(24)}
+        self.assert_rejected(files, "src/lower:1", "has 26 source files")
 
     def test_accepts_an_engine_that_is_registered(self):
         self.assertEqual(self.check(ENGINE)[0], 0)

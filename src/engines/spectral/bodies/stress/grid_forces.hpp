@@ -40,7 +40,7 @@ public:
     /// The stress [1/m^2] at a point (x, y) spacings from the force; zero beyond `reach`.
     ForceStress at(std::size_t stress_depth, std::size_t force_depth, std::ptrdiff_t x,
                    std::ptrdiff_t y) const;
-    /// Memory for so many depths of forces and of stresses, in bytes.
+    /// Memory for these numbers of depths of forces and of stresses, in bytes.
     static double memory_B(double forces, double stresses) {
         return sizeof(double) * static_cast<double>(per_pair) * forces * stresses;
     }
@@ -79,7 +79,7 @@ public:
 
     /// The stress [1/m] for unit forces at a distance across the axis; zero beyond `reach`.
     ForceStress at(std::size_t stress_depth, std::size_t force_depth, double across_m) const;
-    /// Memory for so many depths of forces and of stresses, in bytes.
+    /// Memory for these numbers of depths of forces and of stresses, in bytes.
     static double memory_B(double forces, double stresses);
 
 private:
