@@ -96,7 +96,7 @@ private:
     /// (e^{-beta zeta} - e^{-alpha zeta}) / (alpha - beta).
     Complex spread(double zeta, Complex e_alpha, Complex e_beta) const {
         const Complex x = difference_ * zeta;
-        if (std::abs(x) > 0.5) return (e_beta - e_alpha) / difference_;
+        if (std::norm(x) > 0.25) return (e_beta - e_alpha) / difference_;
         if (x == 0.0) return zeta * e_beta;
         return -e_beta * exp_minus_one(-x) / difference_;
     }
@@ -179,7 +179,7 @@ private:
 /// (1 - e^-x) / x for Re x >= 0.
 Complex mean_decay(Complex x) {
     if (x == 0.0) return 1.0;
-    return std::abs(x) < 0.5 ? -exp_minus_one(-x) / x : (1.0 - std::exp(-x)) / x;
+    return std::norm(x) < 0.25 ? -exp_minus_one(-x) / x : (1.0 - std::exp(-x)) / x;
 }
 
 /// The integral of e^{-a z - b (h - z)} from 0 to h.
@@ -317,8 +317,9 @@ void StackResponse::solve(Wavenumber k, const Visit& visit) const {
     for (std::size_t i = bounded; i-- > 0;) {
         const LayerAtOmega& layer = layers_[i];
         const LayerModes<Wavenumber> modes = modes_of(layer);
-        continuations[i] = solve_bottom(modes.up(0.0), modes.down(layer.thickness_m), states);
-        states = modes.down(0.0) + modes.up(layer.thickness_m) * continuations[i].up;
+        const Pair near = modes.down(0.0), far = modes.down(layer.thickness_m);
+        continuations[i] = solve_bottom(LayerModes<Wavenumber>::mirrored(near), far, states);
+        states = near + LayerModes<Wavenumber>::mirrored(far) * continuations[i].up;
     }
 
     // The load: sigma_zz = -1 Pa and sigma_rz = 0 at the surface.
