@@ -84,8 +84,9 @@ struct Field {
     std::size_t most_in_text = static_cast<std::size_t>(-1); // a longer list is hashed
     bool own_tables = false; // of a choice: each alternative has a table with its name
     /// In job files, where it differs from the type of the field or there is none: "number",
-    /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "point", "points", "point
-    /// or word:a|b", "point or triple", "path", "table".
+    /// "integer", "boolean", "word", "word:a|b" (one of these), "file", "name" (of a folder),
+    /// "words", "pair of words", "point", "points", "point or word:a|b", "point or triple", "path",
+    /// "table", "tables", "table of numbers".
     const char* type = "";
     const char* fallback = ""; // in the reference, when the default is not the struct's own value
     const char* meaning = "";  // in the reference
@@ -155,6 +156,15 @@ private:
     std::string_view key_;
     std::optional<Range> found_;
 };
+
+/// Whether `Struct` has a key of its own with this name.
+template <class Struct>
+bool is_described(std::string_view key) {
+    RangeWalk walk(key);
+    const Struct example = Example<Struct>::make();
+    walk_fields(walk, example);
+    return walk.found().has_value();
+}
 
 /// The range in the description of a key of `Struct`, for a reader that interprets the key itself.
 /// Throws std::logic_error if the key is not described.

@@ -12,22 +12,13 @@
 
 namespace shearwake::sampling {
 
-const std::vector<std::string>& sampling_names() {
-    static const std::vector<std::string> names = {"sobol", "latin-hypercube", "random"};
-    return names;
-}
-
-const std::vector<std::string>& analysis_names() {
-    static const std::vector<std::string> names = {"distribution", "sobol-indices", "morris"};
-    return names;
-}
-
 Design design_of(const UncertainPlan& plan) {
-    const auto place = [](const std::vector<std::string>& names, const std::string& name) {
-        return std::ranges::find(names, name) - names.begin();
+    const auto named = []<class E>(E, const std::string& name) {
+        const auto names = names_of(std::type_identity<E>{});
+        return static_cast<E>(std::ranges::find(names, name) - names.begin());
     };
-    return {.sampling = static_cast<Sampling>(place(sampling_names(), plan.sampling)),
-            .analysis = static_cast<Analysis>(place(analysis_names(), plan.analysis)),
+    return {.sampling = named(Sampling{}, plan.sampling),
+            .analysis = named(Analysis{}, plan.analysis),
             .samples = plan.samples,
             .keys = plan.keys.size(),
             .seed = plan.seed};

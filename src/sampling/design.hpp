@@ -3,9 +3,10 @@
 
 #include "problem/case/plan.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
+#include <type_traits>
 #include <vector>
 
 namespace shearwake::sampling {
@@ -21,6 +22,9 @@ std::vector<std::size_t> random_permutation(std::size_t n, std::uint64_t seed,
                                             std::uint32_t stream);
 
 enum class Sampling { sobol, latin_hypercube, random };
+constexpr std::array<const char*, 3> names_of(std::type_identity<Sampling>) {
+    return {"sobol", "latin-hypercube", "random"};
+}
 
 /// Points of the unit cube, one row per point.
 using Points = std::vector<std::vector<double>>;
@@ -40,6 +44,9 @@ Points unit_points(Sampling sampling, std::size_t count, std::size_t dimensions,
 
 /// What a sample is for, which determines its points.
 enum class Analysis { distribution, sobol_indices, morris };
+constexpr std::array<const char*, 3> names_of(std::type_identity<Analysis>) {
+    return {"distribution", "sobol-indices", "morris"};
+}
 
 /// A design of `samples` blocks in `keys` dimensions. Row `sample * rows_per_sample + r` is row r
 /// of the block; extending a design appends blocks.
@@ -50,10 +57,6 @@ struct Design {
     std::size_t keys = 0;
     std::uint64_t seed = 0;
 };
-
-/// The words for the members of Sampling and Analysis in jobs, in their order.
-const std::vector<std::string>& sampling_names();
-const std::vector<std::string>& analysis_names();
 
 /// The design of a plan.
 Design design_of(const UncertainPlan& plan);

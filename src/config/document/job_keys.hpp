@@ -2,8 +2,10 @@
 #pragma once
 
 #include "base/field.hpp"
+#include "sampling/design.hpp"
 
 #include <variant>
+#include <vector>
 
 namespace shearwake::config {
 
@@ -85,6 +87,76 @@ void walk_fields(Walk& walk, Keys&) {
 
 using PathShapes = std::variant<CircleKeys, PolygonKeys, PathFileKeys>;
 
+// The tables of a job that are not those of a case.
+
+/// [job].
+struct JobTableKeys {};
+template <class Walk, Is<JobTableKeys> Keys>
+void walk_fields(Walk& walk, Keys&) {
+    walk.key({.key = "name",
+              .given = Given::required,
+              .type = "name",
+              .meaning = "name of the study and of its output folder: letters, digits, `-`, `_` "
+                         "and `.`"});
+    walk.key({.key = "title",
+              .type = "word",
+              .fallback = "the name",
+              .meaning = "title in tables and reports"});
+}
+
+/// The options of [sweep]; its other keys are swept keys with their values.
+struct SweepTableKeys {};
+template <class Walk, Is<SweepTableKeys> Keys>
+void walk_fields(Walk& walk, Keys&) {
+    walk.key({.key = "list",
+              .type = "file",
+              .fallback = "none",
+              .meaning = "CSV file of an axis: the first line contains full keys, and each further "
+                         "line their values in one case"});
+    walk.key({.key = "zip",
+              .type = "tables",
+              .fallback = "none",
+              .meaning = "keys that change together, with their values; one axis per table"});
+    walk.key({.key = "exclude",
+              .type = "tables",
+              .fallback = "none",
+              .meaning = "combinations of values whose cases are left out"});
+}
+
+/// [table].
+struct TableKeys {};
+template <class Walk, Is<TableKeys> Keys>
+void walk_fields(Walk& walk, Keys&) {
+    walk.key({.key = "x",
+              .type = "word",
+              .fallback = "the first axis",
+              .meaning = "swept key on the horizontal axis of the figures"});
+    walk.key({.key = "series",
+              .type = "words",
+              .fallback = "the other axes",
+              .meaning = "swept keys with one curve per value"});
+    walk.key({.key = "reference",
+              .type = "table",
+              .fallback = "none",
+              .meaning = "changes to `[load.modulation]` that define an unmodulated case, which is "
+                         "drawn as a dashed line and used for ratios"});
+}
+
+/// An element of `correlation` in [uncertain].
+struct CorrelationKeys {};
+template <class Walk, Is<CorrelationKeys> Keys>
+void walk_fields(Walk& walk, Keys&) {
+    walk.key({.key = "keys",
+              .given = Given::required,
+              .type = "pair of words",
+              .meaning = "two uncertain keys"});
+    walk.key({.key = "rank",
+              .range = Range::inside(-1.0, 1.0),
+              .given = Given::required,
+              .type = "number",
+              .meaning = "their rank correlation (Spearman), by a Gaussian copula"});
+}
+
 /// The options of [uncertain]; its other keys are uncertain keys with their distributions.
 struct UncertainTableKeys {};
 template <class Walk, Is<UncertainTableKeys> Keys>
@@ -93,12 +165,29 @@ void walk_fields(Walk& walk, Keys&) {
               .range = Range::between(2.0, 1e12),
               .given = Given::required,
               .type = "integer",
-              .meaning = "number of samples"});
+              .meaning = "size of the sample. A larger sample contains all cases of a smaller one, "
+                         "so a run in the same output folder extends it"});
+    walk(sampling::Sampling::sobol,
+         {.key = "sampling",
+          .meaning = "`\"sobol\"`: Sobol sequence with a random shift; `\"latin-hypercube\"`: "
+                     "nested, exact "
+                     "at powers of two; `\"random\"`: independent numbers"});
     walk.key({.key = "seed",
               .range = Range::between(0.0, 9007199254740992.0),
               .type = "integer",
               .fallback = "1",
               .meaning = "seed of the random numbers; at most 2^53, exact as a number"});
+    walk(sampling::Analysis::distribution,
+         {.key = "analysis",
+          .meaning =
+              "`\"distribution\"`: one case per sample; `\"sobol-indices\"`: keys + 2 (Saltelli's "
+              "design); `\"morris\"`: keys + 1 (radial design)"});
+    walk.key({.key = "exceedance",
+              .type = "table of numbers",
+              .fallback = "none",
+              .meaning = "columns with a threshold, whose probability of being exceeded `reduce` "
+                         "estimates"});
+    walk.each("uncertain.correlation", std::vector<CorrelationKeys>{}, {});
 }
 
 } // namespace shearwake::config

@@ -27,8 +27,6 @@ struct Section {
 /// section that selects them.
 class KeyTable {
 public:
-    KeyTable() { section("medium"); }
-
     template <class T>
     void operator()(const T& value, const Field& field) {
         if (*field.key) row(field, allowed(value, field), fallback(value, field));
@@ -226,14 +224,23 @@ std::string key_reference() {
     constexpr const char* preface =
         "# The keys of a job\n\n"
         "`shearwake keys` prints this reference. Values and defaults are in the unit of the key;\n"
-        "[job-file.md](job-file.md) has the tables `[job]`, `[sweep]`, `[uncertain]` and "
-        "`[table]`, examples and\n"
-        "explanations.\n";
+        "[job-file.md](job-file.md) has examples and explanations. Besides these options, "
+        "`[sweep]` and\n"
+        "`[uncertain]` contain keys in full.\n";
     KeyTable table;
+    const auto add = [&]<class Keys>(const char* name, Keys keys) {
+        table.section(name);
+        walk_fields(table, keys);
+    };
+    add("job", JobTableKeys{});
+    table.section("medium");
     const Case defaults;
     walk_fields(table, defaults);
     const OptimiseOptions optimise;
     walk_fields(table, optimise);
+    add("sweep", SweepTableKeys{});
+    add("uncertain", UncertainTableKeys{});
+    add("table", TableKeys{});
     return preface + table.markdown();
 }
 

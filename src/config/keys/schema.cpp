@@ -12,7 +12,6 @@
 #include "config/sections/read_case.hpp"
 #include "problem/case/case.hpp"
 #include "problem/case/optimise_options.hpp"
-#include "sampling/design.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -69,6 +68,13 @@ Json named_type(const Field& field) {
     if (type.starts_with("word:")) return one_of(words_of(field));
     if (type.starts_with("point or word:")) return {{"anyOf", {point, one_of(words_of(field))}}};
     if (type == "word" || type == "file") return {{"type", "string"}};
+    if (type == "name") return {{"type", "string"}, {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"}};
+    if (type == "words") return list_of({{"type", "string"}});
+    if (type == "pair of words") return list_of({{"type", "string"}}, 2, 2);
+    if (type == "table") return {{"type", "object"}};
+    if (type == "tables") return list_of({{"type", "object"}});
+    if (type == "table of numbers")
+        return {{"type", "object"}, {"additionalProperties", number(field.range)}};
     if (type == "number") return number(field.range);
     if (type == "integer") return number(field.range, true);
     if (type == "boolean") return {{"type", "boolean"}};
@@ -323,38 +329,49 @@ Json medium_presets() {
     return presets;
 }
 
+/// Requires the listed keys of a table and of its tables also in a job with a sweep.
+void require_always(Json& table) {
+    if (const auto list = table.find(required_keys); list != table.end()) {
+        table["required"] = *list;
+        table.erase(required_keys);
+    }
+    if (!table.contains("properties")) return;
+    for (auto& [key, below] : table["properties"].items())
+        require_always(below.contains("items") ? below["items"] : below);
+}
+
+/// Adds a table of a job that is not one of a case.
+template <class Keys>
+Json& add_table(Json& root, const char* name) {
+    SchemaWalk walk(root);
+    walk.section(name);
+    const Keys keys;
+    walk_fields(walk, keys);
+    Json& table = root["properties"][name];
+    require_always(table);
+    return table;
+}
+
 /// The tables of a job in addition to those of a case.
 void add_job_tables(Json& root) {
-    const Json text = {{"type", "string"}};
-    Json& tables = root["properties"];
-    tables["schema"] = {{"const", 1}, {"description", "version of the format of job files"}};
-    Json job = object();
-    job["properties"]["name"] = {{"type", "string"},
-                                 {"pattern", "^[A-Za-z0-9_][A-Za-z0-9._-]*$"},
-                                 {"description", "name of the output folder"}};
-    job["properties"]["title"] = {{"type", "string"},
-                                  {"description", "title of tables and figures"}};
-    job["required"] = {"name"};
-    tables["job"] = std::move(job);
-    std::string names;
-    for (const std::string_view name : case_tables())
-        names += fmt::format("{}{}", names.empty() ? "" : "|", name);
-    tables["sweep"] = {{"type", "object"},
-                       {"propertyNames",
-                        {{"pattern", fmt::format("^(zip|exclude|list|({})([.\\[].*)?)$", names)}}},
-                       {"properties",
-                        {{"zip", list_of({{"type", "object"}})},
-                         {"exclude", list_of({{"type", "object"}})},
-                         {"list", {{"type", "string"}}}}},
-                       {"additionalProperties", {{"type", {"array", "object"}}}},
-                       {"description",
-                        "keys in full, each with a list of values or one of linspace, logspace, "
-                        "range, refine and find"}};
-    Json table = object();
-    table["properties"] = {
-        {"x", text}, {"series", list_of(text)}, {"reference", {{"type", "object"}}}};
-    tables["table"] = std::move(table);
-    tables["uncertain"] = uncertain_schema();
+    root["properties"]["schema"] = {{"const", 1},
+                                    {"description", "version of the format of job files"}};
+    add_table<JobTableKeys>(root, "job");
+    add_table<TableKeys>(root, "table");
+    Json& sweep = add_table<SweepTableKeys>(root, "sweep");
+    std::string options;
+    for (const auto& [name, type] : sweep["properties"].items())
+        options += name + "|";
+    sweep["propertyNames"] = {
+        {"pattern", fmt::format("^({}({})([.\\[].*)?)$", options, fmt::join(case_tables(), "|"))}};
+    sweep.erase("unevaluatedProperties");
+    sweep["additionalProperties"] = {{"type", {"array", "object"}}};
+    sweep["description"] = "keys in full, each with a list of values or one of linspace, logspace, "
+                           "range, refine and find";
+    Json& uncertain = add_table<UncertainTableKeys>(root, "uncertain");
+    uncertain.erase("unevaluatedProperties");
+    uncertain["additionalProperties"] = {{"type", "object"}};
+    uncertain["description"] = "uncertain keys in full, each with its distribution";
 }
 
 } // namespace
@@ -455,27 +472,6 @@ std::string full_key_hint(std::string_view ending) {
     }
     if (meant.empty() || meant.size() > most_suggestions) return "";
     return fmt::format("did you mean {}?", fmt::join(meant, " or "));
-}
-
-nlohmann::ordered_json uncertain_schema() {
-    const Json any_number = number({}), word = {{"type", "string"}};
-    const Json pair = {{"type", "array"}, {"items", word}, {"minItems", 2}, {"maxItems", 2}};
-    const Json correlation = {
-        {"type", "object"},
-        {"properties", {{"keys", pair}, {"rank", number(Range::inside(-1.0, 1.0))}}},
-        {"required", {"keys", "rank"}},
-        {"additionalProperties", false}};
-    return {{"type", "object"},
-            {"properties",
-             {{"samples", number(range_of<UncertainTableKeys>("samples"), true)},
-              {"sampling", {{"enum", sampling::sampling_names()}}},
-              {"analysis", {{"enum", sampling::analysis_names()}}},
-              {"seed", number(range_of<UncertainTableKeys>("seed"), true)},
-              {"correlation", {{"type", "array"}, {"items", correlation}}},
-              {"exceedance", {{"type", "object"}, {"additionalProperties", any_number}}}}},
-            {"additionalProperties", {{"type", "object"}}},
-            {"required", {"samples"}},
-            {"description", "uncertain keys in full, each with its distribution"}};
 }
 
 } // namespace shearwake::config

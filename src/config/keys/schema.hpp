@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,8 +18,5 @@ std::vector<std::string> key_names();
 /// "did you mean load.peak_Pa?" for the end of a key, such as "peak_Pa". Empty if no key of a job
 /// ends in this way, or more than three do.
 std::string full_key_hint(std::string_view ending);
-
-/// The JSON Schema of [uncertain]: its own keys, and full keys of a case with their distributions.
-nlohmann::ordered_json uncertain_schema();
 
 } // namespace shearwake::config

@@ -19,12 +19,10 @@ namespace shearwake::config {
 
 namespace {
 
-constexpr std::array options = {"samples", "sampling",    "analysis",
-                                "seed",    "correlation", "exceedance"};
 constexpr std::size_t most_uncertain_keys = 30;
 
 bool is_option(const std::string& key) {
-    return std::ranges::find(options, key) != options.end();
+    return key == "correlation" || is_described<UncertainTableKeys>(key);
 }
 
 double whole_number(Reader& reader, std::string_view key, double value) {
@@ -76,12 +74,12 @@ sampling::Copula read_correlations(Reader& reader, const UncertainKeys& keys,
         return static_cast<std::size_t>(found - keys.axis.keys.begin());
     };
     if (!reader.has("correlation")) return copula;
-    if (analysis != sampling::analysis_names().front())
+    if (analysis != name_in_text(sampling::Analysis::distribution))
         reader.error("correlation", "is not possible with this analysis, whose indices are "
                                     "defined for independent keys");
     for (Reader& pair : reader.tables("correlation")) {
         const auto names = pair.find_words("keys");
-        const double rank = pair.number("rank", Range::inside(-1.0, 1.0));
+        const double rank = pair.number("rank", range_of<CorrelationKeys>("rank"));
         pair.finish();
         const std::size_t end = keys.axis.keys.size();
         if (!names || names->size() != 2 || place_of_key(names->front()) == end ||
@@ -144,9 +142,13 @@ void fill(UncertainKeys& keys, const sampling::Points& points) {
 void read_options(Reader& reader, UncertainPlan& plan) {
     plan.samples = static_cast<std::size_t>(whole_number(
         reader, "samples", reader.number("samples", range_of<UncertainTableKeys>("samples"))));
-    const auto &samplings = sampling::sampling_names(), &analyses = sampling::analysis_names();
-    plan.sampling = reader.choice_or("sampling", samplings.front(), samplings);
-    plan.analysis = reader.choice_or("analysis", analyses.front(), analyses);
+    const auto word = [&]<class E>(std::string_view key, E fallback) {
+        const auto names = names_of(std::type_identity<E>{});
+        return reader.choice_or(key, name_in_text(fallback),
+                                std::vector<std::string>(names.begin(), names.end()));
+    };
+    plan.sampling = word("sampling", sampling::Sampling::sobol);
+    plan.analysis = word("analysis", sampling::Analysis::distribution);
     plan.seed = static_cast<std::uint64_t>(whole_number(
         reader, "seed", reader.number_or("seed", 1.0, range_of<UncertainTableKeys>("seed"))));
     plan.exceedance = read_thresholds(reader);
