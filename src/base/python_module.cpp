@@ -4,11 +4,13 @@
 #include "base/error.hpp"
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -52,14 +54,23 @@ void set_search_path(const std::filesystem::path& folder) {
     ::setenv("PYTHONSAFEPATH", "1", 1);
 }
 
-/// Exit code of a program run without a shell; -1 if it could not be started.
+/// Lets the kernel end this child when its parent ends, also by a signal.
+void end_with_parent(pid_t parent) {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() != parent) ::_exit(127); // it had ended before
+}
+
+/// Exit code of a program run without a shell; -1 if it could not be started. The program receives
+/// SIGTERM when this process ends.
 int run_program(const std::vector<std::string>& command, const std::filesystem::path& modules,
                 std::string* errors) {
     std::fflush(nullptr);
     std::array<int, 2> ends{-1, -1};
     if (errors && ::pipe(ends.data()) != 0) return -1;
+    const pid_t self = ::getpid();
     const pid_t child = ::fork();
     if (child == 0) {
+        end_with_parent(self);
         if (errors) {
             ::dup2(ends[1], STDERR_FILENO);
             ::close(ends[0]);

@@ -25,6 +25,13 @@ def resident_kB(pid):
         return next(int(line.split()[1]) for line in file if line.startswith("VmRSS:"))
 
 
+def is_running(pid):
+    try:
+        return bool(Path(f"/proc/{pid}/cmdline").read_bytes())  # empty if the process waits for its parent
+    except OSError:
+        return False
+
+
 class Explore(InFolder):
     @classmethod
     def setUpClass(cls):
@@ -255,6 +262,17 @@ class Explore(InFolder):
             await ws.send_str(json.dumps({"type": "compute", "id": 2, "job": one()}))
             self.assertEqual((await self.answer(ws, 2))[0]["type"], "result")
         self.connected(talk)
+
+    def test_the_server_ends_with_the_command(self):
+        with Page(self.folder) as page:
+            children = [process for process in page.children() if process != page.process.pid]
+            self.assertTrue(children)
+            os.kill(page.process.pid, signal.SIGTERM)
+            page.process.wait(program.PATIENCE_s)
+            end = time.monotonic() + program.PATIENCE_s
+            while left := [process for process in children if is_running(process)]:
+                self.assertLess(time.monotonic(), end, f"still running: {left}")
+                time.sleep(0.05)
 
 
 if __name__ == "__main__":
