@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Writes the commit of the source tree to a header, which is only touched when the commit changes. For
 # uncommitted changes the id ends in -dirty and a hash of the changes, so that different trees have different
-# ids.
+# ids. A tree that is not a repository of its own, such as an unpacked archive, has the id of its VERSION.
 cmake_policy(VERSION 3.22)
 set(GIT git -C ${SOURCE} -c safe.directory=${SOURCE})
+execute_process(COMMAND ${GIT} rev-parse --show-prefix OUTPUT_VARIABLE PREFIX OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 execute_process(COMMAND ${GIT} describe --always --dirty --abbrev=12
     OUTPUT_VARIABLE ID OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE FAILED)
-if(FAILED OR NOT ID)
-    set(ID "unknown")
+if(FAILED OR PREFIX OR NOT ID)
+    set(ID "v${VERSION}")
 endif()
 if(ID MATCHES "-dirty$")
     execute_process(COMMAND ${GIT} diff HEAD --no-ext-diff --no-color --full-index

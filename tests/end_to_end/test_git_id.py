@@ -11,10 +11,10 @@ class GitId(ProgramTest):
         subprocess.run(["git", "-c", "user.name=a", "-c", "user.email=a@b.c", *words], cwd=self.folder,
                        check=True, capture_output=True)
 
-    def version(self):
+    def version(self, source="."):
         header = self.folder.parent / f"{self.folder.name}.hpp"
         self.addCleanup(header.unlink, missing_ok=True)
-        subprocess.run(["cmake", f"-DSOURCE={self.folder}", f"-DOUT={header}", "-P",
+        subprocess.run(["cmake", f"-DSOURCE={self.folder / source}", "-DVERSION=1.2", f"-DOUT={header}", "-P",
                         ROOT / "scripts" / "git_id.cmake"], check=True)
         return header.read_text(encoding="utf-8").split('"')[1]
 
@@ -33,6 +33,15 @@ class GitId(ProgramTest):
             self.assertRegex(changed[-1], f"^{clean}-dirty-[0-9a-f]{{8}}$")
             self.assertEqual(self.version(), changed[-1])
         self.assertNotEqual(*changed)
+
+    def test_an_unpacked_archive_has_the_id_of_its_release(self):
+        self.assertEqual(self.version(), "v1.2")
+        (self.folder / "unpacked").mkdir()
+        (self.folder / "unpacked" / "main.cpp").write_text("one", encoding="utf-8")
+        self.git("init", "--quiet")  # a repository around the archive has other commits
+        self.git("add", ".")
+        self.git("commit", "--quiet", "-m", "one")
+        self.assertEqual(self.version("unpacked"), "v1.2")
 
 
 if __name__ == "__main__":
