@@ -74,6 +74,12 @@ build() {
     preset=$1
     folder=$2
     shift 2
+    for tool in cmake ninja; do
+        if ! command -v "$tool" >/dev/null 2>&1; then
+            echo "building needs $tool, which is not on the PATH: install it, load its module, or add its folder to PATH" >&2
+            return 6
+        fi
+    done
     mkdir -p "$folder"
     : >"$folder/build.log"
     {
