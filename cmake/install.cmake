@@ -4,7 +4,7 @@
 include(GNUInstallDirs)
 set(data ${CMAKE_INSTALL_DATADIR}/shearwake)
 install(TARGETS shearwake)
-install(DIRECTORY jobs DESTINATION ${data})
+install(DIRECTORY jobs DESTINATION ${data} USE_SOURCE_PERMISSIONS)
 install(DIRECTORY analysis DESTINATION ${data} PATTERN __pycache__ EXCLUDE PATTERN *.egg-info EXCLUDE
     PATTERN build EXCLUDE)
 install(DIRECTORY tests/baselines DESTINATION ${data}/tests)

@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Converts a k-Wave simulation to a job and its grid study, so that `shearwake run NAME.toml` computes the
 same as pstdElastic3D. docs/how-to/kwave.md has an example."""

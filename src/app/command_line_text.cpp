@@ -133,6 +133,21 @@ The default is the widest one that the processor has.
 .TP
 .B SHEARWAKE_PYTHON
 The Python interpreter that draws figures. It needs numpy, h5py, matplotlib and xxhash.
+.SH SCRIPTS
+These scripts are installed with the program. Each prints its options with
+.BR \-\-help .
+.TP
+.B shearwake\-submit
+submits a job to Slurm
+.TP
+.B shearwake\-import\-kwave
+converts a simulation of k-Wave to a job
+.TP
+.B shearwake\-make\-map
+writes a map of the medium
+.TP
+.B shearwake\-nightly
+compares the tables of the jobs with their baselines
 .SH EXAMPLES
 .EX
 shearwake check jobs/quickstart.toml
