@@ -204,6 +204,25 @@ class Fit(LaboratoryTest):
         with h5py.File(out / "fit.h5", "r") as file:
             self.assertEqual(file["measured"].shape, file["predicted"].shape)
 
+    def test_a_scan_against_z_gives_the_pressure_and_the_delay_back(self):
+        job, case = self.scanned(LINE)
+        scan = read_scan(case)
+        job.write_text(LINE + UNCERTAIN.replace('"medium.layer[1].', '# "'))  # pressure and delay only
+        turned = self.folder / "turned.csv"
+        write_scan(turned, Scan(scan.time_s, scan.x_m, scan.y_m, -scan.velocity_m_s, None, 0.0, (0.0, 0.0, -1.0)), "csv")
+        unstated = self.folder / "unstated.csv"
+        unstated.write_text("".join(line for line in turned.read_text().splitlines(True) if not line.startswith("#")))
+        for data, options, note in ((turned, (), "positive velocities point out of the skin"),
+                                    (unstated, ("--outwards",), "z of the file points out of the skin")):
+            with self.subTest(data=data.name):
+                out = self.folder / data.stem
+                text = self.shearwake("fit", job, "--data", data, "--out", out, *options).stdout
+                self.assertIn(note, text)
+                found = json.loads((out / "fit.json").read_text())["estimates"]
+                # Without noise: the tolerance of the solver.
+                self.assertLess(abs(found["load.peak_Pa"]["value"] - 100.0), 0.1)
+                self.assertLess(abs(found["vibrometer.trigger_delay_ms"]["value"]), 1e-3)
+
     @pytest.mark.long
     def test_a_fractional_layer_and_its_thickness_are_found_and_no_simpler_law_suffices(self):
         truth = {"c_s_m_s": 2.2, "thickness_mm": 9.0, "loss.tau_us": 80.0, "loss.exponent": 0.5}

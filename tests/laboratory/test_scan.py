@@ -7,10 +7,12 @@ import signal
 import subprocess
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from shearwake.laboratory.measure_scan import Alignment
 from shearwake.laboratory.scan import BadScan, Scan
 from shearwake.laboratory.scan_files import in_child, read_scan, write_scan
 
@@ -47,6 +49,37 @@ class ScanTest(unittest.TestCase):
         with self.assertRaises(BadScan) as caught:
             read_scan(self.file(content, suffix))
         self.assertIn(words, str(caught.exception))
+
+
+class Direction(ScanTest):
+    """Velocities point into the skin, whatever the file counts as positive."""
+
+    def test_a_negative_direction_negates_the_velocities_in_every_format(self):
+        scan = some_scan()
+        against = replace(scan, velocity_m_s=-scan.velocity_m_s, direction=(-0.1, -0.2, -0.97))
+        for kind in KINDS:
+            with self.subTest(kind=kind):
+                path = self.folder / f"against{KINDS[kind]}"
+                write_scan(path, against, kind)
+                read = read_scan(path)
+                np.testing.assert_allclose(read.velocity_m_s, scan.velocity_m_s, rtol=1e-12)
+                self.assertEqual(tuple(read.direction), scan.direction)
+
+    def test_z_out_of_the_skin_negates_z_only(self):
+        scan = some_scan().along_z(z_outwards=True)
+        np.testing.assert_array_equal(scan.velocity_m_s, -some_scan().velocity_m_s)
+        self.assertEqual(scan.direction, (-0.1, -0.2, 0.97))
+
+    def test_the_job_gives_the_line_of_sight_and_the_file_the_sign(self):
+        scan = some_scan()
+        scan.states_direction = True
+        job = {"vibrometer": {"trigger_delay_s": 1.3e-3, "offset_m": [0.0, 0.0], "direction": [0.0, 0.0, 1.0]}}
+        self.assertIn("is used instead of that of the file", "; ".join(Alignment(scan, job).notes))
+        job["vibrometer"]["direction"] = [value / np.linalg.norm(scan.direction) for value in scan.direction]
+        self.assertNotIn("instead", "; ".join(Alignment(scan, job).notes))
+        scan.states_direction = False
+        self.assertIn("into the skin, since the file states no direction", "; ".join(Alignment(scan, job).notes))
+        self.assertAlmostEqual(np.linalg.norm(Alignment(scan, {}).direction), 1.0)
 
 
 class RoundTrip(ScanTest):
@@ -92,17 +125,74 @@ class RoundTrip(ScanTest):
 class OtherPrograms(ScanTest):
     """Files as the documentation of the format describes them, without the additions of this program."""
 
-    def text(self, unit="m/s", quantity=11, data=2, count=4, spacing=1, values=None, kind=1):
+    def text(self, unit="m/s", quantity=11, data=2, count=4, spacing=1, values=None, kind=1, direction=3, exponents=(0, 0, 0),
+             time_unit="s", divisor=0, units=""):
         values = values if values is not None else "".join(f"{v:13.5E}" for v in (0.0, 1e-3, -2e-3, 5e-4)) + "\n"
         head = "".join((
             "NONE\nNONE\n01-JAN-20 12:00:00\nNONE\nNONE\n",
-            f"{kind:5d}{1:10d}{0:5d}{0:10d} {'NONE':<10s}{9:10d}{3:4d} {'NONE':<10s}{0:10d}{0:4d}\n",
+            f"{kind:5d}{1:10d}{0:5d}{0:10d} {'NONE':<10s}{9:10d}{direction:4d} {'NONE':<10s}{0:10d}{0:4d}\n",
             f"{data:10d}{count:10d}{spacing:10d}{0:13.5E}{1e-4:13.5E}{0:13.5E}\n",
-            f"{17:10d}{0:5d}{0:5d}{0:5d} {'Time':<20s} {'s':<20s}\n",
-            f"{quantity:10d}{0:5d}{0:5d}{0:5d} {'Velocity':<20s} {unit:<20s}\n",
-            f"{0:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20s} {'NONE':<20s}\n" * 2))
+            f"{17:10d}{0:5d}{0:5d}{0:5d} {'Time':<20s} {time_unit:<20s}\n",
+            f"{quantity:10d}" + "".join(f"{n:5d}" for n in exponents) + f" {'Velocity':<20s} {unit:<20s}\n",
+            f"{divisor:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20s} {'NONE':<20s}\n",
+            f"{0:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20s} {'NONE':<20s}\n"))
         nodes = f"    -1\n    15\n{9:10d}{0:10d}{0:10d}{0:10d}{0.01:13.5E}{-0.02:13.5E}{0:13.5E}\n    -1\n"
-        return nodes + "    -1\n    58\n" + head + values + "    -1\n"
+        return units + nodes + "    -1\n    58\n" + head + values + "    -1\n"
+
+    def system(self, code, per_metre=None):
+        """Data set 164, with or without its record of factors."""
+        factors = "" if per_metre is None else f"{per_metre:25.17E}{1.0:25.17E}{1.0:25.17E}\n{273.15:25.17E}\n".replace("E", "D")
+        return f"    -1\n   164\n{code:10d}{'units':<20s}{2:10d}\n{factors}    -1\n"
+
+    def test_the_response_direction_gives_the_sign(self):
+        values = np.array([0.0, 1e-3, -2e-3, 5e-4])
+        for direction, sign, note in ((3, 1.0, "response direction +z"), (-3, -1.0, "response direction -z"), (0, 1.0, "")):
+            with self.subTest(direction=direction):
+                scan = read_scan(self.file(self.text(direction=direction)))
+                np.testing.assert_allclose(scan.velocity_m_s[0], sign * values, rtol=1e-6)
+                self.assertEqual((tuple(scan.direction), scan.states_direction), ((0.0, 0.0, 1.0), direction != 0))
+                self.assertIn(note, "; ".join(scan.notes))
+        for direction, words in ((1, "velocities along x"), (-2, "velocities along y"), (4, "rotations"), (-6, "rotations"), (7, "unknown")):
+            with self.subTest(direction=direction):
+                self.refused(self.text(direction=direction), words)
+
+    def test_a_sign_in_record_6_applies_also_to_files_of_this_program(self):
+        content = self.written("uff").read_text()
+        changed = content.replace(f"{3:4d} {'NONE':<10s}{0:10d}{0:4d}", f"{-3:4d} {'NONE':<10s}{0:10d}{0:4d}")
+        self.assertNotEqual(changed, content)
+        scan = read_scan(self.file(changed))
+        np.testing.assert_allclose(scan.velocity_m_s, -some_scan().velocity_m_s, rtol=1e-12)
+        self.assertIn("contradicts the direction", "; ".join(scan.notes))
+
+    def test_velocities_without_a_unit_are_in_that_of_data_set_164(self):
+        values = np.array([0.0, 1e-3, -2e-3, 5e-4])
+        for unit, units, factor, note in (("", "", 1.0, "velocities in m/s (assumed"),
+                                          ("NONE", self.system(5, 1e3), 1e-3, "velocities in mm/s (data set 164)"),
+                                          ("", self.system(5), 1e-3, "velocities in mm/s (data set 164)"),
+                                          ("", self.system(9, 1e6), 1e-6, "velocities in um/s (data set 164)"),
+                                          ("m/s", self.system(5, 1e3), 1.0, "velocities in m/s (label of record 9, unlike data set 164"),
+                                          ("MM/SEC", self.system(1, 1.0), 1e-3, "velocities in mm/sec (label of record 9, unlike"),
+                                          ("\u00b5m/s", "", 1e-6, "velocities in um/s")):
+            with self.subTest(unit=unit, note=note):
+                scan = read_scan(self.file(self.text(unit=unit, units=units)))
+                np.testing.assert_allclose(scan.velocity_m_s[0], factor * values, rtol=1e-6)
+                self.assertIn(note, "; ".join(scan.notes))
+        scan = read_scan(self.file(self.text(units=self.system(8))))
+        self.assertAlmostEqual(scan.x_m[0], 1e-5)  # .01 mm
+        self.refused(self.text(units=self.system(9)), "contains no factor of the unit of length")
+
+    def test_exponents_denominators_and_units_of_the_time_are_read(self):
+        self.refused(self.text(unit="", exponents=(-2, 1, 0)), "the dimension length^-2 force^1 temperature^0")
+        self.refused(self.text(quantity=0, unit="", exponents=(0, 1, 0)), "a velocity has length^1")
+        self.assertIn("contradicts the dimension", "; ".join(read_scan(self.file(self.text(exponents=(2, 0, 0)))).notes))
+        self.refused(self.text(divisor=13), "divided by another quantity")
+        self.refused(self.text(time_unit="min"), "the unit of the time is \"min\"")
+        for unit, rate_Hz in (("ms", 1e7), ("SEC", 1e4), ("NONE", 1e4), ("us", 1e10)):
+            with self.subTest(unit=unit):
+                self.assertAlmostEqual(read_scan(self.file(self.text(time_unit=unit))).rate_Hz / rate_Hz, 1.0, places=9)
+        read_scan(self.file(self.text(exponents=(1, 0, 0), unit="")))
+        read_scan(self.file(self.text(quantity=1)))  # a general quantity in m/s
+        self.refused(self.text(quantity=1, unit=""), "the ordinate is of type 1")
 
     def test_single_precision_and_nodes_of_type_15_are_read(self):
         scan = read_scan(self.file(self.text()))

@@ -9,8 +9,9 @@ points with a signal. Exit 0: written; 2: the scan cannot be used; 6: a file can
 """
 import hashlib
 import json
+import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -21,17 +22,29 @@ from .scan_motion import MASK_RADII, Surface, displacement_m, filtered, is_line,
 
 USAGE, ENVIRONMENT = 2, 6
 LEFT_OUT = 0.1
+SAME_DIRECTION = 1e-3  # directions are printed with four digits
 
 
 class Alignment:
-    """Trigger delay, position and line of sight: those of the job, or of the file if the job has no vibrometer."""
+    """Trigger delay, position and line of sight: those of the job, or of the file if the job has no vibrometer. The sign of the
+    velocities is always that of the file."""
 
     def __init__(self, scan: Scan, request: dict) -> None:
         given = request.get("vibrometer")
-        self.notes = []
-        self.delay_s, self.offset_m, self.direction = scan.trigger_delay_s, (0.0, 0.0), scan.direction
+        self.notes = [*scan.notes]
+        self.delay_s, self.offset_m = scan.trigger_delay_s, (0.0, 0.0)
+        length = math.hypot(*scan.direction)
+        self.direction = tuple(value / length for value in scan.direction)
+        if abs(length - 1.0) > 1e-6:
+            self.notes.append(f"the direction of the file has the length {length:.6g}; it is normalised")
+        outwards = "; z of the file points out of the skin (--outwards)" if request.get("outwards") else ""
+        self.notes.append(("positive velocities are taken as pointing into the skin, since the file states no direction"
+                           if not scan.states_direction and not outwards else
+                           f"line of sight of the file: {vector(self.direction)}, z into the skin") + outwards)
         if given:
             self.delay_s, self.offset_m = given["trigger_delay_s"], given["offset_m"]
+            if scan.states_direction and math.dist(self.direction, given["direction"]) > SAME_DIRECTION:
+                self.notes.append(f"the line of sight of the job, {vector(given['direction'])}, is used instead of that of the file")
             self.direction = given["direction"]
             if abs(scan.trigger_delay_s - self.delay_s) > 1e-9 and scan.trigger_delay_s != 0.0:
                 self.notes.append(f"the trigger delay of the job, {1e3 * self.delay_s:.6g} ms, is used instead of that of the "
@@ -42,6 +55,10 @@ class Alignment:
     def text(self) -> str:
         return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "
                 f"{1e3 * self.offset_m[0]:.6g} and {1e3 * self.offset_m[1]:.6g} mm")
+
+
+def vector(direction: Iterable[float]) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in direction) + ")"
 
 
 def usable_points(scan: Scan, request: dict) -> np.ndarray:
@@ -106,6 +123,8 @@ def main(data: str, request_file: str, prefix: str) -> int:
     try:
         request = json.loads(Path(request_file).read_text(encoding="utf-8"))
         scan = read_scan(data)
+        if request.get("outwards"):
+            scan = scan.along_z(z_outwards=True)
         alignment = Alignment(scan, request)
         good = usable_points(scan, request)
         content = Path(data).read_bytes()

@@ -39,6 +39,8 @@ def checked(scan: Scan) -> Scan:
             raise BadScan(f"{name} contains a value that is not a finite number")
     if np.any(np.isinf(velocity)):
         raise BadScan("the velocity contains an infinite value; use NaN for points without signal")
+    if not np.all(np.isfinite((*scan.direction, scan.trigger_delay_s))) or not any(scan.direction):
+        raise BadScan("the direction and the trigger delay must be finite numbers, and the direction must not be 0")
     step = np.diff(scan.time_s)
     if not np.all(step > 0.0) or np.max(np.abs(step - np.mean(step))) > 1e-3 * np.mean(step):
         raise BadScan("the times are not uniformly spaced in ascending order")
@@ -47,7 +49,9 @@ def checked(scan: Scan) -> Scan:
     with np.errstate(invalid="ignore"):
         if np.nanmax(np.abs(velocity), initial=0.0) > 1000.0:
             raise BadScan("a velocity exceeds 1000 m/s; velocities must be in m/s")
-    return scan
+    if scan.direction[2] < 0.0:
+        scan.notes.append(f"positive velocities point out of the skin (direction_z = {scan.direction[2]:.6g}); they are negated")
+    return scan.along_z()
 
 
 def read_scan(path: str | Path) -> Scan:
@@ -139,7 +143,8 @@ def from_names(get: Getter) -> Scan:
     return Scan(time, x, y, np.ascontiguousarray(velocity),
                 None if quality is None else numbers(quality, "quality").ravel(),
                 one("trigger_delay", 0.0),
-                (one("direction_x", 0.0), one("direction_y", 0.0), one("direction_z", 1.0)))
+                (one("direction_x", 0.0), one("direction_y", 0.0), one("direction_z", 1.0)),
+                states_direction=any(get(f"direction_{axis}") is not None for axis in "xyz"))
 
 
 def read_hdf5(path: Path) -> Scan:
@@ -212,7 +217,8 @@ def read_csv(data: bytes) -> Scan:
     except ValueError as error:
         raise BadScan(f"it contains a field that is not a number: {error}") from error
     return Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
-                values["trigger_delay_s"], (values["direction_x"], values["direction_y"], values["direction_z"]))
+                values["trigger_delay_s"], (values["direction_x"], values["direction_y"], values["direction_z"]),
+                states_direction=any(name.startswith("direction_") for name in remarks))
 
 
 def csv_text(scan: Scan) -> str:

@@ -15,11 +15,17 @@ import numpy as np
 from .scan import MOST_POINTS, MOST_VALUES, BadScan, Scan
 
 TIME_RESPONSE, GENERAL = 1, 0
-TIME, UNKNOWN = 17, 0
+TIME, UNKNOWN, GENERAL_QUANTITY = 17, 0, 1
 DISPLACEMENT, VELOCITY, ACCELERATION = 8, 11, 12
 SINGLE, DOUBLE = 2, 4
 HEADER_LINES = 11
-SPEEDS = {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6, "µm/s": 1e-6, "": 1.0, "none": 1.0}
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}
+TIMES = {"s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "msec": 1e-3, "us": 1e-6, "usec": 1e-6}
+UNLABELLED = ("", "none", "unknown")
+# Units per metre of the systems of data set 164; None: stated in its second record.
+PER_METRE = {1: 1.0, 2: 1.0 / 0.3048, 3: 1.0, 4: 1.0 / 0.3048, 5: 1e3, 6: 1e2, 7: 1.0 / 0.0254, 8: 1e3, 9: None, 10: 1e3}
+TITLE = "velocity along the line of sight"  # of the data sets that this program writes
+ALONG = {1: "x", 2: "y", 3: "z"}
 
 
 def record(text: str) -> str:
@@ -51,7 +57,7 @@ def header_of(scan: Scan, node: int, quality: float) -> str:
                       f"{VELOCITY:10d}{1:5d}{0:5d}{0:5d}{label('Velocity')}{label('m/s')}\n",
                       f"{UNKNOWN:10d}{0:5d}{0:5d}{0:5d}{label('NONE')}{label('NONE')}\n")
     return "".join((
-        record("velocity along the line of sight"),
+        record(TITLE),
         record(f"direction={along}"),
         record(stamp),
         record(f"delay={scan.trigger_delay_s:.16E}"),
@@ -62,7 +68,8 @@ def header_of(scan: Scan, node: int, quality: float) -> str:
 
 
 def uff_bytes(scan: Scan, binary: bool) -> bytes:
-    """The scan as a file; points without signal have zeros and the quality 0."""
+    """The scan as a file, with velocities into the skin; points without signal have zeros and the quality 0."""
+    scan = scan.along_z()
     blocks = [UNITS_BLOCK.encode(), nodes_block(scan).encode()]
     for node, (row, quality) in enumerate(zip(scan.velocity_m_s, scan.quality), 1):
         has_signal = bool(np.all(np.isfinite(row)))
@@ -141,14 +148,49 @@ def nodes_of(content: list[str], kind: int) -> dict[int, tuple[float, ...]]:
     return nodes
 
 
-def length_factor(content: list[str]) -> float:
-    """Number of length units of the file per metre."""
-    return field(content[1], 0, 25, "the factor of the unit of length", float) if len(content) > 1 else 1.0
+def units_per_metre(content: list[str]) -> float:
+    """Number of length units of the file per metre (data set 164)."""
+    code = field(content[0], 0, 10, "the code of the units") if content else None
+    if len(content) > 1:
+        factor = field(content[1], 0, 25, "the factor of the unit of length", float)
+        if not factor > 0.0:
+            raise BadScan("the factor of the unit of length is not positive")
+        return factor
+    known = PER_METRE.get(code)
+    if known is None:
+        raise BadScan(f"data set 164 contains no factor of the unit of length, which does not follow from the code {code}")
+    return known
+
+
+def metres(per_metre: float) -> str:
+    """The unit of length, as text."""
+    return next((name for name, size in LENGTHS.items() if abs(size * per_metre - 1.0) < 1e-9), f"{1.0 / per_metre:.6g} m")
+
+
+def unit_label(line: str) -> str | None:
+    """The label of a unit in lower case, with "u" for micro; None if there is none."""
+    text = line[47:67]
+    for micro in ("\u00c2\u00b5", "\u00ce\u00bc", "\u00b5"):  # in UTF-8, read as Latin-1, and in Latin-1
+        text = text.replace(micro, "u")
+    text = text.strip().lower().strip("[]()").replace(" ", "")
+    return None if text in UNLABELLED else text
+
+
+def whole(line: str, start: int, width: int, what: str) -> int:
+    """An integer, of which blanks mean 0."""
+    return field(line[start:start + width].strip() or "0", 0, width, what)
+
+
+def speed_of(label: str) -> float | None:
+    length, _, time = label.partition("/")
+    return LENGTHS.get(length) if TIMES.get(time) == 1.0 else None
 
 
 def exact(head: list[str]) -> dict[str, list[float]]:
-    """Numbers that this program adds to identification lines."""
-    found = {}
+    """Numbers that this program adds to the identification lines of its files."""
+    found: dict[str, list[float]] = {}
+    if head[0].strip() != TITLE:
+        return found
     for line in head[:5]:
         for name, words in re.findall(r"\b(dt|t0|q|delay|direction)=(\S+)", line):
             try:
@@ -193,25 +235,67 @@ class Function:
             raise BadScan("the times are not uniformly spaced")
         if field(head[7], 0, 10, "the type of the abscissa") not in (TIME, UNKNOWN):
             raise BadScan("the abscissa is not a time")
-        quantity = field(head[8], 0, 10, "the type of the ordinate")
-        if quantity not in (VELOCITY, UNKNOWN):
-            other = {DISPLACEMENT: "a displacement", ACCELERATION: "an acceleration"}.get(quantity, f"of type {quantity}")
-            raise BadScan(f"the ordinate is {other}; only velocities (11) can be read")
-        unit = head[8][47:67].strip()
-        if unit.lower() not in SPEEDS:
-            raise BadScan(f"the unit of the velocity is \"{unit}\"; only m/s, mm/s and um/s can be read")
+        label = unit_label(head[7])
+        if label is not None and label not in TIMES:
+            raise BadScan(f"the unit of the time is \"{label}\"; only s, ms and us can be read")
+        to_s = TIMES[label] if label else 1.0
+        self.notes: list[str] = []
+        self.read_quantity(head[8], head[9])
         own = exact(head)
-        self.start_s = own.get("t0", [field(head[6], 30, 13, "the first time", float)])[0]
-        self.step_s = own.get("dt", [field(head[6], 43, 13, "the time step", float)])[0]
+        first, step = (to_s * field(head[6], at, 13, what, float) for at, what in ((30, "the first time"), (43, "the time step")))
+        self.start_s, self.step_s = own.get("t0", [first])[0], own.get("dt", [step])[0]
         if not self.step_s > 0.0:
             raise BadScan("the time step is not positive")
         self.quality = own.get("q", [1.0])[0]
         self.delay_s = own.get("delay", [0.0])[0]
-        self.direction = tuple(own.get("direction", [0.0, 0.0, 1.0]))
-        if len(self.direction) != 3:
-            raise BadScan("the direction must have three components")
+        self.read_direction(head[5], own.get("direction"))
         with np.errstate(invalid="ignore"):  # binary data may contain NaN: no signal
-            self.values = SPEEDS[unit.lower()] * values_of(self.count, data)
+            self.values = self.sign * values_of(self.count, data)
+
+    def read_quantity(self, numerator: str, denominator: str) -> None:
+        """`speed`: the unit of the values in m/s; None: that of the file, by data set 164."""
+        quantity = field(numerator, 0, 10, "the type of the ordinate")
+        self.label = unit_label(numerator)
+        self.speed = None if self.label is None else speed_of(self.label)
+        if quantity not in (VELOCITY, UNKNOWN) and not (quantity == GENERAL_QUANTITY and self.speed):
+            other = {DISPLACEMENT: "a displacement", ACCELERATION: "an acceleration"}.get(quantity, f"of type {quantity}")
+            raise BadScan(f"the ordinate is {other}; only velocities (11) can be read")
+        if self.label is not None and self.speed is None:
+            raise BadScan(f"the unit of the velocity is \"{numerator[47:67].strip()}\"; only m/s, cm/s, mm/s, um/s and nm/s can be read")
+        divisor, *exponents = (whole(denominator, start, width, "a number of the ordinate's denominator")
+                               for start, width in ((0, 10), (10, 5), (15, 5), (20, 5)))
+        if divisor > GENERAL_QUANTITY or any(exponents):
+            raise BadScan("the ordinate is divided by another quantity (record 10); only velocities can be read")
+        length, force, temperature = (whole(numerator, start, 5, "an exponent of the ordinate") for start in (10, 15, 20))
+        if (force, temperature) == (0, 0) and length in (0, 1):
+            return
+        dimension = f"length^{length} force^{force} temperature^{temperature} (record 9)"
+        if self.speed is None:
+            raise BadScan(f"the ordinate has no unit and the dimension {dimension}; a velocity has length^1")
+        self.notes.append(f"the unit of the velocity contradicts the dimension {dimension}; the unit is used")
+
+    def read_direction(self, line: str, vector: list[float] | None) -> None:
+        """Record 6: the velocities are those along z, or, with a negative direction, against it."""
+        code = whole(line, 51, 4, "the response direction")
+        if abs(code) > 6:
+            raise BadScan(f"the response direction {code} (record 6) is unknown")
+        if abs(code) > 3:
+            raise BadScan(f"it contains rotations (response direction {code}, record 6); only velocities along z can be read")
+        if abs(code) in (1, 2):
+            raise BadScan(f"it contains velocities along {ALONG[abs(code)]} (response direction {code}, record 6); only those along z "
+                          "can be read: export that component")
+        if vector is not None and len(vector) != 3:
+            raise BadScan("the direction must have three components")
+        self.states_direction = code != 0 or vector is not None
+        self.sign, self.direction = (-1.0 if code < 0 else 1.0), (0.0, 0.0, 1.0)
+        if vector is not None:
+            stated = -1.0 if vector[2] < 0.0 else 1.0
+            self.direction = tuple(stated * value for value in vector)
+            if code == 0:
+                self.sign = stated
+            elif stated != self.sign:
+                self.notes.append(f"the response direction {code} (record 6) is used, which contradicts the direction of the "
+                                  "second identification line")
 
 
 def ascii_function(content: list[str]) -> Function:
@@ -250,7 +334,8 @@ def binary_function(first: str, lines: Lines) -> Function:
 
 
 def read_uff(data: bytes) -> Scan:
-    lines, nodes, functions, factor = Lines(data), {}, [], 1.0
+    lines, nodes, functions = Lines(data), {}, []
+    per_metre: float | None = None
     while (line := lines.next()) is not None:
         if not is_mark(line):
             continue
@@ -267,17 +352,16 @@ def read_uff(data: bytes) -> Scan:
         elif kind in ("15", "2411"):
             nodes.update(nodes_of(content, int(kind)))
         elif kind == "164":
-            factor = length_factor(content)
+            per_metre = units_per_metre(content)
         if len(functions) > MOST_POINTS or len(nodes) > MOST_POINTS:
             raise BadScan(f"it has more than {MOST_POINTS} points")
-    return joined(functions, nodes, factor)
+    return joined(functions, nodes, per_metre)
 
 
-def joined(functions: list[Function], nodes: dict, factor: float) -> Scan:
+def joined(functions: list[Function], nodes: dict, per_metre: float | None) -> Scan:
+    """`per_metre`: length units per metre; None: the file contains no data set 164."""
     if not functions:
         raise BadScan("it contains no data set of type 58")
-    if not factor > 0.0:
-        raise BadScan("the factor of the unit of length is not positive")
     known = set()
     for function in functions:
         if function.node not in nodes:
@@ -285,13 +369,24 @@ def joined(functions: list[Function], nodes: dict, factor: float) -> Scan:
         if function.node in known:
             raise BadScan(f"node {function.node} has several time responses; export one component")
         known.add(function.node)
-        for name in ("count", "step_s", "start_s", "delay_s", "direction"):
+        for name in ("count", "step_s", "start_s", "delay_s", "direction", "states_direction"):
             if getattr(function, name) != getattr(functions[0], name):
                 raise BadScan(f"nodes {functions[0].node} and {function.node} have different times or directions")
     one = functions[0]
-    places = np.array([nodes[function.node] for function in functions]) / factor
-    velocity = np.array([function.values for function in functions])
+    length = metres(per_metre or 1.0)
+    signs = {function.sign for function in functions}
+    notes = [f"lengths in {length} " + ("(data set 164)" if per_metre else "(assumed, since data set 164 is missing)")]
+    for label in sorted({function.label or "" for function in functions}):
+        differs = label and per_metre and abs(speed_of(label) * per_metre - 1.0) > 1e-9
+        source = "label of record 9" + (f", unlike data set 164 with {length}" if differs else "") if label \
+            else "data set 164" if per_metre else "assumed, since the file states no unit"
+        notes.append(f"velocities in {label or length + '/s'} ({source})")
+    if one.states_direction:
+        notes.append("response direction " + " and ".join(f"{sign:+.0f}z" for sign in sorted(signs)).replace("1z", "z") + " (record 6)")
+    notes += sorted({note for function in functions for note in function.notes})
+    places = np.array([nodes[function.node] for function in functions]) / (per_metre or 1.0)
+    velocity = np.array([(function.speed or 1.0 / (per_metre or 1.0)) * function.values for function in functions])
     quality = np.array([function.quality for function in functions])
     velocity[quality == 0.0] = np.nan
     return Scan(one.start_s + one.step_s * np.arange(one.count), places[:, 0], places[:, 1], velocity, quality,
-                one.delay_s, one.direction)
+                one.delay_s, one.direction, notes, one.states_direction)

@@ -22,7 +22,7 @@ void add_fit(CLI::App& app, Action& action) {
                     "job file (TOML); the distributions of [uncertain] are bounds and priors")
         ->required();
     add_scan(command, "--data", arguments.data)->type_name("DATA");
-    add_scan_options(command, arguments.overrides, arguments.out, arguments.least_quality);
+    add_scan_options(command, arguments);
 }
 
 } // namespace shearwake::app

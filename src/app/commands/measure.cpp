@@ -56,7 +56,7 @@ void add_measure(CLI::App& app, Action& action) {
                     "job with the load that was played, the grid, the times, and [vibrometer]")
         ->type_name("JOB")
         ->required();
-    add_scan_options(command, arguments.overrides, arguments.out, arguments.least_quality);
+    add_scan_options(command, arguments);
     command
         .add_option("--fit", arguments.fit,
                     "fit.json of shearwake fit, whose estimates (alignment, material) replace the "

@@ -81,16 +81,19 @@ CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesyste
         ->required();
 }
 
-void add_scan_options(CLI::App& command, std::vector<std::string>& overrides,
-                      std::filesystem::path& out, double& least_quality) {
-    add_overrides(command, overrides);
+void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments) {
+    add_overrides(command, arguments.overrides);
     command
-        .add_option("--least-quality", least_quality,
+        .add_option("--least-quality", arguments.least_quality,
                     "ignore points below this quality, 0 to 1 (default 0: only those without a "
                     "signal)")
         ->type_name("Q")
         ->check(CLI::Range(0.0, 1.0));
-    command.add_option("--out", out, "output folder (default: named after the job, in out)")
+    command.add_flag("--outwards", arguments.outwards,
+                     "z and positive velocities of DATA point out of the skin, as those of most "
+                     "scanners do (default: into the skin)");
+    command
+        .add_option("--out", arguments.out, "output folder (default: named after the job, in out)")
         ->type_name("DIR");
 }
 

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "parallel/comm.hpp"
 #include "schedule/run/run_arguments.hpp"
+#include "studies/laboratory/fit.hpp"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -56,8 +57,7 @@ void add_study_options(CLI::App& command, schedule::RunArguments& arguments);
 /// The scan of a user: `name` is that of the argument or of the option.
 CLI::Option* add_scan(CLI::App& command, const std::string& name, std::filesystem::path& data);
 /// -S, --least-quality and --out of a command that reads a scan.
-void add_scan_options(CLI::App& command, std::vector<std::string>& overrides,
-                      std::filesystem::path& out, double& least_quality);
+void add_scan_options(CLI::App& command, laboratory::ScanArguments& arguments);
 /// --json, for a document instead of text.
 CLI::Option* add_json(CLI::App& command, bool& json);
 

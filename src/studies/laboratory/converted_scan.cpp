@@ -10,8 +10,9 @@
 
 namespace shearwake::laboratory {
 
-nlohmann::ordered_json scan_request(const Case& c) {
-    nlohmann::ordered_json request = nlohmann::ordered_json::object();
+nlohmann::ordered_json scan_request(const ScanArguments& arguments, const Case& c) {
+    nlohmann::ordered_json request = {{"least_quality", arguments.least_quality},
+                                      {"outwards", arguments.outwards}};
     if (!c.vibrometer) return request;
     const VibrometerOptions& o = *c.vibrometer;
     const Vec3 along = o.line_of_sight();

@@ -3,15 +3,16 @@
 
 #include "parallel/comm.hpp"
 #include "problem/case/case.hpp"
+#include "studies/laboratory/fit.hpp"
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
 namespace shearwake::laboratory {
 
-/// The members of a request of shearwake.laboratory.measure_scan that follow from the vibrometer
-/// of a case; empty without one.
-nlohmann::ordered_json scan_request(const Case& c);
+/// The members of a request of shearwake.laboratory.measure_scan that follow from the arguments and
+/// the vibrometer of a case, if it has one.
+nlohmann::ordered_json scan_request(const ScanArguments& arguments, const Case& c);
 
 /// Converts a file of a user by that script into <prefix>.json and <prefix>.f64. Throws UsageError
 /// if it is not a usable scan; the script prints the reason. Not collective.

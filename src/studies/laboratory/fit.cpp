@@ -214,9 +214,7 @@ ExitCode fit_job(const ScanArguments& arguments, const Comm& world) {
     together(world, [&] { parameters = read_parameters(arguments.job); });
     on_root(world, [&] {
         storage::make_directory(folder);
-        nlohmann::ordered_json request = scan_request(c);
-        request["least_quality"] = arguments.least_quality;
-        convert_scan(arguments.data, request, prefix);
+        convert_scan(arguments.data, scan_request(arguments, c), prefix);
     });
     ConvertedData data;
     together(world, [&] { data = read_velocities(prefix); });

@@ -14,6 +14,7 @@ struct ScanArguments : schedule::JobArguments {
     std::filesystem::path data;
     std::filesystem::path out; // empty: out/<job name>.fit
     double least_quality = 0.0;
+    bool outwards = false; // z and positive velocities of the scan point out of the skin
 };
 
 /// The command `fit`: estimates the keys of [uncertain] from a measured scan. Collective over the

@@ -122,6 +122,8 @@ void write_fit(const std::filesystem::path& folder, const std::filesystem::path&
 
 void print_fit(const FitOutput& output) {
     const FitResult& result = output.result;
+    for (const std::string& note : output.data.notes)
+        fmt::print("{}\n", note);
     std::size_t width = 9;
     for (const Parameter& parameter : output.parameters)
         width = std::max(width, parameter.key.size());

@@ -68,7 +68,7 @@ void require_measurable(const Case& c) {
 
 Json request_of(const MeasureArguments& arguments, const MeasuredJob& measured) {
     const Case& c = measured.planned().physics;
-    Json request = scan_request(measured.with_scan.plan.cases.front().physics);
+    Json request = scan_request(arguments, measured.with_scan.plan.cases.front().physics);
     request["grid"] = {{"nx", c.domain.nx}, {"ny", c.domain.ny}, {"spacing_m", c.domain.spacing_m}};
     Json frames = Json::array();
     for (std::ptrdiff_t n = 0; n < c.time.frames; ++n)
@@ -77,7 +77,6 @@ Json request_of(const MeasureArguments& arguments, const MeasuredJob& measured) 
     request["periodic"] = c.time.regime == Regime::periodic;
     request["period_s"] = c.time.duration_s();
     request["high_pass_Hz"] = arguments.high_pass_Hz;
-    request["least_quality"] = arguments.least_quality;
     request["gaps"] = arguments.gaps;
     request["repetitions"] = arguments.repetitions;
     request["seed"] = 1;
