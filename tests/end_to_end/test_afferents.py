@@ -112,7 +112,7 @@ class Respond(ProgramTest):
         (self.folder / "m.csv").write_text("t_ms,u_um\n" + "\n".join(rows) + "\n")
         said = self.shearwake("respond", "m.csv", "-S", "afferents.noise=true", "--out", "a.h5",
                               ranks=2).said
-        self.says(said, "SA1", "RA", "PC", "spikes: a.h5")
+        self.says(said, "motion: 500 samples at 5000 Hz for each of 1 pin(s), 0 to 59.76 um", "SA1", "RA", "PC", "spikes: a.h5")
         data = xarray.open_dataset(self.folder / "a.h5", group="afferents")
         self.assertGreater(data.sizes["spike"], 100)
 
@@ -133,6 +133,8 @@ class Respond(ProgramTest):
     def test_invalid_motions_are_rejected_with_their_position(self):
         for text, words in [("t_ms,u_um\n0,0\n1,nan\n", "pin 0, sample 1"),
                             ("t_ms,u_um\n0,0\n1,x\n", "m.csv: line 3"),
+                            ("t_ms,u_mm\n0,0\n1,600\n", "a displacement is 600 mm"),
+                            ("t_ms,u_m\n0,0\n1,-0.06\n", "a displacement is -60 mm"),
                             ("t_ms,u_um\n0,0\n", "at least 2 times")]:
             (self.folder / "m.csv").write_text(text)
             self.says(self.shearwake("respond", "m.csv", ranks=2, expect=2).said, words)

@@ -82,6 +82,103 @@ class Direction(ScanTest):
         self.assertAlmostEqual(np.linalg.norm(Alignment(scan, {}).direction), 1.0)
 
 
+class Names(ScanTest):
+    """Settings and units that a file states are used, or refused."""
+
+    def arrays(self):
+        scan = some_scan()
+        return {"time": scan.time_s, "x": scan.x_m, "y": scan.y_m, "velocity": scan.velocity_m_s}
+
+    def test_a_delay_is_read_in_its_unit_and_a_misspelt_one_is_refused(self):
+        lines = [line for line in self.written("csv").read_text().splitlines(True) if "delay" not in line]
+        for remark, delay_s in (("trigger_delay_s: 0.005", 5e-3), ("trigger_delay_ms = 5", 5e-3), ("trigger_delay_us = +250", 2.5e-4),
+                                ("measured in 2024: gel", 0.0), ("temperature_C = 21", 0.0)):
+            with self.subTest(remark=remark):
+                scan = read_scan(self.file(f"# {remark}\n" + "".join(lines), ".csv"))
+                self.assertAlmostEqual(scan.trigger_delay_s, delay_s, places=12)
+                self.assertEqual(any("without effect" in note for note in scan.notes), delay_s == 0.0)
+        for remark in ("triger_delay_s = 0.005", "trigger_delay_min = 5", "delay_ms = 5", "direction = -1", "directionz: -1",
+                       "trigger_delay_s = 5 ms", "trigger_delay_s = 1\n# trigger_delay_ms = 2"):
+            with self.subTest(remark=remark):
+                self.refused(f"# {remark}\n" + "".join(lines), "trigger_delay" if "delay" in remark else "direction_z", ".csv")
+
+    def test_names_and_units_in_matlab_and_hdf5_files(self):
+        import h5py
+        import scipy.io
+
+        five, seven = self.folder / "five.mat", self.folder / "seven.h5"
+        for name, words in (("trigger_delay_ms", ""), ("triggerdelay", "did you mean trigger_delay"), ("direction", "direction_z")):
+            scipy.io.savemat(five, {**self.arrays(), name: 5.0})
+            with h5py.File(seven, "w") as file:
+                for key, values in {**self.arrays(), name: 5.0}.items():
+                    file[key] = values
+            for path in (five, seven):
+                with self.subTest(name=name, path=path.name):
+                    if words:
+                        with self.assertRaisesRegex(BadScan, words):
+                            read_scan(path)
+                    else:
+                        self.assertAlmostEqual(read_scan(path).trigger_delay_s, 5e-3)
+        for scale, length, speed, time in ((1e3, "mm", "mm/s", "ms"), (1e6, "\u00b5m", "um/s", "us"), (1.0, "metres", "SI", "s")):
+            with h5py.File(seven, "w") as file:
+                for (key, values), unit in zip(self.arrays().items(), (time, length, length, speed)):
+                    file[key] = scale * values
+                    file[key].attrs["units"] = unit
+            read = read_scan(seven)
+            with self.subTest(length=length):
+                np.testing.assert_allclose(read.velocity_m_s, some_scan().velocity_m_s, rtol=1e-12)
+                np.testing.assert_allclose(read.x_m, some_scan().x_m, rtol=1e-12)
+                np.testing.assert_allclose(read.rate_Hz, 51200.0, rtol=1e-12)
+
+
+class Order(ScanTest):
+    """The indices of point and time, also in scans with as many points as times."""
+
+    def square(self):
+        return some_scan(points=30)
+
+    def test_a_square_scan_is_read_again_from_every_format(self):
+        scan = self.square()
+        for kind in KINDS:
+            with self.subTest(kind=kind):
+                path = self.folder / f"square{KINDS[kind]}"
+                write_scan(path, scan, kind)
+                np.testing.assert_allclose(read_scan(path).velocity_m_s, scan.velocity_m_s, rtol=1e-12)
+
+    def test_a_matlab_file_has_the_order_that_matlab_shows(self):
+        import h5py
+        import scipy.io
+
+        for scan in (self.square(), some_scan()):
+            arrays = {"time": scan.time_s[None, :], "x": scan.x_m[:, None], "y": scan.y_m[:, None], "velocity": scan.velocity_m_s}
+            five, seven = self.folder / "five.mat", self.folder / "seven.mat"
+            scipy.io.savemat(five, arrays)
+            with h5py.File(seven, "w", userblock_size=512) as file:
+                for name, values in arrays.items():
+                    file[name] = values.T  # as save -v7.3 of MATLAB does
+                    file[name].attrs["MATLAB_class"] = np.bytes_("double")
+            with open(seven, "r+b") as file:
+                file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM")
+            for path in (five, seven):
+                with self.subTest(path=path.name, points=len(scan.x_m)):
+                    read = read_scan(path)
+                    np.testing.assert_array_equal(read.velocity_m_s, scan.velocity_m_s)
+                    self.assertEqual(any("first index of velocity" in note for note in read.notes), len(scan.x_m) == 30)
+
+    def test_the_points_of_matrices_are_counted_as_by_matlab(self):
+        import scipy.io
+
+        scan = some_scan(points=6)
+        path = self.folder / "grid.mat"
+        grids = {name: getattr(scan, f"{name}_m").reshape(3, 2) for name in "xy"}
+        velocity = scan.velocity_m_s.reshape(3, 2, -1).transpose(1, 0, 2).reshape(6, -1)
+        scipy.io.savemat(path, {"time": scan.time_s, **grids, "velocity": velocity})
+        read = read_scan(path)
+        order = np.argsort(read.x_m)
+        np.testing.assert_array_equal(read.velocity_m_s[order], scan.velocity_m_s[np.argsort(scan.x_m)])
+        self.assertIn("first index first", "; ".join(read.notes))
+
+
 class RoundTrip(ScanTest):
     def test_a_written_scan_is_read_again_to_1e_12(self):
         scan = some_scan()
@@ -104,7 +201,7 @@ class RoundTrip(ScanTest):
         np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
         scipy.io.savemat(path, {"vibrometer": arrays})
         np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
-        scipy.io.savemat(path, {**arrays, "velocity": scan.velocity_m_s.T})  # one column per point, as MATLAB loads ours
+        scipy.io.savemat(path, {**arrays, "velocity": scan.velocity_m_s.T})  # one column per point
         np.testing.assert_array_equal(read_scan(path).velocity_m_s, scan.velocity_m_s)
 
     def test_octave_reads_the_hdf5_file_and_its_own_is_read(self):
@@ -117,8 +214,8 @@ class RoundTrip(ScanTest):
         done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", script], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         rows, columns, times, value = done.stdout.split()
-        self.assertEqual((int(rows), int(columns), int(times)), (30, 5, 30))  # Octave has one column per point
-        self.assertEqual(float(value), scan.velocity_m_s[0, 1])
+        self.assertEqual((int(rows), int(columns), int(times)), (5, 30, 30))  # Octave has one row per point
+        self.assertEqual(float(value), scan.velocity_m_s[1, 0])
         np.testing.assert_array_equal(read_scan(again).velocity_m_s, scan.velocity_m_s)
 
 

@@ -31,7 +31,7 @@ class Alignment:
 
     def __init__(self, scan: Scan, request: dict) -> None:
         given = request.get("vibrometer")
-        self.notes = [*scan.notes]
+        self.notes = [*scan.notes, extent_text(scan)]
         self.delay_s, self.offset_m = scan.trigger_delay_s, (0.0, 0.0)
         length = math.hypot(*scan.direction)
         self.direction = tuple(value / length for value in scan.direction)
@@ -55,6 +55,14 @@ class Alignment:
     def text(self) -> str:
         return (f"start of the recording {1e3 * self.delay_s:.6g} ms after that of the load; points shifted by "
                 f"{1e3 * self.offset_m[0]:.6g} and {1e3 * self.offset_m[1]:.6g} mm")
+
+
+def extent_text(scan: Scan) -> str:
+    (x0, x1), (y0, y1) = ((1e3 * np.min(values), 1e3 * np.max(values)) for values in (scan.x_m, scan.y_m))
+    with np.errstate(invalid="ignore"):
+        largest = 1e3 * np.nanmax(np.abs(scan.velocity_m_s), initial=0.0)
+    return (f"{len(scan.x_m)} points, x {x0:.4g} to {x1:.4g} mm, y {y0:.4g} to {y1:.4g} mm; {len(scan.time_s)} samples at "
+            f"{scan.rate_Hz:.8g} Hz, up to {largest:.4g} mm/s")
 
 
 def vector(direction: Iterable[float]) -> str:

@@ -6,18 +6,19 @@
 Octave read. Units are SI.
 """
 import csv
+import difflib
 import io
 import math
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .scan import MOST_VALUES, BadScan, Scan
-from .scan_uff import read_uff, uff_bytes
+from .scan_uff import LENGTHS, TIMES, read_uff, speed_of, uff_bytes
 
 MOST_BYTES = 4 << 30  # a larger file is rejected before it is read
 Getter = Callable[[str], Any]
@@ -110,8 +111,33 @@ def named(get: Getter, names: tuple[str, ...], what: str) -> Any:
     raise BadScan(f"{NOT_A_SCAN}it has no {what} ({', '.join(names)})")
 
 
-def from_names(get: Getter) -> Scan:
-    """A scan from named arrays; get(name) returns an array or None."""
+SETTINGS = ("trigger_delay", "direction_x", "direction_y", "direction_z")
+DELAYS = {f"trigger_delay{unit}": to_s for unit, to_s in (("", 1.0), ("_s", 1.0), ("_ms", 1e-3), ("_us", 1e-6))}
+
+RESEMBLING = {**{name: name for name in (*DELAYS, *SETTINGS)}, "direction": "direction_z",
+              **{name.removeprefix("trigger_"): name for name in DELAYS}}
+
+
+def settings(given: dict[str, Any], one: Callable[[Any, str], float], notes: list) -> dict[str, Any]:
+    """Trigger delay and direction as arguments of Scan. `given`: all names of a file with their values; one(value, name) converts
+    one number. A name that resembles a setting is an error, since its value would be ignored."""
+    delays = [name for name in DELAYS if name in given]
+    if len(delays) > 1:
+        raise BadScan(f"it contains both {delays[0]} and {delays[1]}")
+    for name in given:
+        if name not in DELAYS and name not in SETTINGS:
+            near = difflib.get_close_matches(name.lower(), RESEMBLING, n=1, cutoff=0.8)
+            if near:
+                raise BadScan(f"{name} is unknown; did you mean {RESEMBLING[near[0]]}?")
+    delay_s = DELAYS[delays[0]] * one(given[delays[0]], delays[0]) if delays else 0.0
+    direction = tuple(one(given[name], name) if name in given else fallback
+                      for name, fallback in (("direction_x", 0.0), ("direction_y", 0.0), ("direction_z", 1.0)))
+    return {"trigger_delay_s": delay_s, "direction": direction, "notes": notes,
+            "states_direction": any(name in given for name in SETTINGS[1:])}
+
+
+def from_names(names: Iterable[str], get: Getter, notes: list, order_is_known: bool = False) -> Scan:
+    """A scan from named arrays with the indices (point, time) or (time, point); get(name) returns an array or None."""
     def numbers(value: Any, what: str) -> np.ndarray:
         try:
             array = np.asarray(value)
@@ -124,27 +150,42 @@ def from_names(get: Getter) -> Scan:
             raise BadScan(f"{what} is not an array of real numbers") from error
 
     time = numbers(named(get, ("time", "t"), "time"), "time").ravel()
-    x = numbers(named(get, ("x",), "x"), "x").ravel()
-    y = numbers(named(get, ("y",), "y"), "y").ravel()
+    x = numbers(named(get, ("x",), "x"), "x")
+    y = numbers(named(get, ("y",), "y"), "y")
+    if x.ndim > 1 and min(x.shape) > 1:
+        notes.append("x and y are matrices; their points are counted along the first index first, as x(:) of MATLAB")
+    x, y = x.ravel(order="F"), y.ravel(order="F")
     velocity = np.atleast_2d(numbers(named(get, ("velocity", "v"), "velocity"), "velocity"))
-    if velocity.shape == (len(time), len(x)) and velocity.shape != (len(x), len(time)):
-        velocity = velocity.T  # MATLAB stores the first index fastest
+    if velocity.shape == (len(time), len(x)):
+        if velocity.shape != (len(x), len(time)):
+            velocity = velocity.T
+        elif not order_is_known:
+            notes.append("the file contains as many points as times; the first index of velocity is taken as that of the point")
     quality = get("quality")
 
-    def one(name: str, fallback: float) -> float:
-        value = get(name)
-        if value is None:
-            return fallback
+    def one(value: Any, name: str) -> float:
         value = numbers(value, name)
         if value.size != 1 or not math.isfinite(value.item()):
             raise BadScan(f"{name} must be one finite number")
         return value.item()
 
-    return Scan(time, x, y, np.ascontiguousarray(velocity),
-                None if quality is None else numbers(quality, "quality").ravel(),
-                one("trigger_delay", 0.0),
-                (one("direction_x", 0.0), one("direction_y", 0.0), one("direction_z", 1.0)),
-                states_direction=any(get(f"direction_{axis}") is not None for axis in "xyz"))
+    given = {name: get(name) for name in names if name in DELAYS or name in SETTINGS}
+    others = {name: None for name in names if name not in given}
+    return Scan(time, x, y, np.ascontiguousarray(velocity), None if quality is None else numbers(quality, "quality").ravel(),
+                **settings({**given, **others}, one, notes))
+
+
+def stated_factor(data: Any, name: str, notes: list) -> float:
+    """The factor to SI units that the attribute `units` of a dataset states."""
+    text = data.attrs.get("units", data.attrs.get("unit", b""))
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+    unit = text.strip().lower().replace("\u00b5", "u").replace("\u03bc", "u").replace(" ", "")
+    factor = {"x": LENGTHS, "y": LENGTHS, "time": TIMES, "t": TIMES, "trigger_delay": TIMES}.get(name, {}).get(unit)
+    if name in ("velocity", "v"):
+        factor = speed_of(unit)
+    if factor not in (None, 1.0):
+        notes.append(f"{name} in {text} (attribute units)")
+    return factor or 1.0
 
 
 def read_hdf5(path: Path) -> Scan:
@@ -153,6 +194,7 @@ def read_hdf5(path: Path) -> Scan:
     try:
         with h5py.File(path, "r") as file:
             group = file["vibrometer"] if "vibrometer" in file else file
+            notes: list[str] = []
 
             def get(name: str) -> Any:
                 data = group.get(name, getlink=False) if name in group else None
@@ -162,9 +204,15 @@ def read_hdf5(path: Path) -> Scan:
                     raise BadScan(f"{name} has {data.size} values, but at most {MOST_VALUES} are supported")
                 if data.external:
                     raise BadScan(f"{name} is stored in another file")
-                return data[()]
+                values = data[()]
+                if data.dtype.kind in "fiu" and (factor := stated_factor(data, name, notes)) != 1.0:
+                    values = factor * values
+                # MATLAB, which writes this attribute, stores the indices in reverse.
+                return values.T if "MATLAB_class" in data.attrs else values
 
-            return from_names(get)
+            velocity = next((group[name] for name in ("velocity", "v") if name in group), None)
+            is_known = velocity is not None and "DIMENSION_LIST" in velocity.attrs
+            return from_names(group, get, notes, is_known)
     except (OSError, RuntimeError, KeyError, TypeError, ValueError, AttributeError, MemoryError) as error:
         raise BadScan(f"it cannot be read as HDF5: {str(error).splitlines()[0] if str(error) else error!r}") from error
 
@@ -179,8 +227,8 @@ def read_mat5(path: Path) -> Scan:
             from error
     struct = content.get("vibrometer")
     if struct is not None and getattr(struct, "dtype", None) is not None and struct.dtype.names and struct.size == 1:
-        return from_names(lambda name: struct[name].item() if name in struct.dtype.names else None)
-    return from_names(content.get)
+        return from_names(struct.dtype.names, lambda name: struct[name].item() if name in struct.dtype.names else None, [])
+    return from_names(content, content.get, [])
 
 
 CSV_HEADER = ["x_m", "y_m", "quality"]
@@ -189,15 +237,15 @@ CSV_HEADER = ["x_m", "y_m", "quality"]
 def read_csv(data: bytes) -> Scan:
     """Lines of x, y, quality and one velocity per time; the header contains the times in seconds."""
     try:
-        text = data.decode("utf-8")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise BadScan(NOT_A_SCAN + "it is neither text nor a known binary format") from error
-    remarks = {}
+    remarks: dict[str, Any] = {}
+    notes: list[str] = []
     lines = []
     for line in text.splitlines():
         if line.startswith("#"):
-            name, _, value = line[1:].partition("=")
-            remarks[name.strip()] = value.strip()
+            read_remark(line[1:].strip(), remarks, notes)
         elif line.strip():
             lines.append(line)
     try:
@@ -212,13 +260,29 @@ def read_csv(data: bytes) -> Scan:
     try:
         numbers = np.array([[float(word) for word in row] for row in rows[1:]]).reshape(-1, width)
         times = np.array([float(word) for word in rows[0][3:]])
-        values = {name: float(remarks.get(name, fallback)) for name, fallback in
-                  (("trigger_delay_s", 0.0), ("direction_x", 0.0), ("direction_y", 0.0), ("direction_z", 1.0))}
     except ValueError as error:
         raise BadScan(f"it contains a field that is not a number: {error}") from error
     return Scan(times, numbers[:, 0], numbers[:, 1], np.ascontiguousarray(numbers[:, 3:]), numbers[:, 2],
-                values["trigger_delay_s"], (values["direction_x"], values["direction_y"], values["direction_z"]),
-                states_direction=any(name.startswith("direction_") for name in remarks))
+                **settings(remarks, lambda value, _: value, notes))
+
+
+def read_remark(text: str, remarks: dict[str, Any], notes: list) -> None:
+    """A line "name = number" or "name: number" of a CSV file; other remarks are noted."""
+    name, is_pair, value = text.partition("=") if "=" in text else text.partition(":")
+    name = name.strip()
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if name in DELAYS or name in SETTINGS:
+        if not math.isfinite(number):
+            raise BadScan(f"{name} is not a number: \"{value.strip()[:30]}\"")
+        if name in remarks:
+            raise BadScan(f"{name} is given twice")
+    elif text:
+        notes.append(f"remark without effect: {text[:60]}")
+    if is_pair:
+        remarks[name] = number
 
 
 def csv_text(scan: Scan) -> str:
@@ -233,8 +297,8 @@ def csv_text(scan: Scan) -> str:
 
 
 def write_hdf5(path: Path, scan: Scan) -> None:
-    """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. MATLAB reverses the order of
-    indices, so that velocity has one column per point there."""
+    """HDF5 with a MATLAB 7.3 header: `load` of MATLAB and Octave give the variables. Since MATLAB reverses the order of indices,
+    velocity is stored as (time, point) and is velocity(point, time) there."""
     import h5py
 
     with h5py.File(path, "w", userblock_size=512) as file:
@@ -243,7 +307,7 @@ def write_hdf5(path: Path, scan: Scan) -> None:
                   "direction_x": scan.direction[0], "direction_y": scan.direction[1],
                   "direction_z": scan.direction[2]}
         for name, values in arrays.items():
-            data = file.create_dataset(name, data=np.atleast_2d(np.asarray(values, dtype=float)))
+            data = file.create_dataset(name, data=np.atleast_2d(np.asarray(values, dtype=float)).T)
             data.attrs["MATLAB_class"] = np.bytes_("double")
     header = b"MATLAB 7.3 MAT-file, written by shearwake"
     with open(path, "r+b") as file:

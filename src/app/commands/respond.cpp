@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 
 namespace shearwake::app {
 namespace {
@@ -48,9 +49,42 @@ AfferentOptions options_of(const RespondArguments& arguments) {
         [&](const std::string& file) { return storage::read_file(folder / file); });
 }
 
+struct GivenMotion {
+    pipeline::ReceptorMotion motion;
+    std::string text; // what was read, with its units; empty: a prescribed carrier
+};
+
+/// No skin is indented by more.
+constexpr double deepest_m = 0.05;
+
+void check_depth(const RespondArguments& arguments, const PointMotion& motion) {
+    for (const std::vector<double>& line : motion.u_m)
+        for (const double u_m : line)
+            if (std::isfinite(u_m) && std::abs(u_m) > deepest_m)
+                throw UsageError(fmt::format(
+                    "{}: a displacement is {:.6g} mm, but at most {:.6g} mm are plausible: check "
+                    "the unit of the displacements",
+                    arguments.motion.string(), 1e3 * u_m, 1e3 * deepest_m));
+}
+
+/// "500 samples at 5000 Hz for each of 2 pins, 0 to 60 um".
+std::string range_text(const char* noun, const std::vector<std::vector<double>>& lines,
+                       double rate_Hz, double scale, const char* unit) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const std::vector<double>& line : lines)
+        for (const double value : line) {
+            low = std::min(low, value);
+            high = std::max(high, value);
+        }
+    return fmt::format("{} samples at {:.6g} Hz for each of {} {}, {:.4g} to {:.4g} {}",
+                       lines.empty() ? 0 : lines.front().size(), rate_Hz, lines.size(), noun,
+                       scale * low, scale * high, unit);
+}
+
 /// Reads the motion or the stress from the file; positions and radius of the pins are copied from
 /// the file to the options. For a prescribed carrier the motion is zero and has its duration.
-pipeline::ReceptorMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
+GivenMotion motion_of(const RespondArguments& arguments, AfferentOptions& options) {
+    std::string text;
     pipeline::ReceptorMotion motion{.modulation_Hz = arguments.modulation_Hz, .name = "respond"};
     const auto* carrier = std::get_if<CarrierInput>(&options.input);
     if (carrier && !arguments.motion.empty())
@@ -67,9 +101,12 @@ pipeline::ReceptorMotion motion_of(const RespondArguments& arguments, AfferentOp
     } else if (std::holds_alternative<StressInput>(options.input)) {
         PointStress stress = storage::read_stress(arguments.motion, arguments.group);
         motion.pins.rate_Hz = stress.rate_Hz;
+        text = "stress: " +
+               range_text("receptor(s)", stress.compression_Pa, stress.rate_Hz, 1.0, "Pa");
         motion.compression_Pa = std::move(stress.compression_Pa);
     } else {
         motion.pins = storage::read_motion(arguments.motion, arguments.group);
+        check_depth(arguments, motion.pins);
         if (!motion.pins.at_m.empty()) options.pins_m = motion.pins.at_m;
         if (motion.pins.radius_m && !arguments.overrides_radius())
             options.pin_radius_m = *motion.pins.radius_m;
@@ -78,9 +115,10 @@ pipeline::ReceptorMotion motion_of(const RespondArguments& arguments, AfferentOp
                                          "numbers must be equal",
                                          options.pins_m.size(), arguments.motion.string(),
                                          motion.pins.u_m.size()));
+        text = "motion: " + range_text("pin(s)", motion.pins.u_m, motion.pins.rate_Hz, 1e6, "um");
     }
     motion.path_m = options.pins_m;
-    return motion;
+    return {std::move(motion), std::move(text)};
 }
 
 /// Checks the output path before anything is computed.
@@ -129,12 +167,13 @@ void print(const pipeline::AfferentResult& result, const std::filesystem::path& 
 
 ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
     AfferentOptions options;
-    pipeline::ReceptorMotion motion;
+    GivenMotion given;
     together(world, [&] { // every rank reads the same small files
         check_out(arguments.out);
         options = options_of(arguments);
-        motion = motion_of(arguments, options);
+        given = motion_of(arguments, options);
     });
+    pipeline::ReceptorMotion& motion = given.motion;
     motion.name = canonical(options); // seeds the noise
     pipeline::AfferentResult result;
     try {
@@ -155,6 +194,7 @@ ExitCode respond_command(const RespondArguments& arguments, const Comm& world) {
         for (Attribute& attribute : pipeline::program_attributes())
             attributes.push_back(std::move(attribute));
         if (!arguments.out.empty()) write(arguments.out, groups, attributes);
+        if (!given.text.empty()) fmt::print("{}\n", given.text);
         print(result, arguments.out);
     });
     return ExitCode::done;

@@ -2,10 +2,13 @@
 #include "storage/hdf5/h5_block.hpp"
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 #include "storage/hdf5/h5.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <fmt/format.h>
+#include <utility>
 
 namespace shearwake::h5 {
 namespace {
@@ -76,9 +79,58 @@ bool exists(hid_t file, const std::string& path) {
     }
 }
 
+/// The text of an attribute of fixed or variable length; empty if it is missing or no text.
+std::string text_of(hid_t object, const std::string& name) {
+    if (!h5::has_attribute(object, name)) return "";
+    const h5::Id attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "open " + name);
+    const h5::Id type(H5Aget_type(attribute.raw()), H5Tclose, "inspect " + name),
+        space(H5Aget_space(attribute.raw()), H5Sclose, "inspect " + name);
+    if (H5Tget_class(type.raw()) != H5T_STRING || H5Sget_simple_extent_npoints(space.raw()) != 1)
+        return "";
+    if (H5Tis_variable_str(type.raw()) <= 0) return h5::text_attribute(object, name);
+    char* text = nullptr;
+    h5::check(H5Aread(attribute.raw(), type.raw(), &text), "read attribute " + name);
+    std::string copy = text ? text : "";
+    H5free_memory(text);
+    return copy;
+}
+
+/// The factor from the unit of a dataset, such as "mm/s", to `unit`; 1 if it states none.
+double factor_of(hid_t dataset, const std::string& path, std::string_view unit) {
+    std::string text = "_" + text_of(dataset, "units");
+    for (const auto& [written, read] :
+         {std::pair{"\u00b5", "u"}, {"\u03bc", "u"}, {"/", "_"}, {" ", "_"}})
+        for (std::size_t at = 0; (at = text.find(written)) != std::string::npos;)
+            text.replace(at, std::strlen(written), read);
+    const auto stated = unit_of("value" + text), expected = unit_of(fmt::format("value{}", unit));
+    if (!stated || !expected || stated->suffix != text) return 1.0;
+    if (stated->quantity != expected->quantity)
+        throw UsageError(fmt::format("{} has the units {}, but must be a {}", path, text.substr(1),
+                                     expected->quantity));
+    return stated->to_SI / expected->to_SI;
+}
+
+/// The same array with the order of its indices reversed.
+NumberBlock reversed(const NumberBlock& block) {
+    NumberBlock turned{
+        {block.shape.rbegin(), block.shape.rend()}, std::vector<double>(block.values.size()), true};
+    std::vector<std::size_t> at(block.shape.size(), 0); // in the file
+    for (const double value : block.values) {
+        std::size_t place = 0;
+        for (std::size_t axis = at.size(); axis-- > 0;)
+            place = place * block.shape[axis] + at[axis];
+        turned.values[place] = value;
+        for (std::size_t axis = at.size(); axis-- > 0;) {
+            if (++at[axis] < block.shape[axis]) break;
+            at[axis] = 0;
+        }
+    }
+    return turned;
+}
+
 } // namespace
 
-NumberBlock read_numbers(hid_t file, const std::string& path) {
+NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view unit) {
     if (!exists(file, path)) throw UsageError(fmt::format("the dataset \"{}\" is missing", path));
     const h5::Id dataset = h5::open_dataset(file, path);
     const h5::Id type(H5Dget_type(dataset.raw()), H5Tclose, "inspect the type of " + path);
@@ -99,6 +151,11 @@ NumberBlock read_numbers(hid_t file, const std::string& path) {
         h5::check(H5Dread(dataset.raw(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
                           block.values.data()),
                   "read " + path);
+    if (const double factor = factor_of(dataset.raw(), path, unit); factor != 1.0)
+        for (double& value : block.values)
+            value *= factor;
+    if (h5::has_attribute(dataset.raw(), "MATLAB_class")) return reversed(block);
+    block.order_is_known = h5::has_attribute(dataset.raw(), "DIMENSION_LIST");
     return block;
 }
 

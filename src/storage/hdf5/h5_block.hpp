@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <hdf5.h>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace shearwake::storage {
@@ -15,11 +16,15 @@ namespace shearwake::storage {
 struct NumberBlock {
     std::vector<std::size_t> shape; // none: a single number
     std::vector<double> values;
+    bool order_is_known = false; // by MATLAB's attributes or by dimension scales
 };
 
-/// Reads a dataset of any number type, compressed or not, with at most 2^28 values. Not collective.
-/// Throws UsageError if it is missing, not numeric or too large, and Error if it cannot be read.
-NumberBlock read_numbers(hid_t file, const std::string& path);
+/// Reads a dataset of any number type, compressed or not, with at most 2^28 values. The order of
+/// indices is that of its program: MATLAB, recognised by the attribute MATLAB_class, stores them in
+/// reverse. `unit`: a suffix such as "_m"; values whose attribute `units` states another unit of
+/// the same quantity are converted to it. Not collective. Throws UsageError if it is missing, not
+/// numeric, too large, or has units of another quantity, and Error if it cannot be read.
+NumberBlock read_numbers(hid_t file, const std::string& path, std::string_view unit = "");
 
 } // namespace shearwake::storage
 

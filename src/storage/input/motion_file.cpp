@@ -156,9 +156,10 @@ void check_places(const PointMotion& motion) {
 
 PointMotion of_case_file(hid_t file, const std::string& prefix) {
     PointMotion motion;
-    motion.u_m = rows(read_numbers(file, prefix + "u_z"), "u_z", 1.0);
-    const NumberBlock times = read_numbers(file, prefix + "time"),
-                      x = read_numbers(file, prefix + "x"), y = read_numbers(file, prefix + "y");
+    motion.u_m = rows(read_numbers(file, prefix + "u_z", "_m"), "u_z", 1.0);
+    const NumberBlock times = read_numbers(file, prefix + "time", "_s"),
+                      x = read_numbers(file, prefix + "x", "_m"),
+                      y = read_numbers(file, prefix + "y", "_m");
     if (x.values.size() != y.values.size()) throw UsageError("x and y must have the same length");
     for (std::size_t p = 0; p < x.values.size(); ++p)
         motion.at_m.push_back({x.values[p], y.values[p]});
@@ -184,8 +185,8 @@ PointMotion of_traces(hid_t file, const std::string& group) {
     constexpr double mm = 1e-3;
     const std::string prefix = group.empty() ? "" : group + "/";
     PointMotion motion;
-    motion.u_m = rows(read_numbers(file, prefix + "trace_mm"), "trace_mm", mm);
-    const NumberBlock at = read_numbers(file, prefix + "pin_xy_mm");
+    motion.u_m = rows(read_numbers(file, prefix + "trace_mm", "_mm"), "trace_mm", mm);
+    const NumberBlock at = read_numbers(file, prefix + "pin_xy_mm", "_mm");
     if (at.shape.size() != 2 || at.shape[1] != 2)
         throw UsageError("pin_xy_mm must have two columns, x and y");
     for (std::size_t p = 0; p < at.shape[0]; ++p)
@@ -221,7 +222,7 @@ PointStress stress_of(hid_t file, const std::string& group) {
         throw UsageError(fmt::format(
             "{} does not contain compression_Pa; use --group to select the group that contains it",
             group.empty() ? "its root" : "the group " + group));
-    return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name), name, 1.0)};
+    return {rate_Hz_of(opened), rows(read_numbers(opened.raw(), name, "_Pa"), name, 1.0)};
 }
 
 template <class OfCsv>

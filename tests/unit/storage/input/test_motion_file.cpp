@@ -2,6 +2,7 @@
 #include "storage/input/motion_file.hpp"
 
 #include "base/error.hpp"
+#include "storage/files.hpp"
 #include "storage/hdf5/h5.hpp"
 #include "support/temporary_folder.hpp"
 
@@ -33,6 +34,34 @@ TEST_CASE("a motion is read from CSV in its units", "[motion]") {
     CHECK(motion.u_m[0] == std::vector{0.0, 2 * 1e-6, -4 * 1e-6});
     CHECK(motion.u_m[1][1] == 3 * 1e-3);
     CHECK(std::isnan(motion.u_m[1][2])); // told later, with its place
+}
+
+TEST_CASE("units and order of indices that an HDF5 file states are used", "[motion]") {
+    const test::TemporaryFolder folder;
+    const auto motion_in = [&](const std::string& unit, bool by_matlab) {
+        const auto path = folder / "m.h5";
+        {
+            const h5::Id file = h5::open_file(path, h5::Access::create);
+            write(file, "u_z", {2, 2}, {0.0, 1.0, 2.0, 3.0});
+            write(file, "time", {2}, {0.0, 2.0});
+            write(file, "x", {2}, {0.0, 5.0});
+            write(file, "y", {2}, {0.0, 0.0});
+            const h5::Id u = h5::open_dataset(file.raw(), "u_z"),
+                         t = h5::open_dataset(file.raw(), "time");
+            h5::put_attribute(u.raw(), "units", unit);
+            h5::put_attribute(t.raw(), "units", std::string("ms"));
+            if (by_matlab) h5::put_attribute(u.raw(), "MATLAB_class", std::string("double"));
+        }
+        return storage::read_motion(path, "");
+    };
+    const PointMotion points = motion_in("um", false), columns = motion_in("\u00b5m", true);
+    CHECK(points.rate_Hz == Approx(500.0));
+    CHECK(points.u_m ==
+          std::vector<std::vector<double>>{{0.0, 1.0 * 1e-6}, {2.0 * 1e-6, 3.0 * 1e-6}});
+    CHECK(columns.u_m ==
+          std::vector<std::vector<double>>{{0.0, 2.0 * 1e-6}, {1.0 * 1e-6, 3.0 * 1e-6}});
+    CHECK_THROWS_WITH(motion_in("Pa", false),
+                      Catch::Contains("has the units Pa, but must be a length"));
 }
 
 TEST_CASE("an error in the CSV file of a motion is reported with its line", "[motion]") {
