@@ -11,7 +11,7 @@ and runs jobs with the program.
 from .case import Case
 from .checksum import Damaged
 from .errors import (AxesDiffer, CasesFailed, Diagnostic, EnvironmentFailed, JobError, NotAnOutputFolder, NotRecorded,
-                     ProgramError, ProgramNotFound, ShearwakeError, Stopped, UsageError)
+                     NotValid, ProgramError, ProgramNotFound, ShearwakeError, Stopped, UsageError)
 from .job import Job, Plan, Progress
 from .plan import Column
 from .sweep import Sweep, open_case
@@ -19,5 +19,5 @@ from .sweep import open_sweep as open  # noqa: A001  (as in `shearwake.open`)
 
 __version__ = "0.2.0"
 __all__ = ["AxesDiffer", "Case", "CasesFailed", "Column", "Damaged", "Diagnostic", "EnvironmentFailed", "Job", "JobError",
-           "NotAnOutputFolder", "NotRecorded", "Plan", "ProgramError", "ProgramNotFound", "Progress", "ShearwakeError",
+           "NotAnOutputFolder", "NotRecorded", "NotValid", "Plan", "ProgramError", "ProgramNotFound", "Progress", "ShearwakeError",
            "Stopped", "Sweep", "UsageError", "open", "open_case"]

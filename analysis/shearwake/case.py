@@ -95,13 +95,15 @@ class Case:
         row = self._row
         if row.get("status") == "complete":
             return {name: math.nan if value is None else value for name, value in row["values"].items()}
-        return self._scalars[0] if self.is_complete else {}
+        return self._scalars[0] if self.status == "complete" else {}
 
     @property
     def notes(self) -> dict[str, str]:
         """Why columns are empty."""
         row = self._row
-        return row["notes"] if row.get("status") == "complete" else self._scalars[1] if self.is_complete else {}
+        if row.get("status") == "complete":
+            return row["notes"]
+        return self._scalars[1] if self.status == "complete" else {}
 
     @property
     def columns(self) -> list[Column]:
@@ -114,13 +116,21 @@ class Case:
 
     @property
     def warnings(self) -> list[dict[str, str]]:
-        """The stored warnings: `severity` (`error`: the readings are not valid), `key` and `message`."""
+        """The stored warnings: `severity` (`error`: the readings are not valid), `key` and `message`. Raises NotRecorded."""
+        row = self._row
+        if row.get("status") == "complete" and self.is_complete:
+            return row["warnings"]
         return json.loads(self.attributes.get("warnings") or "[]")
 
     @property
     def is_valid(self) -> bool:
-        """Whether no warning states that the readings are not valid."""
+        """Whether no warning states that the readings are not valid. Raises NotRecorded if the case is not complete."""
         return all(warning["severity"] != "error" for warning in self.warnings)
+
+    @property
+    def validity(self) -> float:
+        """1 if the readings are valid, 0 if they are not, and NaN if the case is not complete."""
+        return float(self.is_valid) if self.status == "complete" else math.nan
 
     # ---- the file
 

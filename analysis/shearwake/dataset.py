@@ -163,6 +163,19 @@ class Builder:
                                                             item.attributes)
 
 
+def ratio_reference(sweep: Sweep, case: Case, names: Sequence[str]) -> Case | None:
+    """The complete reference of a case on which one of the columns depends; None if none does."""
+    ratios = {c["name"] for c in sweep._reduced.columns if c.get("over_reference_of")} if sweep._reduced else set()
+    reference = case.reference if ratios.intersection(names) else None
+    return reference if reference is not None and reference.status == "complete" else None
+
+
+def validity(sweep: Sweep, case: Case, names: Sequence[str]) -> float:
+    """The coordinate `valid` of a case, see Sweep.dataset."""
+    reference = ratio_reference(sweep, case, names)
+    return min(case.validity, reference.validity) if reference is not None else case.validity
+
+
 def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset:
     """See Sweep.dataset."""
     grid = grid_of(sweep, sweep.cases)
@@ -172,6 +185,11 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
     builder = Builder(grid, [case for case in grid.cells.flat if case is not None and case.is_complete])
     for name in names:
         add_named(builder, sweep, name)
+    if builder.complete:
+        judged = builder.complete + [r for case in builder.complete if (r := ratio_reference(sweep, case, names))]
+        sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
+    builder.coordinates["valid"] = lazy(Columns(grid.cells, lambda case: validity(sweep, case, names)), grid.dims, {
+        "long_name": "1: the readings are valid, 0: they are not, NaN: no result"})
     return xr.Dataset(builder.variables, builder.coordinates, {"title": sweep.title, "job": sweep.name})
 
 

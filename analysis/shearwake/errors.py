@@ -22,6 +22,10 @@ class AxesDiffer(ShearwakeError):
     """The cases of a dataset have different axes, for example numbers of afferents."""
 
 
+class NotValid(UserWarning):
+    """A warning: readings that were requested are not valid. `Case.warnings` states why."""
+
+
 class ProgramNotFound(ShearwakeError):
     """The program `shearwake` is neither installed nor built. Reading results does not need it."""
 

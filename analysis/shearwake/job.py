@@ -221,7 +221,7 @@ class Job:
         `out` is by default out/NAME in the current folder. `progress` prints a line that is updated, or is called with each
         Progress. `launch` replaces mpirun, for example ["srun", "-n", "64"]. `options` are further arguments of
         `shearwake run`, for example ["--retry-failed"]. If the call is interrupted, the run is stopped in an orderly way, and
-        the same call resumes it. Raises JobError, UsageError, CasesFailed, EnvironmentFailed and Stopped."""
+        the same call resumes it. Warns with NotValid if readings are not valid. Raises JobError, UsageError, CasesFailed, EnvironmentFailed and Stopped."""
         folder = Path(out) if out is not None else Path("out") / self.name
         with self._file() as path:
             try:
@@ -233,7 +233,9 @@ class Job:
                 if error.exit_code == 3:
                     self._check(path)
                 raise
-        return reduced(folder)
+        sweep = reduced(folder)
+        sweep.warn_of_invalid(sweep.every_case)
+        return sweep
 
 
 def reduced(folder: Path) -> Sweep:

@@ -64,7 +64,7 @@ class Plot:
 
         def show(index: int) -> list[Any]:
             axes.images[0].set_data(self._values(int(index)).T)
-            axes.set_title(title(float(times[index])), loc="left")
+            axes.set_title(title(float(times[index])) + ("" if self.case.is_valid else " (not valid)"), loc="left")
             return [axes.images[0]]
         figure: Any = axes.figure  # not a part of another one
         made = Player(figure, show, frames=indices, interval=played_ms / len(indices), blit=False)
@@ -93,7 +93,7 @@ class Plot:
                             extent=(x[0] - dx, x[-1] + dx, y[0] - dy, y[-1] + dy))
         axes.figure.colorbar(image, ax=axes, label=LABEL, shrink=0.8, extend="both" if peak > 1.001 * end else "neither")
         axes.set(xlabel="x (mm)", ylabel="y (mm)")
-        axes.set_title(title(t_s), loc="left")
+        axes.set_title(title(t_s) + ("" if self.case.is_valid else " (not valid)"), loc="left")
         return axes
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import json
 import os
+import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping
 
 from . import stored
 from .case import Case
-from .errors import NotAnOutputFolder, NotRecorded
+from .errors import NotAnOutputFolder, NotRecorded, NotValid
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, read_plan, read_table
 from .tables import Optima, Row, read_adaptive, read_sensitivity, read_statistics
@@ -98,8 +99,8 @@ class Sweep:
 
     @property
     def table(self) -> pd.DataFrame:
-        """The table: one row per case and reference with its id as index, the swept keys, status and reason, and the
-        columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
+        """The table: one row per case and reference with its id as index, the swept keys, status and reason, `valid` (False:
+        the readings are not valid; NA: not complete), and the columns. `table.attrs["units"]` contains the unit of each column, and `table.attrs["meanings"]` its meaning.
 
         The numbers are those of `shearwake reduce`; without its table they are read from the case files."""
         import pandas as pd
@@ -108,9 +109,10 @@ class Sweep:
         for case in self.every_case:
             values = case.values
             rows.append({**{key: case.settings.get(key) for key in self.swept_keys}, "is_reference": case.is_reference,
-                         "status": case.status, "reason": case.reason,
+                         "status": case.status, "reason": case.reason, "valid": case.validity,
                          **{name: values.get(name, float("nan")) for name in names}})
         table = pd.DataFrame(rows, index=pd.Index([case.id for case in self.every_case], name="id"))
+        table["valid"] = table["valid"].astype("boolean")
         table.attrs["units"] = {**{key: unit_of(key) for key in self.swept_keys},
                                 **{column.name: column.unit for column in self.columns}}
         table.attrs["meanings"] = {column.name: column.meaning for column in self.columns}
@@ -152,11 +154,23 @@ class Sweep:
         A name is a column of the table ("eta_period_1"), a quantity over time ("eta" or "eta_t"), a group ("traces",
         "surface", "mean") or a variable of a group ("traces/amplitude"). A key that follows from another swept key is a
         coordinate of that dimension. Cases that were excluded or are not complete are NaN. With `references`, each cell
-        contains the reference of its case. Raises NotRecorded and KeyError."""
+        contains the reference of its case. The coordinate `valid` is 1 where the readings of the case are valid, and those of
+        its reference if a ratio is requested, 0 where they are not, and NaN without a result. Warns with NotValid if a case
+        is not valid. Raises NotRecorded and KeyError."""
         from .dataset import of_sweep
         if not names:
             raise NotRecorded("name at least one column, quantity or group: sweep.dataset(\"eta_t\", \"traces\")")
         return of_sweep(self, names, references)
+
+    def warn_of_invalid(self, cases: Iterable[Case], stacklevel: int = 3) -> None:
+        """Warns with NotValid, at a caller of this function, if the readings of some complete cases are not valid."""
+        cases = [case for case in cases if case.status == "complete"]
+        wrong = [case for case in cases if not case.is_valid]
+        if wrong:
+            reasons = dict.fromkeys(w["message"] for case in wrong for w in case.warnings if w["severity"] == "error")
+            more = f" ({len(reasons) - 1} more in `warnings` of the cases)" if len(reasons) > 1 else ""
+            warnings.warn(f"{len(wrong)} of {len(cases)} cases of {self.name} are not valid: {next(iter(reasons))}{more}", NotValid,
+                          stacklevel=stacklevel)
 
     def verify(self) -> dict[str, str]:
         """Reads all case files. Returns the damage of each case whose file does not match its checksum."""

@@ -114,15 +114,7 @@ private:
     }
 
     double number(std::size_t row, const std::string& column) const {
-        const auto place = std::ranges::find(table_.columns, column) - table_.columns.begin();
-        if (place == std::ssize(table_.columns)) return not_a_number;
-        const std::vector<Cell>& cells = table_.rows[row];
-        const auto valid = std::ranges::find(table_.columns, "valid") - table_.columns.begin();
-        if (valid < std::ssize(cells) &&
-            cells[static_cast<std::size_t>(valid)] == Cell(std::string("no")))
-            return not_a_number;
-        const double* number = std::get_if<double>(&cells[static_cast<std::size_t>(place)]);
-        return number ? *number : not_a_number;
+        return valid_value(plan_, table_, row, column);
     }
 
     double value(const AdaptiveAxis& axis, std::size_t row) const {

@@ -212,6 +212,11 @@ Table build_table(const ReduceInput& input, const storage::PlanIndex& plan,
                                    ? not_a_number
                                    : rows[i].value(of) / rows[reference->second].value(of));
         }
+        if (rows[i].valid == "yes" && reference != by_id.end() &&
+            rows[reference->second].valid == "no")
+            rows[i].remarks.push_back(fmt::format("ratios to the reference are not valid, since "
+                                                  "the readings of the reference {} are not",
+                                                  c.reference_id));
         cells.emplace_back(rows[i].valid);
         cells.emplace_back(rows[i].wall_s);
         cells.emplace_back(rows[i].status);

@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "measures/measure_table.hpp"
 #include "storage/files.hpp"
 
 #include <algorithm>
@@ -60,6 +61,28 @@ std::string one_line(const std::string& text) {
 
 std::string markdown_text(const std::string& text) {
     return one_line(text);
+}
+
+double valid_value(const storage::PlanIndex& plan, const Table& table, std::size_t row,
+                   const std::string& column) {
+    const auto cell = [&](std::size_t of, const std::string& name) {
+        const auto place = std::ranges::find(table.columns, name) - table.columns.begin();
+        return place == std::ssize(table.columns) ? Cell(not_a_number)
+                                                  : table.rows[of][static_cast<std::size_t>(place)];
+    };
+    const Cell no = std::string("no");
+    if (cell(row, "valid") == no) return not_a_number;
+    const measures::Measure* measure = measures::find_measure(column);
+    const auto reference =
+        measure && *measure->over_reference_of
+            ? std::ranges::find(plan.cases, plan.cases[row].reference_id, &storage::IndexedCase::id)
+            : plan.cases.end();
+    if (reference != plan.cases.end() &&
+        cell(static_cast<std::size_t>(reference - plan.cases.begin()), "valid") == no)
+        return not_a_number;
+    const Cell value = cell(row, column);
+    const double* number = std::get_if<double>(&value);
+    return number ? *number : not_a_number;
 }
 
 std::string csv(const Table& table) {

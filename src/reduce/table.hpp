@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "storage/journal/plan_file.hpp"
+
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -21,6 +23,11 @@ struct Table {
     /// Per row, the sentences of its cell "note"; empty without notes.
     std::vector<std::vector<std::string>> remarks = {};
 };
+
+/// A number of the table of a plan, whose rows are its cases in order. NaN: empty, no such column,
+/// or not valid, since the readings of the case, or those of its reference for a ratio, are not.
+double valid_value(const storage::PlanIndex& plan, const Table& table, std::size_t row,
+                   const std::string& column);
 
 /// Comma-separated, quoted where needed (RFC 4180), numbers with nine digits, empty cells empty.
 std::string csv(const Table& table);

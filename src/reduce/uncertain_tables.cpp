@@ -38,7 +38,7 @@ std::size_t place_of(const Table& table, const std::string& column) {
 class Evaluation {
 public:
     Evaluation(const storage::PlanIndex& plan, const Table& table)
-        : plan_(*plan.uncertain), table_(table), design_(sampling::design_of(plan_)) {
+        : index_(plan), plan_(*plan.uncertain), table_(table), design_(sampling::design_of(plan_)) {
         for (const std::string& key : plan.swept_keys)
             if (std::ranges::find(plan_.keys, key) == plan_.keys.end()) swept_.push_back(key);
         collect(plan);
@@ -97,13 +97,10 @@ private:
     }
 
     /// NaN: no value, or readings that are not valid.
-    double value(const Group& group, std::size_t design_row, std::size_t column) const {
+    double value(const Group& group, std::size_t design_row, const std::string& column) const {
         const auto row = group.rows.find(design_row);
-        if (row == group.rows.end()) return not_a_number;
-        const std::vector<Cell>& cells = table_.rows[row->second];
-        const std::size_t valid = place_of(table_, "valid");
-        if (valid < cells.size() && cells[valid] == Cell(std::string("no"))) return not_a_number;
-        return std::get<double>(cells[column]);
+        return row == group.rows.end() ? not_a_number
+                                       : valid_value(index_, table_, row->second, column);
     }
 
     /// Why the case of a design row has no value: the keys of the errors for which it is not valid,
@@ -162,11 +159,11 @@ private:
     }
 
     void add_statistics(const Group& group, const std::string& column) {
-        const std::size_t place = place_of(table_, column), step = rows_per_sample(design_);
+        const std::size_t step = rows_per_sample(design_);
         std::vector<double> values, thresholds;
         for (std::size_t j = 0; j < design_.samples; ++j)
             for (std::size_t r = 0; r < independent_rows(); ++r)
-                if (const double v = value(group, j * step + r, place); std::isfinite(v))
+                if (const double v = value(group, j * step + r, column); std::isfinite(v))
                     values.push_back(v);
         for (const Threshold& threshold : plan_.exceedance)
             if (threshold.column == column) thresholds.push_back(threshold.value);
@@ -194,7 +191,7 @@ private:
     }
 
     void add_sensitivity(const Group& group, const std::string& column) {
-        const std::size_t place = place_of(table_, column), step = rows_per_sample(design_);
+        const std::size_t step = rows_per_sample(design_);
         const bool is_morris = design_.analysis == sampling::Analysis::morris;
         const sampling::Points all =
             is_morris ? sampling::design_points(design_) : sampling::Points{};
@@ -204,7 +201,7 @@ private:
         for (std::size_t j = 0; j < design_.samples; ++j) {
             std::vector<double> block(step);
             for (std::size_t r = 0; r < step; ++r)
-                block[r] = value(group, j * step + r, place);
+                block[r] = value(group, j * step + r, column);
             has_value |= std::ranges::any_of(block, [](double v) { return std::isfinite(v); });
             if (std::ranges::any_of(block, [](double v) { return !std::isfinite(v); })) continue;
             blocks.push_back(std::move(block));
@@ -242,6 +239,7 @@ private:
         }
     }
 
+    const storage::PlanIndex& index_;
     const UncertainPlan& plan_;
     const Table& table_;
     sampling::Design design_;

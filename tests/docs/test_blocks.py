@@ -68,6 +68,7 @@ class Blocks(ProgramTest):
                                   stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8",
                                   errors="replace", timeout=PATIENCE_s, check=False)
             self.assertEqual(done.returncode, 0, f"{block}:\n{block.text}\n{done.stdout}{done.stderr}")
+            self.assertNotIn("NotValid: ", done.stderr, f"{block}: an example has readings that are not valid")
             for printed in PRINTED.findall(block.text):
                 self.assertIn(printed, done.stdout.splitlines(), f"{block} states another result than it prints")
         if left_out:

@@ -28,6 +28,7 @@ class Notebooks(InFolder):
             timeout=program.PATIENCE_s, stdin=subprocess.DEVNULL, env={
                 **os.environ, "PYTHONPATH": str(program.ROOT / "analysis")})
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("NotValid: ", Path(f"done-{path.name}").read_text(encoding="utf-8"))
         cells = json.loads(Path(f"done-{path.name}").read_text(encoding="utf-8"))["cells"]
         pictures = [out for cell in cells for out in cell.get("outputs", []) if "image/png" in out.get("data", {})]
         self.assertGreater(len(pictures), 0)

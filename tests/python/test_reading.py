@@ -4,6 +4,7 @@ import json
 import shutil
 import sys
 import unittest
+import warnings
 from pathlib import Path
 from unittest import mock
 
@@ -149,6 +150,48 @@ class Reading(InFolder):
         self.assertFalse(np.isnan(fine.values).any())
         kept = coarse.dropna("x", how="all").dropna("y", how="all")
         np.testing.assert_array_equal(kept.values, sweep.cases[1].snapshot()[3])
+
+    def test_readings_that_are_not_valid_are_marked_and_warned_of(self):
+        # Waves of 5 m/s return to the focus from the edges of the smaller domain, not from those of the larger one.
+        text = job(("name = \"small\"", "name = \"judged\""), ("extent_mm = [64.0, 48.0]", "extent_mm = [64.0, 120.0]"),
+                   (program.SWEEP, '"domain.extent_mm" = [[36.0, 24.0], [120.0, 120.0]]'),
+                   ('x = "load.modulation.am_frequency_Hz"', 'x = "domain.extent_mm"'))
+        with pytest.warns(shearwake.NotValid, match="of judged are not valid: "):
+            sweep = text.run()
+        expected = {"36": False, "120": True}
+        for case in sweep.every_case:
+            self.assertEqual(case.is_valid, expected[str(round(1e3 * case.setting("domain", "nx")
+                                                               * case.setting("domain", "spacing_m")))], case.warnings)
+        self.assertEqual(sweep.table["valid"].tolist(), [case.is_valid for case in sweep.every_case])
+        csv = pd.read_csv("out/judged/tables/judged.csv").set_index("id")
+        self.assertEqual((csv["valid"] == "yes").tolist(), sweep.table["valid"].tolist())
+        with pytest.warns(shearwake.NotValid, match="of 2 cases of judged are not valid"):
+            data = sweep.dataset("peak_um")
+        np.testing.assert_array_equal(data["valid"].values, [case.is_valid for case in sweep.cases])
+        self.assertEqual(int(data["peak_um"].where(data["valid"] == 1).count()), 1)
+        shutil.copytree("out/judged/cases", "out/judged-alone/cases")
+        with pytest.warns(shearwake.NotValid):
+            alone = shearwake.open("out/judged-alone").dataset("peak_um")
+        self.assertEqual(sorted(alone["valid"].values.tolist()), [0.0, 1.0])
+        invalid = next(case for case in sweep.cases if not case.is_valid)
+        self.assertTrue(invalid.plot.surface().get_title(loc="left").endswith("(not valid)"))
+
+    def test_a_ratio_is_valid_if_the_case_and_its_reference_are(self):
+        shutil.copytree("out/small", "out/wrong-reference")
+        path = Path("out/wrong-reference/tables/small.json")
+        table = json.loads(path.read_text())
+        reference = self.sweep.references[0].id
+        for row in table["cases"]:
+            if row["id"] == reference:
+                row["warnings"] = [{"severity": "error", "key": "domain.extent_mm", "message": "waves return"}]
+        path.write_text(json.dumps(table))
+        sweep = shearwake.open("out/wrong-reference")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            self.assertEqual(sweep.dataset("eta_period_1")["valid"].values.tolist(), [1.0] * 3)
+        with pytest.warns(shearwake.NotValid, match="1 of 4 cases of small are not valid: waves return"):
+            data = sweep.dataset("eta_period_1", "eta_period_over_reference_1")
+        self.assertEqual(data["valid"].values.tolist(), [0.0] * 3)
 
     def test_the_dimensions_of_several_keys_and_of_keys_that_vary_together(self):
         sweep = job(("name = \"small\"", "name = \"two\"")).sweep(

@@ -14,7 +14,7 @@ from pathlib import Path
 from synthetic import AM, FWHM, Folder, Page, case_id
 
 from shearwake.report import (curve_chart, fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time,
-                              layout, load, references, warnings_of)
+                              layout, load, references, validity, warnings_of)
 from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"
@@ -140,6 +140,32 @@ class HeadlineTest(unittest.TestCase):
         self.assertIn("No ratio is stated for 2 valid cases, because the readings of the reference are not valid.", text)
         self.assertIn("The focal rms is 1.5 µm.", text)
         self.assertNotIn("plain STM", text)
+
+    def test_a_case_that_is_its_own_reference_has_a_valid_reference(self):
+        kind = "load.modulation.kind"
+        folder = Folder(self.root, series=[kind], swept=[AM, kind])
+        for n, f in enumerate((150.0, 250.0)):
+            folder.add({AM: f, kind: "STM"}, case_id(2 * n + 1), kind="STM", scalars={"eta_period_1": 0.2})
+            folder.add({AM: f, kind: "AM-STM"}, case_id(2 * n + 1), scalars={"eta_period_1": 0.3 + 0.1 * n})
+        text = self.result(folder)
+        self.assertNotIn("the readings of the reference are not valid", text)
+        self.assertIn("2 times the 0.2 of plain STM", text)
+
+    def test_a_case_that_is_the_reference_of_others_is_counted_once(self):
+        kind = "load.modulation.kind"
+        folder = Folder(self.root, x=kind, swept=[kind])
+        folder.add({kind: "STM"}, case_id(1), kind="STM", warnings=[INVALID])
+        folder.add({kind: "AM-STM"}, case_id(1), warnings=[INVALID])
+        sweep = load.load(folder.save())
+        self.assertEqual(len(validity.invalid_cases(sweep, "eta", "eta_period_1")), 2)
+        self.assertEqual(len(layout.with_references(sweep)), 2)
+
+    def test_the_table_of_the_page_states_which_cases_are_valid(self):
+        folder = Folder(self.root)
+        folder.add({AM: 100.0}, warnings=[INVALID])
+        folder.add({AM: 200.0}, warnings=[RETURNS])
+        folder.add({AM: 300.0}, written=False)
+        self.assertEqual([cell["text"] for cell in Page(folder.report()).column("valid")], ["no", "yes", ""])
 
     def test_the_number_of_valid_cases_is_stated_if_none_is_better_than_the_reference(self):
         text = self.result(self.with_reference([(0.3, []), (0.5, [INVALID]), (0.2, [])], 0.4))

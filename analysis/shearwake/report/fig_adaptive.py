@@ -55,7 +55,7 @@ def draw_axis(axes, sweep, axis, rows):
         axes.axhline(axis["level"], color=style.GREY, linewidth=0.8)
     elif axis["goal"] == "crossing":
         crossed = sorted((case.settings[key], reference.value(column)) for case in layout.ordinary(sweep)
-                         if key in case.settings and (reference := sweep.reference_of(case)))
+                         if key in case.settings and (reference := sweep.reference_of(case)) and is_valid(reference))
         axes.plot([x for x, _ in crossed], [y for _, y in crossed], ".", color=style.GREY, markersize=3, label="reference")
     axes.set_xlabel(layout.axis_label(sweep, key))
     axes.set_ylabel(fig_heat.measure_label(sweep, column))

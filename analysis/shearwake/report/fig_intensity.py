@@ -3,7 +3,7 @@
 import numpy as np
 
 from .. import wake
-from . import fig_surface, hover, layout, load, style
+from . import fig_surface, hover, layout, load, style, warnings_of
 from .figure import Figure
 from .words import number
 
@@ -46,7 +46,7 @@ def figures(sweep, folder):
         fig_surface.frame(axes, limits)
         fig_surface.attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits, "rms of u")
         share = number(shot.case.value("sharpness_1"), 3)
-        if share:
+        if share and warnings_of.is_valid(shot.case):
             fig_surface.note(axes, f"sharpness {share}", "white")
     bar = figure.colorbar(image, cax=bar_axes, orientation="horizontal",
                           label="rms of $u_z$ over time (µm)")
@@ -55,7 +55,7 @@ def figures(sweep, folder):
     style.save(figure, folder / "intensity.png")
     text = ("Root of the time-averaged intensity, the mean of u² over complete periods, of "
             f"{layout.plane_name([c for c, _ in found])}, on the same colour scale in all panels. Dashed lines or crosses: the shape that the focus draws.")
-    if any(s and number(s.case.value("sharpness_1")) for s in shots):
+    if any(s and number(s.case.value("sharpness_1")) and warnings_of.is_valid(s.case) for s in shots):
         text += " Sharpness: the fraction of this energy within one FWHM of the shape."
     return [Figure("intensity", "Time-averaged intensity", text,
                    "Time-averaged intensity seen from above", maps=hover.maps_of(figure),

@@ -4,9 +4,9 @@ in the wake over time, and surfaces."""
 import matplotlib.pyplot as plt
 import numpy as np
 
-from . import fig_surface, layout, style
+from . import fig_surface, style
 from .figure import Figure
-from .optima import by_case, is_study, middle, optima, swept, title_of
+from .optima import by_case, compared, is_study, middle, optima, title_of
 from .words import number
 
 CASES = 6  # largest number of optimised cases with panels of their own
@@ -85,20 +85,6 @@ def envelopes(sweep, folder, table):
     return Figure("optimise_envelopes", "The best envelopes",
                   "Force of the focus over time, relative to that of the load without modulation. The envelope is linear between "
                   "its knots.", "Envelopes of the optima over time", cases=[])
-
-
-def compared(sweep, rows, strength):
-    """{modulation: case} of one optimised case and strength, unmodulated first. A case that several strengths share has
-    the settings of the first one."""
-    ordinary = [c for c in layout.ordinary(sweep)
-                if all(str(c.settings.get(key)) == rows[0][key] or c.settings.get(key) == rows[0][key] for key in swept(rows[0]))]
-    found = {}
-    for name in ("unmodulated", "AM-STM", "SM-STM", "optimum"):
-        of = [c for c in ordinary if c.settings.get("optimise.modulation") == name]
-        exact = [c for c in of if c.settings.get("optimise.strength_at_least") == strength]
-        if exact or (of and name != "optimum"):
-            found[name] = (exact or of)[0]
-    return found
 
 
 def draw_energy(made, case, name, unit):

@@ -75,7 +75,7 @@ def draw(shots, colours, labels, titles, path):
 
 def figures(sweep, folder):
     some = layout.lines_of_one_panel(sweep)
-    cases = [*layout.ordinary(some), *layout.motions(layout.all_references(some))]
+    cases = layout.with_references(some)
     shots = [shot for case in cases if (shot := last_shot(case))]
     if not shots:
         return []

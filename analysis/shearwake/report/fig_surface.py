@@ -99,7 +99,7 @@ def draw(axes, shot, norm, limits):
     frame(axes, limits)
     attach_values(axes, shot.x_mm, shot.y_mm, shot.u_um, limits)
     fitted = shot.case.value("mach_angle_deg")
-    if not math.isnan(fitted):
+    if not math.isnan(fitted) and warnings_of.is_valid(shot.case):
         text = note(axes, f"fitted: {number(fitted, 3)}°", style.INK)
         text.set_bbox({"facecolor": "white", "alpha": 0.7, "linewidth": 0, "pad": 1.0})
     return image, lines
@@ -224,7 +224,7 @@ def caption(shots, any_lines, clipped):
         angles = {number(s.case.value("mach_angle_theory_deg"), 3) for s in shots} - {""}
         text += (" Dashed: theoretical Mach lines, sin θ = Rayleigh speed / focus speed at that instant, "
                  f"θ = {listed(a + '°' for a in sorted(angles))}; their length follows from the path.")
-    if any(not math.isnan(s.case.value("mach_angle_deg")) for s in shots):
+    if any(not math.isnan(s.case.value("mach_angle_deg")) and warnings_of.is_valid(s.case) for s in shots):
         text += " Fitted: angle of the computed wake, if its edge is straight."
     without = {}
     for s in shots:

@@ -248,7 +248,7 @@ def time_figure(sweep, folder, measure):
     if not all(layout.repeats(c) for c in cases):
         marks = measure.get("transient", "") + marks
     last = last_periods(figure, cases, measure, folder, marks)
-    shown = [c.id for c in [*cases, *layout.all_references(sweep)]]
+    shown = list(dict.fromkeys(c.id for c in [*cases, *layout.all_references(sweep)]))
     made = Figure(measure["name"], measure["title"], measure["caption"] + marks,
                   f"{measure['title']}, one line per case", time_charts(sweep, colours, measure))
     return [replace(f, cases=shown) for f in (made, *last)]

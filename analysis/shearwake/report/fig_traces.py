@@ -77,7 +77,7 @@ def charts_of(cases, places, colours):
 
 def figures(sweep, folder):
     some = layout.lines_of_one_panel(sweep)
-    drawn = [c for c in [*layout.ordinary(some), *layout.motions(layout.all_references(some))] if c.traces]
+    drawn = [c for c in layout.with_references(some) if c.traces]
     if not drawn:
         return []
     places, every = places_of(drawn)

@@ -6,8 +6,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from ..tables import read_sensitivity, read_statistics
-from . import fig_heat, layout, sample, style, words
+from . import fig_heat, layout, sample, style, warnings_of, words
 from .figure import Figure
+from .validity import CROSSES
 
 COLUMNS = ("eta_period_1", "eta_period_over_reference_1", "focal_rms_um", "focal_rms_over_reference_1")
 TITLES = {"first_order": "first order", "total": "total", "mu_star": "µ*", "sigma": "σ"}
@@ -165,13 +166,17 @@ def scatter(sweep, folder):
     places = list(dict.fromkeys(sample.place(sweep, c.settings) for c in cases))
     shown = layout.evenly(places, style.CURVES)
     failed = [c for c in cases if not c.whole]
+    invalid = [c for c in cases if c.whole and not warnings_of.holds(sweep, c, column)]
     for axes, key in zip(made.flat, keys):
         for colour, where in zip(style.distinct(len(shown)), shown):
-            some = [c for c in cases if sample.place(sweep, c.settings) == where and not math.isnan(c.value(column))]
+            some = [c for c in cases if sample.place(sweep, c.settings) == where and not math.isnan(c.value(column))
+                    and c not in invalid]
             if not some:
                 continue
             axes.plot([c.settings[key] for c in some], [c.value(column) for c in some], ".", color=colour, markersize=4,
                       alpha=0.7, label=sample.label(sweep, where) or None, rasterized=True)
+        if invalid:
+            axes.plot([c.settings[key] for c in invalid], [c.value(column) for c in invalid], **CROSSES, label="not valid")
         if failed:
             low = axes.get_ylim()[0]
             axes.plot([c.settings[key] for c in failed], [low] * len(failed), "x", color="#b00020",
@@ -186,8 +191,10 @@ def scatter(sweep, folder):
     text = f"{column} of every sample against each uncertain key."
     if len(shown) < len(places):
         text += f" The figure shows {len(shown)} of {len(places)} swept values."
+    if invalid:
+        text += f" Grey crosses, not valid: {words.counted(len(invalid), 'sample')}."
     if failed:
-        text += (f" Crosses: the values of the {words.counted(len(failed), 'sample')} without a result; the list of "
+        text += (f" Red crosses: the values of the {words.counted(len(failed), 'sample')} without a result; the list of "
                  "missing cases states the reasons.")
     return [Figure("uncertain_scatter", "Samples against the uncertain keys", text,
                    "Scatter plots of the samples against the uncertain keys")]

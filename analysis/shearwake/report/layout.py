@@ -327,6 +327,12 @@ def all_references(sweep: Sweep) -> list[Case]:
     return list(found.values())
 
 
+def with_references(sweep: Sweep) -> list[Case]:
+    """The complete cases, then their references, one of each set with the same field. A case of the sweep that is the
+    reference of itself or of others occurs once."""
+    return [*ordinary(sweep), *motions(r for r in all_references(sweep) if r.is_reference)]
+
+
 def references_among(cases: list[Case]) -> str:
     """'10 of them references', 'a reference' if this is the only case, '' without references."""
     found = sum(c.is_reference for c in cases)

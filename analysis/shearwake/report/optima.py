@@ -7,6 +7,7 @@ import math
 
 from ..tables import Optima
 from . import layout
+from .warnings_of import is_valid
 from .words import number, value_text
 
 COMPARED = (("no modulation", "unmodulated"), ("best AM-STM", "am"), ("best SM-STM tried", "sm"), ("optimum found", "optimum"))
@@ -64,19 +65,37 @@ def relation(ratio):
     return f"{number(100 * abs(ratio - 1), 2)} % {'more' if ratio >= 1 else 'less'} than"
 
 
+def compared(sweep, rows, strength):
+    """{modulation: case} of one optimised case and strength, unmodulated first. A case that several strengths share has
+    the settings of the first one."""
+    ordinary = [c for c in layout.ordinary(sweep)
+                if all(str(c.settings.get(key)) == rows[0][key] or c.settings.get(key) == rows[0][key] for key in swept(rows[0]))]
+    found = {}
+    for name in ("unmodulated", "AM-STM", "SM-STM", "optimum"):
+        of = [c for c in ordinary if c.settings.get("optimise.modulation") == name]
+        exact = [c for c in of if c.settings.get("optimise.strength_at_least") == strength]
+        if exact or (of and name != "optimum"):
+            found[name] = (exact or of)[0]
+    return found
+
+
 def sentence(sweep):
     """The result for the first case, and how close all optima are to their upper bounds."""
     rows = next(iter(by_case(sweep).values()))
     row = next(r for r in rows if r["strength_at_least_1"] == middle(rows))
+    wrong = {name for name, case in compared(sweep, rows, middle(rows)).items() if not is_valid(case)}
+    if "optimum" in wrong:
+        return "No optimum is stated, because its readings are not valid."
     best = row["eta_optimum_1"]
     where = f"{title_of(sweep, row)}, strength {number(row['strength_at_least_1'], 3)}" if swept(row) else (
         f"strength {number(row['strength_at_least_1'], 3)}")
     others = [f"{relation(best / row[f'eta_{name}_1'])} {text} ({number(row[f'eta_{name}_1'], 3)}"
               + (f", strength {number(row[f'strength_{name}_1'], 3)})" if name == "sm" else ")")
-              for text, name in (("the load without modulation", "unmodulated"), ("the best AM-STM", "am"),
-                                 ("the best SM-STM tried", "sm")) if row[f"eta_{name}_1"] > 0]
+              for text, name, modulation in (("the load without modulation", "unmodulated", "unmodulated"),
+                                             ("the best AM-STM", "am", "AM-STM"), ("the best SM-STM tried", "sm", "SM-STM"))
+              if row[f"eta_{name}_1"] > 0 and modulation not in wrong]
     gaps = [100 * (r["ceiling_over_optimum_1"] - 1) for r in optima(sweep).rows]
-    return (f"{optima(sweep).maximised} of the optimum ({where}) is {number(best, 3)}: {', '.join(others)}. The upper bound for "
+    return (f"{optima(sweep).maximised} of the optimum ({where}) is {number(best, 3)}{': ' if others else ''}{', '.join(others)}. The upper bound for "
             f"its path is {number(row['eta_ceiling_1'], 3)}. In all {len(gaps)} optima, the bound exceeds the optimum by "
             f"{number(min(gaps), 2)} to {number(max(gaps), 2)} %.")
 

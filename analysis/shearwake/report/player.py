@@ -37,7 +37,7 @@ class Detail:
 
 def cases_of(sweep):
     """All cases with a recorded surface, those of the figures first and references last."""
-    return [c for c in [*layout.ordinary(sweep), *layout.motions(layout.all_references(sweep))] if len(load.surface_times(c))]
+    return [c for c in layout.with_references(sweep) if len(load.surface_times(c))]
 
 
 def first_shown(sweep, cases):

@@ -55,7 +55,8 @@ def sentence(sweep):
     found = by_place(sweep, rows, column)
     where, best = max(found.items(), key=lambda item: item[1]["q50"]["value"])
     at = label(sweep, where)
-    text = (f"Over {counted(int(best['q50']['samples']), 'sample')} of "
+    used, without = int(best["q50"]["samples"]), int(best["q50"]["without_value"])
+    text = (f"Over {counted(used, 'sample') if not without else f'{used} of {used + without} samples (the others are not valid or have no value)'} of "
             f"{counted(len(sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
             f"{number(best['q50']['value'], 3)}; 90 % of the samples are between {number(best['q05']['value'], 3)} and "
             f"{number(best['q95']['value'], 3)}")

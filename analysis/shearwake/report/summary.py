@@ -62,9 +62,9 @@ def comparison(value, reference, name):
     return f"{percent} than the {number(reference, 3)} of {name}"
 
 
-def caveats(sweep):
+def caveats(sweep, is_used=False):
     """Why no case may be called the best, or why no ratio is stated: cases without a result, and readings that are not
-    valid."""
+    valid, which are used in the tables of the optima."""
     missing = [c for c in sweep.cases if not c.whole]
     whole = [c for c in sweep.cases if c.whole]
     invalid = [c for c in whole if not is_valid(c)]
@@ -76,13 +76,13 @@ def caveats(sweep):
         among = layout.references_among(invalid)
         them = f" ({among})" if among else ""
         are = "is" if len(invalid) == 1 else "are"
-        text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid and {are} not used{them}: "
+        text += (f" {len(invalid)} of {counted(len(whole), 'complete case')} {are} not valid{'' if is_used else f' and {are} not used'}{them}: "
                  f"{warnings_of.reasons(invalid)}.")
     without = [c for c in layout.ordinary(sweep) if is_valid(c) and math.isnan(c.value("eta_period_1"))]
     if without and len(without) < len(layout.ordinary(sweep)):
         text += (f" {counted(len(without), 'case')} {'has' if len(without) == 1 else 'have'} no mean over complete periods "
                  "(eta_period_1) and cannot be compared.")
-    if alone := [c for c in valid(sweep, "eta_period_1") if sweep.reference_of(c) and not reference_for(sweep, c)]:
+    if alone := [c for c in valid(sweep, "eta_period_1") if (r := sweep.reference_of(c)) and r is not c and not is_valid(r)]:
         text += (f" No ratio is stated for {counted(len(alone), 'valid case')}, because the readings of the reference are "
                  "not valid.")
     return text
@@ -278,7 +278,7 @@ def summary(sweep):
     if sweep.uncertain:
         return sample.sentence(sweep)
     if optima.is_study(sweep):
-        return optima.sentence(sweep) + caveats(sweep)
+        return optima.sentence(sweep) + caveats(sweep, is_used=True)
     receptors = "" if valid(sweep, "eta_period_1") else fired(sweep)
     text = receptors + efficiency(sweep) + strength(choices(sweep))
     return text[:1].upper() + text[1:]

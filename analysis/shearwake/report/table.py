@@ -33,7 +33,7 @@ def setting_cell(case, key):
 def head(columns):
     cells = ""
     for column in columns:
-        kind = "" if column in ("id", "reference", "status") else ' class="n"'
+        kind = "" if column in ("id", "reference", "valid", "status") else ' class="n"'
         words = html.escape(column).replace("_", "_<wbr>").replace(".", ".<wbr>")
         cells += f'<th scope="col"{kind}><button type="button">{words}</button></th>'
     return f"<thead><tr>{cells}</tr></thead>"
@@ -75,7 +75,8 @@ def row(case, kinds, keys, shown, followers, mark):
     cells += [setting_cell(case, k) for k in keys]
     cells += [numeric_cell(case.value(m)) for m in shown]
     cells += [setting_cell(case, k) for k in followers]
-    cells += [numeric_cell(case.wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
+    valid = "" if not case.whole else "no" if any(w["severity"] == "error" for w in case.warnings) else "yes"
+    cells += [f"<td>{valid}</td>", numeric_cell(case.wall_s), f"<td>{html.escape(case.status)}</td>", f'<td class="n">{mark}</td>']
     kind = ' class="reference"' if case.is_reference else ""
     return f'<tr data-id="{html.escape(case.id)}"{kind}>{"".join(cells)}</tr>'
 
@@ -93,7 +94,7 @@ def table(sweep, figures):
             n = notes.setdefault(case.reason, len(notes) + 1)
             mark = f'<a href="#note-{n}">{n}</a>'
         rows.append(row(case, kinds, keys, shown, followers, mark))
-    columns = ["id", *kinds, *keys, *shown, *followers, "wall_s", "status", "note"]
+    columns = ["id", *kinds, *keys, *shown, *followers, "valid", "wall_s", "status", "note"]
     body = (f'{tools(sweep, figures)}<div class="scroll tall" tabindex="0"><table class="sortable">{head(columns)}'
             f'<tbody>{"".join(rows)}</tbody></table></div>')
     listed = "".join(f'<li id="note-{n}">{html.escape(w)}</li>' for w, n in notes.items())

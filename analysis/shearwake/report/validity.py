@@ -16,7 +16,8 @@ def split(sweep, cases, column, figure, values):
 
 def invalid_cases(sweep, figure, *columns):
     """The cases with a value in one of the columns that is not valid; references only unless all columns are ratios."""
-    shown = [*layout.ordinary(sweep), *([] if all(map(sweep.is_ratio, columns)) else layout.all_references(sweep))]
+    of_ratios = all(map(sweep.is_ratio, columns))
+    shown = [*layout.ordinary(sweep), *(r for r in layout.all_references(sweep) if r.is_reference and not of_ratios)]
     return [c for c in shown if any(np.isfinite(c.value(column)) and not warnings_of.holds(sweep, c, column, figure)
                                     for column in columns)]
 

@@ -157,4 +157,16 @@ TEST_CASE("readings that are not valid are no extrema", "[reduce][adapt]") {
     CHECK(number(states.table, 0, "location") == 3.0);
 }
 
+TEST_CASE("a ratio is not valid if the readings of the reference are not", "[reduce]") {
+    const std::string ratio = "eta_period_over_reference_1";
+    Grid grid(
+        {}, {1.0}, {0.0}, [](double, double) { return 0.4; }, 0.2);
+    grid.table.columns[4] = ratio;
+    CHECK(reduce::valid_value(grid.plan, grid.table, 0, ratio) == 0.4);
+    grid.table.rows[1].back() = std::string("no");
+    CHECK(std::isnan(reduce::valid_value(grid.plan, grid.table, 0, ratio)));
+    grid.table.columns[4] = "eta_period_1";
+    CHECK(reduce::valid_value(grid.plan, grid.table, 0, "eta_period_1") == 0.4);
+}
+
 } // namespace test_adaptive_tables
