@@ -112,10 +112,10 @@ void ReceptorStress::add_parts(std::size_t depth, double depth_m, std::size_t el
         return;
     }
     const CappedMaterials capped(case_, layer);
-    const auto add = [&](const Times& weights, double factor, const std::vector<Material>& cells,
-                         auto modulus) {
+    const auto add = [&](const Times& weights, double factor,
+                         const std::vector<CellMaterial>& cells, auto modulus) {
         Part part{.depth = depth, .first = first, .weights = weights, .factors = {}};
-        for (const Material& cell : cells)
+        for (const CellMaterial& cell : cells)
             part.factors.push_back(-share * factor * capped(cell).*modulus);
         parts_.push_back(std::move(part));
     };

@@ -162,13 +162,13 @@ void TensorVolumes::find_strain(const Stepper& stepper, const StrainPoint& point
 
 TensorVolumes::Materials TensorVolumes::materials_at(const StrainPoint& point) const {
     const std::size_t element = point.element;
-    Materials all{material_of(case_.scene().medium.layers[mesh_.layers[element]]), {}};
+    Materials all{{material_of(case_.scene().medium.layers[mesh_.layers[element]])}, {}};
     if (!varies_between(case_.scene().medium, mesh_.ends_m[element], mesh_.ends_m[element + 1]))
         return all;
     const CappedMaterials capped(case_, all.layer);
     together(team_, [&] {
         all.cells = cell_materials(case_, mesh_, slabs_.share(), point);
-        for (Material& m : all.cells)
+        for (CellMaterial& m : all.cells)
             m = capped(m);
     });
     return all;
@@ -185,15 +185,23 @@ void TensorVolumes::add(const StrainPoint& point, double share) {
     const Materials materials = materials_at(point);
     const double* pressure = pressure_.data() + point.node * slabs_.share().reals;
     for_each_cell([&](std::ptrdiff_t cell, std::ptrdiff_t at) {
-        const Material& m = materials[cell];
+        const CellMaterial& m = materials[cell];
+        std::array<double, strain_components> scaled{};
         for (int c = 0; c < strain_components; ++c) {
             const double tensor = c < yz ? 1.0 : 0.5; // converts the engineering shear strain
             const double strain = tensor * plane(now_, c)[at];
             const double rate = tensor * plane(rate_, c)[at];
+            scaled[static_cast<std::size_t>(c)] =
+                (m.mu_Pa - m.mu_across_Pa) * plane(now_, c)[at] +
+                (m.viscosity_Pa_s - m.viscosity_across_Pa_s) * plane(rate_, c)[at];
             plane(strain_, c)[at] += share * strain;
             plane(stress_, c)[at] += share * ((c < yz ? pressure[at] : 0.0) +
                                               2.0 * (m.mu_Pa * strain + m.viscosity_Pa_s * rate));
         }
+        if (!m.is_laminate()) return;
+        const std::array<double, 6> more = stress_across(m.normal, scaled);
+        for (int c = 0; c < strain_components; ++c)
+            plane(stress_, c)[at] += share * more[static_cast<std::size_t>(c)];
     });
 }
 

@@ -44,9 +44,9 @@ private:
         const Block *earlier, *now, *later;
     };
     struct Materials {
-        Material layer;
-        std::vector<Material> cells; // empty: those of the layer everywhere
-        const Material& operator[](std::ptrdiff_t cell) const {
+        CellMaterial layer;
+        std::vector<CellMaterial> cells; // empty: those of the layer everywhere
+        const CellMaterial& operator[](std::ptrdiff_t cell) const {
             return cells.empty() ? layer : cells[static_cast<std::size_t>(cell)];
         }
     };

@@ -17,9 +17,9 @@ constexpr std::ptrdiff_t map_samples = 500;
 /// A box in which the medium may differ from the layers, and its materials.
 struct Inclusion {
     Bounds box;
-    double filled;                                // filled share of the box in a horizontal plane
-    std::vector<std::vector<Material>> materials; // per layer
-    bool is_box = false;                          // with faces along the grid
+    double filled; // filled share of the box in a horizontal plane
+    std::vector<std::vector<CellMaterial>> materials; // per layer
+    bool is_box = false;                              // with faces along the grid
 };
 
 double volume_of(const Bounds& box) {
@@ -44,7 +44,7 @@ Inclusion inclusion_of(const Medium& medium, const Body& body) {
 }
 
 Inclusion inclusion_of(const Medium& medium, const MaterialMap& map) {
-    Inclusion part{{}, 1.0, std::vector<std::vector<Material>>(medium.layers.size())};
+    Inclusion part{{}, 1.0, std::vector<std::vector<CellMaterial>>(medium.layers.size())};
     const auto rim = [&](std::size_t axis, double first, double spacing, double& low,
                          double& high) {
         constexpr double endless = 1e9;
@@ -113,7 +113,7 @@ PointEstimate estimate_point(const Case& c, const std::vector<Inclusion>& medium
     };
     for (const Inclusion& part : medium) {
         if (part.box.high_m.z <= top_m || part.box.low_m.z >= bottom_m) continue;
-        for (const Material& material : part.materials[layer_at]) {
+        for (const CellMaterial& material : part.materials[layer_at]) {
             const Material m = capped(material);
             Material &least = point.least, &greatest = point.greatest;
             widen(m.density_kg_m3, least.density_kg_m3, greatest.density_kg_m3);

@@ -33,10 +33,58 @@ Material material_of(const Properties& p) {
             p.viscosity_Pa_s};
 }
 
+CellMaterial uniform(const Material& m) {
+    return {m, m.mu_Pa, m.viscosity_Pa_s, {}};
+}
+
+double mean(double share, double a, double b) {
+    return a + share * (b - a); // exactly a if b is equal
+}
+
 Material mixed(const Material& a, const Material& b, double share) {
-    const auto mix = [share](double x, double y) { return (1.0 - share) * x + share * y; };
-    return {mix(a.density_kg_m3, b.density_kg_m3), mix(a.lambda_Pa, b.lambda_Pa),
-            mix(a.mu_Pa, b.mu_Pa), mix(a.viscosity_Pa_s, b.viscosity_Pa_s)};
+    return {mean(share, a.density_kg_m3, b.density_kg_m3), mean(share, a.lambda_Pa, b.lambda_Pa),
+            mean(share, a.mu_Pa, b.mu_Pa), mean(share, a.viscosity_Pa_s, b.viscosity_Pa_s)};
+}
+
+/// Bruggeman's symmetric effective medium of three dimensions, the root mu of
+///     f (mu_b - mu) / (mu_b + 2 mu) + (1 - f) (mu_a - mu) / (mu_a + 2 mu) = 0.
+double effective_mu_Pa(double a_Pa, double b_Pa, double f) {
+    const double sum = (2.0 - 3.0 * f) * a_Pa + (3.0 * f - 1.0) * b_Pa;
+    return 0.25 * (sum + std::sqrt(sum * sum + 8.0 * a_Pa * b_Pa));
+}
+
+/// See material_of_cell. `slope` is a multiple of the normal.
+CellMaterial laminated(const CellMaterial& a, const Material& b, double share, Vec3 slope) {
+    const double p_a = a.lambda_Pa + 2.0 * a.mu_Pa, p_b = b.lambda_Pa + 2.0 * b.mu_Pa;
+    CellMaterial m{mixed(a, b, share), 0.0, 0.0, a.normal + slope};
+    m.lambda_Pa =
+        mean(share, a.lambda_Pa / p_a, b.lambda_Pa / p_b) / mean(share, 1.0 / p_a, 1.0 / p_b);
+    if (a.mu_across_Pa == 0.0 || b.mu_Pa == 0.0) return m; // next to a fluid
+    if (b.mu_Pa > a.mu_Pa) m.mu_Pa = effective_mu_Pa(a.mu_Pa, b.mu_Pa, share);
+    m.mu_across_Pa = 1.0 / mean(share, 1.0 / a.mu_across_Pa, 1.0 / b.mu_Pa);
+    m.viscosity_across_Pa_s =
+        m.mu_across_Pa * m.mu_across_Pa *
+        mean(share, a.viscosity_across_Pa_s / (a.mu_across_Pa * a.mu_across_Pa),
+             b.viscosity_Pa_s / (b.mu_Pa * b.mu_Pa));
+    return m;
+}
+
+/// The gradient of the fraction of a body, times a relative contrast: of several surfaces in a
+/// cell, that of the greatest contrast determines the normal.
+Vec3 weighted_normal(const Body& body, Vec3 centre_m, Vec3 size_m, const Material& a,
+                     const Material& b) {
+    const auto contrast = [](double x, double y) {
+        return x + y > 0.0 ? std::abs(x - y) / (x + y) : 0.0;
+    };
+    const auto slope = [&](Vec3 step) {
+        return (volume_fraction(body, centre_m + step, size_m) -
+                volume_fraction(body, centre_m - step, size_m)) /
+               norm(step);
+    };
+    constexpr double step = 0.25; // of the cell: within the reach of both of its neighbours
+    return (contrast(a.mu_Pa, b.mu_Pa) + contrast(a.viscosity_Pa_s, b.viscosity_Pa_s)) *
+           Vec3{slope({step * size_m.x, 0.0, 0.0}), slope({0.0, step * size_m.y, 0.0}),
+                slope({0.0, 0.0, step * size_m.z})};
 }
 
 } // namespace
@@ -45,14 +93,24 @@ Material material_of(const Layer& layer) {
     return material_of(properties_of(layer));
 }
 
-Material material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m) {
+CellMaterial material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m) {
     Properties around = properties_of(medium.layers.at(layer));
     if (medium.map) around = with_given(around, sample(*medium.map, centre_m));
-    Material material = material_of(around);
+    CellMaterial material = uniform(material_of(around));
     for (const Body& body : medium.bodies) {
         const double share = volume_fraction(body, centre_m, size_m);
-        if (share > 0.0) material = mixed(material, material_of(with_given(around, body)), share);
+        if (!(share > 0.0)) continue;
+        const Material own = material_of(with_given(around, body));
+        if (share == 1.0)
+            material = uniform(own);
+        else if (norm(size_m) > 0.0)
+            material = laminated(material, own, share,
+                                 weighted_normal(body, centre_m, size_m, material, own));
+        else
+            material = uniform(mixed(material, own, share));
     }
+    if (const double length = norm(material.normal); length > 0.0)
+        material.normal = (1.0 / length) * material.normal;
     return material;
 }
 

@@ -41,11 +41,31 @@ struct Material {
 /// for lossless layers and for the other laws, which engines reject beforehand.
 Material material_of(const Layer& layer);
 
+/// The material of a cell. Where the surface of a body crosses it, shear across the surface meets
+/// other moduli than shear along it, those of Material.
+struct CellMaterial : Material {
+    double mu_across_Pa = 0.0, viscosity_across_Pa_s = 0.0;
+    Vec3 normal{}; // of the surface, of length 1; 0 in uniform cells
+    bool is_laminate() const { return norm(normal) > 0.0; }
+};
+
 /// The material of a cell in layer number `layer`: that of the layer, replaced by values of the map
-/// at the centre of the cell, then mixed with each body in turn according to the fraction f that it
-/// fills: (1 - f) m + f m_body for density, lambda, mu and viscosity. Properties that a body does
-/// not give are those of the layer and the map.
-Material material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m);
+/// at the centre of the cell, then combined with each body in turn, which fills the fraction f.
+/// Properties that a body does not give are those of the layer and the map. In a cell of size 0, f
+/// is the share of the body within its smooth edge, and all properties are means (1 - f) m + f
+/// m_body. Otherwise the cell is a laminate, with the mean <x> = (1 - f) x + f x_body and M =
+/// lambda
+/// + 2 mu (Backus 1962):
+///
+/// - density <density>; lambda <lambda / M> / <1 / M>;
+/// - mu across the surface 1 / <1 / mu>, viscosity <viscosity / mu^2> / <1 / mu>^2, which is exact
+///   for low frequencies; the other moduli of the laminate differ from these by parts of mu / M;
+/// - viscosity along the surface <viscosity>; mu <mu> for a body that is softer. The surface of a
+///   stiff body hardly stretches, but the medium in front of it does within the size of a cell, so
+///   that <mu> would enlarge the body (by a third of a cell if it is 400 times stiffer). mu is that
+///   of Bruggeman's effective medium, which for high contrasts is stiff only if the body fills more
+///   than a third of the cell.
+CellMaterial material_of_cell(const Medium& medium, std::size_t layer, Vec3 centre_m, Vec3 size_m);
 
 /// Whether bodies or the map may be present between two depths. Fast, since only bounds are
 /// compared.

@@ -11,10 +11,11 @@ namespace shearwake::spectral {
 
 namespace {
 
-/// Largest length of elements of degree 8 at a rigid body, in grid spacings: levels are then at
-/// most 1.3 spacings apart. Markers are placed at distances in proportion to both; where they
-/// were 1.8 or 2.5 spacings apart in z, the effect of a body on the surface changed by 2 or 5 %.
-constexpr double spacings_of_rigid = 7.0;
+/// Largest length of elements of degree 8 at a rigid or a curved body, in grid spacings: levels are
+/// then at most 1.3 spacings apart. Where the markers of a rigid body were 1.8 or 2.5 spacings
+/// apart in z, its effect on the surface changed by 2 or 5 %; the effect of a curved elastic body
+/// does not converge with the spacing unless the elements become shorter as well.
+constexpr double spacings_of_curved = 7.0;
 
 /// An inclusion in the layers between two depths.
 struct Inclusion {
@@ -41,10 +42,11 @@ Inclusion inclusion_of(const Body& body, double spacing_m, double per_degree, do
     if (body.edge_m > 0.0)
         in.longest_m = per_degree * body.edge_m;
     else if (is_curved(body))
-        in.longest_m = per_degree * (in.bottom_m - in.top_m) / elements_of_body;
+        in.longest_m = per_degree * std::min((in.bottom_m - in.top_m) / elements_of_body,
+                                             spacings_of_curved * spacing_m);
     if (body.rigid && !body.fixed && body.density_kg_m3) in.free_kg_m3 = *body.density_kg_m3;
     if (body.rigid)
-        in.longest_m = std::min(in.longest_m, spacings_of_rigid * per_degree * spacing_m);
+        in.longest_m = std::min(in.longest_m, spacings_of_curved * per_degree * spacing_m);
     else if (body.c_s_m_s)
         in.longest_m =
             std::min(in.longest_m, 20.0 * per_degree * *body.c_s_m_s / std::max(omega_rad_s, 1.0));

@@ -27,9 +27,9 @@ struct MeshPiece {
 
 /// Divides the layers down to `depth_m` at the tops and bottoms of bodies and the map, where the
 /// moduli jump and the motion has a kink that no polynomial resolves. Depths closer together than
-/// `least_m` are merged. Element lengths are limited to half of a curved body, the edge width of a
-/// smooth body, eight points of a map, or twenty times the inverse wavenumber of shear waves at
-/// `omega_rad_s` in a body. Not collective.
+/// `least_m` are merged. Element lengths are limited to half of a curved body and seven spacings,
+/// the edge width of a smooth body, eight points of a map, or twenty times the inverse wavenumber
+/// of shear waves at `omega_rad_s` in a body. Not collective.
 std::vector<MeshPiece> mesh_pieces(const Case& c, double depth_m, double least_m, int degree,
                                    double omega_rad_s);
 

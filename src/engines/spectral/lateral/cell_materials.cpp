@@ -28,23 +28,37 @@ double shear_reflection(double stiffness_ratio, double density_ratio) {
 CappedMaterials::CappedMaterials(const Case& c, const Material& layer)
     : most_mu_Pa_(std::get<SpectralOptions>(c.solver).contrast_cap * layer.mu_Pa) {}
 
-Material CappedMaterials::operator()(Material m) const {
+CellMaterial CappedMaterials::operator()(CellMaterial m) const {
     if (m.mu_Pa > most_mu_Pa_) {
         // With a negative lambda, so that the bulk modulus remains positive.
         if (m.lambda_Pa < 0.0) m.lambda_Pa *= most_mu_Pa_ / m.mu_Pa;
         m.mu_Pa = most_mu_Pa_;
     }
+    m.mu_across_Pa = std::min(m.mu_across_Pa, most_mu_Pa_);
     return m;
+}
+
+std::array<double, 6> stress_across(Vec3 n, const std::array<double, 6>& e) {
+    const Vec3 w{e[xx] * n.x + 0.5 * (e[xy] * n.y + e[xz] * n.z),
+                 e[yy] * n.y + 0.5 * (e[xy] * n.x + e[yz] * n.z),
+                 e[zz] * n.z + 0.5 * (e[xz] * n.x + e[yz] * n.y)};
+    const Vec3 t = w - (w.x * n.x + w.y * n.y + w.z * n.z) * n;
+    return {-4.0 * n.x * t.x,
+            -4.0 * n.y * t.y,
+            -4.0 * n.z * t.z,
+            -2.0 * (n.y * t.z + n.z * t.y),
+            -2.0 * (n.x * t.z + n.z * t.x),
+            -2.0 * (n.x * t.y + n.y * t.x)};
 }
 
 namespace {
 
-std::vector<Material> plane_of_materials(const Case& c, std::size_t layer,
-                                         const fft::SlabShare& share, double z_m,
-                                         const DepthCell& cell) {
+std::vector<CellMaterial> plane_of_materials(const Case& c, std::size_t layer,
+                                             const fft::SlabShare& share, double z_m,
+                                             const DepthCell& cell) {
     const bool smooth = is_smooth(c.scene().medium);
     const Vec3 size_m = smooth ? Vec3{} : Vec3{c.domain.spacing_m, c.domain.spacing_m, cell.size_m};
-    std::vector<Material> all;
+    std::vector<CellMaterial> all;
     all.reserve(static_cast<std::size_t>(share.x_count * c.domain.ny));
     for (std::ptrdiff_t i = 0; i < share.x_count; ++i)
         for (std::ptrdiff_t j = 0; j < c.domain.ny; ++j)
@@ -57,8 +71,8 @@ std::vector<Material> plane_of_materials(const Case& c, std::size_t layer,
 
 } // namespace
 
-std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
-                                     const fft::SlabShare& share, const StrainPoint& point) {
+std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
+                                         const fft::SlabShare& share, const StrainPoint& point) {
     const auto node = static_cast<std::size_t>(point.node);
     return plane_of_materials(
         c, mesh.layers[point.element], share,
@@ -66,9 +80,9 @@ std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
         depth_cell(mesh, point.element, node));
 }
 
-std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
-                                     const fft::SlabShare& share, std::size_t element,
-                                     double depth_m) {
+std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
+                                         const fft::SlabShare& share, std::size_t element,
+                                         double depth_m) {
     std::size_t node = 0;
     const auto bottom_m = [&](const DepthCell& cell) { return cell.centre_m + 0.5 * cell.size_m; };
     while (node + 1 < mesh.rule.nodes.size() && bottom_m(depth_cell(mesh, element, node)) < depth_m)

@@ -7,6 +7,7 @@
 #include "parallel/comm.hpp"
 #include "problem/medium/material_field.hpp"
 
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -59,19 +60,24 @@ double shear_reflection(double stiffness_ratio, double density_ratio);
 class CappedMaterials {
 public:
     CappedMaterials(const Case& c, const Material& layer);
-    Material operator()(Material m) const;
+    CellMaterial operator()(CellMaterial m) const;
 
 private:
     double most_mu_Pa_;
 };
 
+/// The stress of a laminate in addition to that of a uniform material, for the engineering strain
+/// times the amount by which its shear modulus across the layers is lower: with w = strain n and
+/// its part t along the layers, -2 (n t^T + t n^T). Components as in Component.
+std::array<double, 6> stress_across(Vec3 normal, const std::array<double, 6>& scaled_strain);
+
 /// Materials at one strain point for the rows of this rank, [row][ny]. Not collective.
-std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
-                                     const fft::SlabShare& share, const StrainPoint& point);
+std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
+                                         const fft::SlabShare& share, const StrainPoint& point);
 /// Materials at a depth within an element: sampled at this depth for smooth bodies, otherwise those
 /// of the node's cell. Not collective.
-std::vector<Material> cell_materials(const Case& c, const DepthMesh& mesh,
-                                     const fft::SlabShare& share, std::size_t element,
-                                     double depth_m);
+std::vector<CellMaterial> cell_materials(const Case& c, const DepthMesh& mesh,
+                                         const fft::SlabShare& share, std::size_t element,
+                                         double depth_m);
 
 } // namespace shearwake::spectral

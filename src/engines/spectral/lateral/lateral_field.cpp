@@ -4,8 +4,21 @@
 #include "simd/kernels.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace shearwake::spectral {
+
+namespace {
+
+/// Adds the stress of a surface for an engineering strain times its modulus.
+void add(const LateralVariation::Surface& surface, const std::array<double, 6>& scaled,
+         double* stress, std::size_t cells) {
+    const std::array<double, 6> more = stress_across(surface.normal, scaled);
+    for (std::size_t c = 0; c < more.size(); ++c)
+        stress[c * cells + surface.cell] += more[c];
+}
+
+} // namespace
 
 LateralField::LateralField(LateralVariation variation, std::ptrdiff_t ny,
                            const fft::SlabShare& share)
@@ -13,13 +26,23 @@ LateralField::LateralField(LateralVariation variation, std::ptrdiff_t ny,
       components_(static_cast<std::size_t>(variation_.components())), ny_(ny), share_(share) {}
 
 void LateralField::stress(const Values& now, const Values& before, double rate, Values& out) const {
-    for (const LateralVariation::Point& point : variation_.points) {
+    for (std::size_t p = 0; p < variation_.points.size(); ++p) {
+        const LateralVariation::Point& point = variation_.points[p];
         const std::size_t n = point.cells, at = point.first * components_;
         const double *e = now.data() + at, *b = before.data() + at;
         double* s = out.data() + at;
         kernels_.stress(static_cast<std::ptrdiff_t>(n), variation_.lambda.data() + point.first,
                         variation_.mu.data() + point.first,
                         variation_.viscosity.data() + point.first, rate, e, b, s);
+        for (const LateralVariation::Surface& surface : variation_.surfaces[p]) {
+            std::array<double, 6> scaled{};
+            for (std::size_t c = 0; c < scaled.size(); ++c) {
+                const double strain = e[c * n + surface.cell];
+                scaled[c] = surface.mu * strain +
+                            surface.viscosity * rate * (strain - b[c * n + surface.cell]);
+            }
+            add(surface, scaled, s, n);
+        }
         std::fill(s + 6 * n, s + components_ * n, 0.0);
     }
 }
@@ -30,6 +53,12 @@ void LateralField::implicit(std::size_t point, const Values& strain, Values& out
     double* s = out.data() + first * components_;
     kernels_.elastic(static_cast<std::ptrdiff_t>(n), variation_.implicit_lambda.data() + first,
                      variation_.implicit_mu.data() + first, e, s);
+    for (const LateralVariation::Surface& surface : variation_.surfaces[point]) {
+        std::array<double, 6> scaled{};
+        for (std::size_t c = 0; c < scaled.size(); ++c)
+            scaled[c] = surface.implicit_mu * e[c * n + surface.cell];
+        add(surface, scaled, s, n);
+    }
     if (!variation_.density_varies) return;
     const double* mass = variation_.implicit_mass.data() + first;
     for (std::size_t c = 6; c < 9; ++c)

@@ -18,16 +18,21 @@ struct Extremes {
     Material least, greatest;
 };
 
-Extremes extremes_of(const std::vector<Material>& all, const Material& layer, const Comm& team) {
+Extremes extremes_of(const std::vector<CellMaterial>& all, const Material& layer,
+                     const Comm& team) {
     constexpr double none = -1e300;
     std::array<double, 8> v;
     v.fill(none);
-    for (const Material& m : all) {
-        const double values[4] = {m.density_kg_m3, m.lambda_Pa, m.mu_Pa, m.viscosity_Pa_s};
+    const auto widen = [&](const std::array<double, 4>& values) {
         for (std::size_t i = 0; i < 4; ++i) {
             v[i] = std::max(v[i], values[i]);
             v[4 + i] = std::max(v[4 + i], -values[i]);
         }
+    };
+    for (const CellMaterial& m : all) {
+        widen({m.density_kg_m3, m.lambda_Pa, m.mu_Pa, m.viscosity_Pa_s});
+        if (m.is_laminate())
+            widen({m.density_kg_m3, m.lambda_Pa, m.mu_across_Pa, m.viscosity_Pa_s});
     }
     team.max(std::span<double>(v));
     if (v[0] == none) return {layer, layer};
@@ -43,7 +48,7 @@ struct Stiffest {
 struct Gathered {
     StrainPoint where;
     Extremes extremes;
-    std::vector<Material> all;
+    std::vector<CellMaterial> all;
     bool varies;
 };
 
@@ -71,7 +76,7 @@ std::vector<Gathered> gather(const Case& c, const DepthMesh& mesh, const fft::Sl
             const double stiffness = g.extremes.greatest.mu_Pa / layer.mu_Pa;
             if (stiffness > stiffest.stiffness)
                 stiffest = {stiffness, g.extremes.greatest.density_kg_m3 / layer.density_kg_m3};
-            for (Material& m : g.all)
+            for (CellMaterial& m : g.all)
                 m = capped(m);
             g.extremes = extremes_of(g.all, layer, team);
             g.varies = differs(g.extremes.least, layer) || differs(g.extremes.greatest, layer);
@@ -153,8 +158,9 @@ public:
         LateralVariation::Point point;
         point.first = v_.cells;
         v_.strain_points.push_back(g.where);
+        v_.surfaces.emplace_back();
         for (std::ptrdiff_t i = 0; i < rows; ++i) {
-            const Material* row = g.all.data() + i * ny;
+            const CellMaterial* row = g.all.data() + i * ny;
             std::ptrdiff_t begin = 0, end = ny;
             while (begin < end && !matters(g, row[begin]))
                 ++begin;
@@ -163,8 +169,13 @@ public:
             if (begin == end) continue;
             point.runs.push_back({i, begin, end, v_.cells - point.first});
             v_.cells += static_cast<std::size_t>(end - begin);
-            for (std::ptrdiff_t j = begin; j < end; ++j)
+            for (std::ptrdiff_t j = begin; j < end; ++j) {
                 add_cell(g, row[j]);
+                if (row[j].is_laminate())
+                    add_surface(g, row[j],
+                                static_cast<std::size_t>(point.runs.back().offset) +
+                                    static_cast<std::size_t>(j - begin));
+            }
         }
         point.cells = v_.cells - point.first;
         v_.points.push_back(std::move(point));
@@ -188,17 +199,33 @@ private:
     double stable_mu_Pa(const Gathered& g, double mu_Pa) const {
         return vertical_.stabilised_mu_Pa(g.where.element, mu_Pa, k_max_rad_m_, step_s_);
     }
+    double weight_m(const Gathered& g) const {
+        return 0.5 * mesh_.length_m(g.where.element) *
+               mesh_.rule.weights[static_cast<std::size_t>(g.where.node)];
+    }
+    double implicit_mu_Pa(const Gathered& g, double mu_Pa, double viscosity_Pa_s) const {
+        return stable_mu_Pa(g, mu_Pa) + 0.5 * viscosity_Pa_s / step_s_;
+    }
+    void add_surface(const Gathered& g, const CellMaterial& m, std::size_t cell) {
+        const double weight = weight_m(g);
+        v_.surfaces.back().push_back(
+            {.cell = cell,
+             .normal = m.normal,
+             .mu = weight * (m.mu_Pa - m.mu_across_Pa),
+             // One solve per step is stable for a uniform viscosity only.
+             .viscosity = v_.iterates ? weight * (m.viscosity_Pa_s - m.viscosity_across_Pa_s) : 0.0,
+             .implicit_mu = weight * (implicit_mu_Pa(g, m.mu_Pa, m.viscosity_Pa_s) -
+                                      implicit_mu_Pa(g, m.mu_across_Pa, m.viscosity_across_Pa_s))});
+    }
     void add_cell(const Gathered& g, const Material& m) {
         const Material &least = g.extremes.least, forces = base(g);
-        const double weight = 0.5 * mesh_.length_m(g.where.element) *
-                              mesh_.rule.weights[static_cast<std::size_t>(g.where.node)];
+        const double weight = weight_m(g);
         v_.lambda.push_back(weight * (m.lambda_Pa - forces.lambda_Pa));
         v_.mu.push_back(weight * (m.mu_Pa - forces.mu_Pa));
         v_.viscosity.push_back(weight * (m.viscosity_Pa_s - forces.viscosity_Pa_s));
         if (!v_.iterates) return;
-        v_.implicit_mu.push_back(weight *
-                                 (stable_mu_Pa(g, m.mu_Pa) - stable_mu_Pa(g, least.mu_Pa) +
-                                  0.5 * (m.viscosity_Pa_s - least.viscosity_Pa_s) / step_s_));
+        v_.implicit_mu.push_back(weight * (implicit_mu_Pa(g, m.mu_Pa, m.viscosity_Pa_s) -
+                                           implicit_mu_Pa(g, least.mu_Pa, least.viscosity_Pa_s)));
         v_.implicit_lambda.push_back(variety_.lambda ? weight * stabilising_lambda *
                                                            (implicit_lambda_Pa(m.lambda_Pa) -
                                                             implicit_lambda_Pa(least.lambda_Pa))

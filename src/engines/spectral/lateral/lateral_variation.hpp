@@ -28,8 +28,16 @@ inline double tolerated_inertia(const SpectralOptions& options) {
 /// where the implicit moduli are never negative.
 struct LateralVariation {
     using Point = PlaneCells::Point;
+    /// A cell that the surface of a body crosses: the moduli for shear across the surface are lower
+    /// than the others by these, times the quadrature weight.
+    struct Surface {
+        std::size_t cell; // within the point
+        Vec3 normal;
+        double mu, viscosity, implicit_mu;
+    };
     std::vector<StrainPoint> strain_points;
     std::vector<Point> points;
+    std::vector<std::vector<Surface>> surfaces; // of each point
     std::size_t cells = 0;
     std::vector<double> lambda, mu, viscosity;                       // of the forces, per cell
     std::vector<double> implicit_lambda, implicit_mu, implicit_mass; // empty without iterations

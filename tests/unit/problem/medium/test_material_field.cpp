@@ -55,21 +55,33 @@ TEST_CASE("the material of a layer follows from its speeds", "[material_field]")
     CHECK(material_of_cell(medium, 0, {}, cell_m) == material_of(medium.layers[0]));
 }
 
-TEST_CASE("the material of a body is mixed according to its fraction of the cell",
-          "[material_field]") {
+TEST_CASE("a cell at the face of a body is a laminate", "[material_field]") {
     Medium medium = two_layers();
     // Its face at z = 1.25 mm leaves it three quarters of the cell from 1 to 2 mm.
     medium.bodies = {{.shape = Box{{1.0, 1.0, 4e-3}},
                       .centre_m = {0, 0, 3.25e-3},
                       .c_s_m_s = 20.0,
                       .viscosity_Pa_s = 8.0}};
-    const Material m = material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m);
+    const CellMaterial m = material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m);
     const double body_mu = 1100.0 * 400.0, layer_mu = 1100.0 * 36.0, p = 1100.0 * 3600.0;
     CHECK(m.density_kg_m3 == Approx(1100.0).epsilon(1e-12)); // not given: the layer's
-    CHECK(m.mu_Pa == Approx(0.25 * layer_mu + 0.75 * body_mu).epsilon(1e-12));
+    const auto of = [&](double mu) { return (mu - m.mu_Pa) / (mu + 2.0 * m.mu_Pa); };
+    CHECK(0.25 * of(layer_mu) + 0.75 * of(body_mu) == Approx(0.0).margin(1e-12)); // Bruggeman
+    // Both have the same p-wave modulus, so that lambda is the mean.
     CHECK(m.lambda_Pa ==
           Approx(0.25 * (p - 2.0 * layer_mu) + 0.75 * (p - 2.0 * body_mu)).epsilon(1e-12));
     CHECK(m.viscosity_Pa_s == Approx(0.25 * 2.0 + 0.75 * 8.0).epsilon(1e-12));
+    const double across = 1.0 / (0.25 / layer_mu + 0.75 / body_mu);
+    CHECK(m.mu_across_Pa == Approx(across).epsilon(1e-12));
+    CHECK(m.viscosity_across_Pa_s ==
+          Approx(across * across *
+                 (0.25 * 2.0 / (layer_mu * layer_mu) + 0.75 * 8.0 / (body_mu * body_mu)))
+              .epsilon(1e-12));
+    CHECK(std::abs(m.normal.z) == Approx(1.0).epsilon(1e-12));
+    CHECK_FALSE(material_of_cell(medium, 0, {0, 0, 0.5e-3}, cell_m).is_laminate());
+    medium.bodies[0].c_s_m_s = 2.0; // softer
+    CHECK(material_of_cell(medium, 0, {0, 0, 1.5e-3}, cell_m).mu_Pa ==
+          Approx(0.25 * layer_mu + 0.75 * 1100.0 * 4.0).epsilon(1e-12));
     // In the other layer it keeps that layer's density.
     CHECK(material_of_cell(medium, 1, {0, 0, 3e-3}, cell_m).density_kg_m3 == 950.0);
 }
