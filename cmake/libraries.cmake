@@ -52,14 +52,16 @@ function(find_files name module header)
     endif()
 endfunction()
 
-# Sets NAME_VERSION to what the group of the pattern matches in the lines of a file, joined by dots.
+# Sets NAME_VERSION to what the group of the pattern matches in the lines of a file, joined by dots. The name of the file
+# may have wildcards.
 function(read_version name file pattern)
     set(version "")
-    if(EXISTS "${file}")
-        file(STRINGS "${file}" lines REGEX "${pattern}")
+    file(GLOB files "${file}")
+    foreach(found IN LISTS files)
+        file(STRINGS "${found}" lines REGEX "${pattern}")
         list(TRANSFORM lines REPLACE ".*${pattern}.*" "\\1" OUTPUT_VARIABLE version)
         list(JOIN version "." version)
-    endif()
+    endforeach()
     set(${name}_VERSION "${version}" PARENT_SCOPE)
 endfunction()
 
@@ -103,7 +105,7 @@ read_version(Boost "${Boost_INCLUDE}/boost/version.hpp" "define BOOST_LIB_VERSIO
 string(REPLACE "_" "." Boost_VERSION "${Boost_VERSION}")
 list_library("Boost" Boost_FOUND "${Boost_VERSION}" "${Boost_INCLUDE}" "Boost_ROOT" "")
 find_files(tomlplusplus tomlplusplus toml++/toml.h)
-read_version(tomlplusplus "${tomlplusplus_INCLUDE}/toml++/impl/version.h" "define TOML_LIB_M[A-Z]+ +([0-9]+)")
+read_version(tomlplusplus "${tomlplusplus_INCLUDE}/toml++/impl/version.h*" "define TOML_LIB_M[A-Z]+ +([0-9]+)")
 list_library("toml++" tomlplusplus_FOUND "${tomlplusplus_VERSION}" "${tomlplusplus_INCLUDE}" "tomlplusplus_ROOT" "")
 find_files(Random123 "" Random123/philox.h)
 list_library("Random123" Random123_FOUND "" "${Random123_INCLUDE}" "Random123_ROOT" "")
