@@ -186,7 +186,7 @@ def of_sweep(sweep: Sweep, names: Sequence[str], references: bool) -> xr.Dataset
     for name in names:
         add_named(builder, sweep, name)
     if builder.complete:
-        judged = builder.complete + [r for case in builder.complete if (r := ratio_reference(sweep, case, names))]
+        judged = [*builder.complete, *(r for case in builder.complete if (r := ratio_reference(sweep, case, names)))]
         sweep.warn_of_invalid({case.id: case for case in judged}.values(), stacklevel=4)
     builder.coordinates["valid"] = lazy(Columns(grid.cells, lambda case: validity(sweep, case, names)), grid.dims, {
         "long_name": "1: the readings are valid, 0: they are not, NaN: no result"})
