@@ -2,6 +2,7 @@
 """One case of a sweep. Every part of its file is read when it is first needed."""
 from __future__ import annotations
 
+import difflib
 import functools
 import json
 import math
@@ -28,6 +29,15 @@ HOW = {
     "mean": "no whole period fits between measure.settled_after_ms and the end of the run",
     "sensor": "only cases with solver.pstd.study have a sensor",
 }
+
+
+REQUIRED: Any = object()  # in place of a default: there is none
+
+
+def suggestion(name: str, known: list[str]) -> str:
+    """The continuation of a sentence about a name that is not known."""
+    near = difflib.get_close_matches(name, known, 1)
+    return f"; did you mean {near[0]}?" if near else f"; there are {', '.join(known)}" if known else ""
 
 
 class Case:
@@ -111,8 +121,15 @@ class Case:
         return [Column(name, unit, meaning) for name, (unit, meaning) in self._scalars[2].items()]
 
     def value(self, column: str) -> float:
-        """A column of the table; NaN if it is empty."""
-        return self.values.get(column, math.nan)
+        """A column of the table; NaN if it is empty, or if the case is not complete. Raises KeyError if there is no such column,
+        and NotRecorded if that is unknown because no case is complete."""
+        values = self.values
+        if column in values:
+            return values[column]
+        known = [c.name for c in (self.sweep.columns if self.sweep is not None else [])] or [c.name for c in self.columns]
+        if column not in known:
+            raise KeyError(f"{column} is not a column{suggestion(column, known)}")
+        return math.nan
 
     @property
     def warnings(self) -> list[dict[str, str]]:
@@ -150,18 +167,26 @@ class Case:
         """All parameters of the case in SI units. Raises tomllib.TOMLDecodeError if the text is damaged."""
         return tomllib.loads(self._parameters_text or self.attributes["case"])
 
-    def setting(self, *keys: str, default: Any = math.nan) -> Any:
-        """A parameter in SI units: case.setting("measure", "at_s")."""
+    def setting(self, *keys: str, default: Any = REQUIRED) -> Any:
+        """A parameter in SI units: case.setting("measure", "at_s"). Parameters of alternatives that are not used, and some that
+        have their default, are not stored: `default` is returned for them, without which KeyError is raised."""
         node: Any = self.parameters
         for key in keys:
             if not isinstance(node, dict) or key not in node:
-                return default
+                if default is not REQUIRED:
+                    return default
+                known = list(node) if isinstance(node, dict) else []
+                raise KeyError(f"the parameters of the case contain no {'.'.join(keys)}{suggestion(key, known)}; pass default= for a "
+                               "parameter that is not always stored")
             node = node[key]
         return node
 
     def verify(self) -> None:
         """Reads the entire file. Raises Damaged if it does not match its checksum."""
-        checksum.verify_case(self._file())
+        try:
+            checksum.verify_case(self._file())
+        except checksum.Damaged as error:
+            raise checksum.Damaged(f"{self.path} is damaged: {error}") from error
 
     @functools.cached_property
     def groups(self) -> list[str]:

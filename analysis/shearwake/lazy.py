@@ -12,6 +12,7 @@ from xarray.backends import BackendArray
 from xarray.core import indexing
 
 from .errors import AxesDiffer
+from .stored import opened
 
 SAME = 1e-9  # relative to the largest value; axis values closer than this are equal
 
@@ -66,8 +67,8 @@ class Cells(BackendArray):
         return values.reshape([len(part) for part in rows if part.ndim])
 
     def read_file(self, path: Path, inner: list[np.ndarray], into: np.ndarray, cell: tuple[int, ...]) -> None:
-        """Copies the indexed part of a file to `into`. Raises AxesDiffer."""
-        with h5py.File(path, "r") as file:
+        """Copies the indexed part of a file to `into`. Raises AxesDiffer, Damaged and OSError."""
+        with opened(path) as file:
             if not inner:
                 into[cell] = file[self.name][()] if self.name in file else np.nan
                 return

@@ -2,12 +2,30 @@
 """Parts of case files as numbers, texts and arrays of numpy."""
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
+
+from .checksum import Damaged
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[h5py.File]:
+    """A case file, open for reading. Raises OSError if the file does not exist or may not be read, and Damaged, with the path,
+    if it or what is read from it is damaged."""
+    try:
+        with h5py.File(path, "r") as file:
+            yield file
+    except (FileNotFoundError, PermissionError):
+        raise
+    except (OSError, RuntimeError) as error:
+        lines = str(error).splitlines()
+        raise Damaged(f"{path} is not a valid case file: {lines[0] if lines else type(error).__name__}") from error
 
 
 @dataclass(frozen=True)
@@ -33,15 +51,15 @@ def plain(value: Any) -> Any:
 
 
 def attributes(path: Path) -> dict[str, Any]:
-    """The attributes of the root group. Raises OSError."""
-    with h5py.File(path, "r") as file:
+    """The attributes of the root group. Raises OSError and Damaged."""
+    with opened(path) as file:
         return {name: plain(value) for name, value in file.attrs.items()}
 
 
 def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any]]:
-    """The scalars of the root group, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError."""
+    """The scalars of the root group, the reasons of empty ones, and {name: (unit, meaning)}. Raises OSError and Damaged."""
     values, notes, units = {}, {}, {}
-    with h5py.File(path, "r") as file:
+    with opened(path) as file:
         for name, item in file.items():
             if isinstance(item, h5py.Dataset) and item.shape == ():
                 values[name] = float(plain(item[()]))
@@ -52,40 +70,40 @@ def scalars(path: Path) -> tuple[dict[str, float], dict[str, str], dict[str, Any
 
 
 def array(path: Path, name: str, index: Any = ()) -> np.ndarray:
-    """A variable, or the part of it that the index selects. Raises OSError and KeyError."""
-    with h5py.File(path, "r") as file:
+    """A variable, or the part of it that the index selects. Raises OSError, Damaged and KeyError."""
+    with opened(path) as file:
         return file[name][index]
 
 
 def snapshot(path: Path, index: int) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
-    """Surface number `index`: t_s, x_m, y_m and u_z_m(x, y) at the first depth. Raises OSError, KeyError and IndexError."""
-    with h5py.File(path, "r") as file:
+    """Surface number `index`: t_s, x_m, y_m and u_z_m(x, y) at the first depth. Raises OSError, Damaged, KeyError and IndexError."""
+    with opened(path) as file:
         group = file["surface"]
         return (float(group["time"][index]), group["x"][()], group["y"][()], group["u_z"][index, 0])
 
 
 def arrays(path: Path, group: str = "/") -> dict[str, np.ndarray]:
-    """All variables of a group with at least one dimension. Raises OSError and KeyError."""
-    with h5py.File(path, "r") as file:
+    """All variables of a group with at least one dimension. Raises OSError, Damaged and KeyError."""
+    with opened(path) as file:
         return {name: item[()] for name, item in file[group].items() if isinstance(item, h5py.Dataset) and item.shape != ()}
 
 
 def groups(path: Path) -> list[str]:
-    """The names of the groups. Raises OSError."""
-    with h5py.File(path, "r") as file:
+    """The names of the groups. Raises OSError and Damaged."""
+    with opened(path) as file:
         return [name for name, item in file.items() if isinstance(item, h5py.Group)]
 
 
 def items(path: Path, group: str) -> dict[str, Item]:
-    """Describes the variables of a group, without reading them. Raises OSError and KeyError."""
-    with h5py.File(path, "r") as file:
+    """Describes the variables of a group, without reading them. Raises OSError, Damaged and KeyError."""
+    with opened(path) as file:
         return {name: describe(group, name, item) for name, item in file[group].items()
                 if isinstance(item, h5py.Dataset)}
 
 
 def receptor_classes(path: Path) -> np.ndarray:
-    """The class of each afferent. Raises OSError and KeyError."""
-    with h5py.File(path, "r") as file:
+    """The class of each afferent. Raises OSError, Damaged and KeyError."""
+    with opened(path) as file:
         numbers = file["afferents/class"]
         names = [entry.split(": ")[1] for entry in text(numbers.attrs["long_name"]).split(", ")]  # "0: SA1, 1: RA, 2: PC"
         return np.array(names)[numbers[()].astype(int)]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Mapping
 
 from . import stored
 from .case import Case
+from .checksum import Damaged, verify_case
 from .errors import NotAnOutputFolder, NotRecorded, NotValid
 from .keys import by_short_key, split_unit
 from .plan import Column, Table, first_line, read_plan, read_table
@@ -178,7 +179,7 @@ class Sweep:
         for case in self.every_case:
             if case.is_complete:
                 try:
-                    case.verify()
+                    verify_case(case.path)
                 except (OSError, ValueError, RuntimeError) as error:
                     damage[case.id] = first_line(error)
         return damage
@@ -208,5 +209,7 @@ def open_case(path: str | os.PathLike[str]) -> Case:
         return case_of_file(path)
     except FileNotFoundError as error:
         raise NotRecorded(f"{path}: no such case file") from error
+    except Damaged as error:
+        raise NotRecorded(str(error)) from error
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
         raise NotRecorded(f"{path} is not a valid case file: {first_line(error)}") from error

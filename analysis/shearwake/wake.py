@@ -118,7 +118,10 @@ def draw_theory(axes: Any, case: Any, t_s: float, width: float = 1.0) -> bool:
         axes.plot(x + radius * np.cos(around), y + radius * np.sin(around), color=LINE,
                   linewidth=1.3 * width, path_effects=halo(2.6 * width))
         axes.plot(x, y, "o", color=LINE, markersize=2.0 * width)
-    angle = case.value("mach_angle_theory_deg")
+    try:
+        angle = case.value("mach_angle_theory_deg")
+    except KeyError:  # for example a scan
+        return False
     if direction is None or math.isnan(angle) or is_over(case, t_s):
         return False
     length = front_length(case, focus, path, angle)

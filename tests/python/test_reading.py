@@ -218,6 +218,38 @@ class Reading(InFolder):
         with self.assertRaisesRegex(shearwake.NotRecorded, r"\[afferents\]"):
             case.spikes()
 
+    def test_misspelt_columns_and_parameters_are_errors(self):
+        case = self.opened().cases[1]
+        lone = shearwake.open_case(case.path)
+        for one in (case, lone):
+            with self.assertRaisesRegex(KeyError, "focal_rms_mm is not a column; did you mean focal_rms_um"):
+                one.value("focal_rms_mm")
+            with self.assertRaisesRegex(KeyError, "no measure.focal_radius_mm; did you mean focal_radius_m"):
+                one.setting("measure", "focal_radius_mm")
+            with self.assertRaisesRegex(KeyError, "no domain.spacing_m.x"):
+                one.setting("domain", "spacing_m", "x")
+            self.assertEqual(one.setting("load", "nothing", default=3.5), 3.5)
+        self.assertTrue(np.isnan(case.reference.value("eta_period_over_reference_1")))
+        shutil.copytree("out/small", "out/unfinished")
+        for path in Path("out/unfinished/cases").glob("*.h5"):
+            path.unlink()
+        (Path("out/unfinished/tables") / "small.json").unlink()
+        with self.assertRaisesRegex(shearwake.NotRecorded, "has no file"):
+            shearwake.open("out/unfinished").cases[0].value("peak_um")
+
+    def test_errors_about_a_damaged_file_name_it(self):
+        shutil.copytree("out/small", "out/cut")
+        sweep = shearwake.open("out/cut")
+        case = sweep.cases[2]
+        case.path.write_bytes(case.path.read_bytes()[:2900])
+        for read in (lambda: case.arrays(), lambda: case.surface, lambda: case.attributes, case.verify,
+                     lambda: sweep.dataset("traces")["traces"].values):
+            with self.assertRaises(shearwake.Damaged) as raised:
+                read()
+            self.assertIn(str(case.path), str(raised.exception))
+        with self.assertRaisesRegex(shearwake.NotRecorded, "not a valid case file"):
+            shearwake.open_case(case.path)
+
     def test_damage_is_found(self):
         shutil.copytree("out/small", "out/damaged")
         sweep = shearwake.open("out/damaged")

@@ -5,6 +5,7 @@
 #include "engines/engine.hpp"
 #include "engines/registry/make_engine.hpp"
 #include "problem/case/edges.hpp"
+#include "problem/load/motion/course.hpp"
 #include "problem/medium/material_field.hpp"
 
 #include <algorithm>
@@ -234,6 +235,29 @@ void check_focal_disc(const Case& c, Notes& notes) {
                   milli(radius_m), milli(shorter_m));
 }
 
+/// Tactile pointers (DTP, STP) are felt as points that move. From this many drawings per second on,
+/// the range of flutter, the shape is felt as a whole.
+constexpr double fastest_pointer_Hz = 10.0;
+
+void check_pointer(const Case& c, Notes& notes) {
+    const Modulation& modulation = c.scene().load.modulation;
+    if ((modulation.kind != "DTP" && modulation.kind != "STP") ||
+        modulation.trajectory.parts.empty())
+        return;
+    const auto* travel = std::get_if<Travel>(&modulation.trajectory.parts.front());
+    if (!travel || !(1.0 / cycle_s(*travel) > fastest_pointer_Hz)) return;
+    const bool is_dtp = modulation.kind == "DTP";
+    notes.add(
+        Severity::warning, "load.modulation.kind",
+        "the pointer of {} draws {:.3g} shapes per second, but a pointer moves slowly, with at "
+        "most {:.0f} shapes per second: {}",
+        modulation.kind, 1.0 / cycle_s(*travel), fastest_pointer_Hz,
+        is_dtp ? travel->corners == CornerPace{}
+                     ? "this load is identical to that of AM-STM"
+                     : "this load is AM-STM with rests or slow parts at corners"
+               : "this load is STM along a path with loops");
+}
+
 /// The afferents sense the motion of the skin only through the pins.
 void check_pins(const Case& c, Notes& notes) {
     if (!c.afferents || !std::holds_alternative<PinInput>(c.afferents->input)) return;
@@ -283,6 +307,7 @@ std::vector<Remark> check(const Case& c) {
     add(engine->limits(c));
     check_measured_times(c, notes);
     check_focal_disc(c, notes);
+    check_pointer(c, notes);
     check_pins(c, notes);
     add(check_variation(c));
     return notes.remarks;

@@ -83,6 +83,22 @@ TEST_CASE("a modulation with fewer than four frames per period gives a warning",
     CHECK(has(remark.message, "the modulation of 6000 Hz"));
 }
 
+TEST_CASE("a tactile pointer that draws as fast as STM gives a warning", "[check]") {
+    Case c = good_case(); // 28 mm at 7 m/s: 250 passes per second
+    CHECK(check(c).empty());
+    c.scene().load.modulation.kind = "DTP";
+    CHECK(only_remark(c).key == "load.modulation.kind");
+    CHECK(has(only_remark(c).message,
+              "250 shapes per second, but a pointer moves slowly, with at most 10 shapes per "
+              "second: this load is identical to that of AM-STM"));
+    c.scene().load.modulation.kind = "STP";
+    CHECK(has(only_remark(c).message, "the pointer of STP draws 250 shapes per second"));
+    travel(c).motion = ConstantSpeed{0.27}; // 9.6 per second
+    CHECK(check(c).empty());
+    c.scene().load.modulation.kind = "DTP";
+    CHECK(check(c).empty());
+}
+
 TEST_CASE("a focus that leaves the domain gives an error", "[check]") {
     Case c = good_case();
     std::get<Line>(travel(c).path.shape).to_m = {0.5, 0.0};
