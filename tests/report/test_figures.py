@@ -211,6 +211,15 @@ class FolderTest(unittest.TestCase):
 
 
 class SpectrogramTest(unittest.TestCase):
+    def test_a_spectrum_has_the_amplitude_of_a_tone_and_no_leakage_of_the_mean(self):
+        t = 2.5e-4 * np.arange(1, 629)  # 157 ms: 23.55 periods of 150 Hz
+        u = np.stack([7.3e-6 + 4.4e-6 * np.sin(2 * np.pi * 150.0 * t + 0.4), 4.4e-6 * np.sin(2 * np.pi * 150.0 * t)])
+        frequency, amplitude = load.amplitude_spectrum(u, 2.5e-4)
+        for row in amplitude:
+            self.assertAlmostEqual(frequency[row.argmax()], 150.0, delta=0.5)
+            self.assertAlmostEqual(row.max(), 4.4e-6, delta=0.01 * 4.4e-6)  # between two points of the padded spectrum
+            self.assertLess(row[frequency < 100.0].max(), 1e-3 * 4.4e-6)  # side lobes of the window fall as 1/f^3
+
     def test_a_tone_has_its_frequency_and_amplitude(self):
         time = 5e-5 * np.arange(1, 1001)
         times, frequency, amplitude = fig_spectrogram.spectrogram(

@@ -16,8 +16,8 @@ import numpy as np
 
 from synthetic import AM, Folder, case_id, sweep
 
-from shearwake.report import (chart, curve_chart, fig_drive, fig_measures, fig_medium, fig_profiles, fig_receptors,
-                              fig_surface, fig_time, fig_traces, fig_volume, load, periods, style, topics)
+from shearwake.report import (chart, curve_chart, fig_drive, fig_frequency, fig_measures, fig_medium, fig_profiles, fig_receptors,
+                              fig_surface, fig_time, fig_traces, fig_volume, layout, load, periods, style, topics)
 
 MEDIUM = """
 [medium]
@@ -90,7 +90,24 @@ class FolderTest(unittest.TestCase):
                          ["x = 0 mm, y = 0 mm"] * 2 + ["x = 5 mm, y = 0 mm"] * 2)
         near, _, far, spectrum = (np.asarray(panel.lines[0].y) for panel in figure.charts)
         np.testing.assert_allclose(far, 2 * near)
-        np.testing.assert_allclose(spectrum, 0.2)  # um
+        self.assertAlmostEqual(spectrum.max(), 1.0, delta=0.02)  # um: 2 periods of .5 um, twice as large, under the window
+
+    def test_figures_state_the_trace_point_of_the_columns(self):
+        folder = sweep(self.root)
+        for number in range(1, 5):
+            with h5py.File(folder.file(case_id(number)), "r+") as file:
+                group = file["traces"]
+                u = group["u_z"][()]
+                for name in ("x", "y", "trace", "u_z", "amplitude"):
+                    del group[name]
+                # The columns are those of the first point, the spectra those of the point nearest to the centre.
+                group["x"], group["y"], group["trace"] = [0.025, 0.0115], [-0.002, 0.0], [0.0, 1.0]
+                group["u_z"], group["amplitude"] = np.vstack([u, u]), np.ones((2, 41))
+        figure, = self.draw(folder, fig_frequency)
+        self.assertIn("the spectrum at (25, −2) mm of", figure.caption)
+        self.assertNotIn("centre", figure.caption)
+        self.assertEqual(layout.place_words([(0.0, -0.0)] * 2), "at the centre")
+        self.assertEqual(layout.place_words([(0.0, 0.0), (0.001, 0.0)]), "at a trace point")
 
     def test_a_long_run_has_its_last_periods_in_addition(self):
         folder = Folder(self.root)

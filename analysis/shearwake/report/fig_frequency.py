@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The dominant frequency at the centre and the fraction of its energy in bands against x."""
+"""The dominant frequency at a trace point and the fraction of its energy in bands against x."""
 import math
 from dataclasses import dataclass
 
@@ -82,22 +82,25 @@ def draw_band(axes, sweep, curves, band):
 
 
 def caption(sweep, found, shown):
-    text = []
+    places = [layout.column_place_m(c) for c in layout.ordinary(sweep)]
+    where, text = layout.place_words(places), []
     if found:
-        text.append("The dominant frequency is that at which the spectrum at the centre of "
+        text.append(f"The dominant frequency is that at which the spectrum {where} of "
                     + listed("the displacement u" if of == "u" else "the velocity du/dt"
                              for _, of in found) + " is largest, above one period per run.")
     if shown:
         text.append("The share in a band is that of the energy above one period per run."
                     if shown[0].is_share else
-                    "The motion is the root mean square of u at the centre in the band of perceptible vibration.")
+                    f"The motion is the root mean square of u {where} in the band of perceptible vibration.")
         if any(has_values(sweep, b.velocity) for b in shown):
             text.append("Filled markers: u. Open markers with dashed lines: du/dt.")
     if "u" not in [of for _, of in found] and found:
         text.append("In most cases the spectrum of u is largest at 0 Hz, so that u has no dominant frequency.")
     kinds = {c.setting("load", "modulation", "kind", default="") for c in layout.ordinary(sweep)}
-    if kinds != {"STM"} and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
-        text.append("The focus passes the centre once, so the values describe a single passage and depend on the "
+    is_near = places == [c.trace_at_m for c in layout.ordinary(sweep)]
+    if kinds != {"STM"} and is_near and all(wake.passing_ms(c) is not None for c in layout.ordinary(sweep)):
+        point = "the centre" if where == "at the centre" else "this point"
+        text.append(f"The focus passes {point} once, so the values describe a single passage and depend on the "
                     "phase of the modulation at that time.")
     return " ".join(text)
 

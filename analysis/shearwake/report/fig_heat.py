@@ -30,8 +30,8 @@ MEASURES = [
      "focal rms / {reference} (1)"),
     ("ipr_abs_period_mm2", "Spread of the vibration (IPR of |u|)", "(Σ|u|)² / Σu² (mm²)"),
     ("participation_period_mm2", "Participation area", "(Σu²)² / Σu⁴ (mm²)"),
-    ("peak_frequency_Hz", "Dominant frequency at the centre", "frequency (Hz)"),
-    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity at the centre",
+    ("peak_frequency_Hz", "Dominant frequency {place}", "frequency (Hz)"),
+    ("velocity_peak_frequency_Hz", "Dominant frequency of the velocity {place}",
      "frequency of du/dt (Hz)"),
 ]
 HELD = 0.5  # smallest fraction of cases with a value of a measure that is drawn
@@ -46,12 +46,12 @@ def measure_label(sweep, column):
 
 
 def band_measures(sweep):
-    """Shares of the energy at the centre in the bands of the job."""
+    """Shares of the energy at the trace point of the columns in the bands of the job."""
     found = dict.fromkeys(name for c in layout.ordinary(sweep) for name in c.scalars
                           if name.startswith("share_"))
     for name in found:
         low, high = name.split("_")[1:3]
-        yield (name, f"Fraction of the energy within {low} to {high} Hz", "fraction of the energy (1)")
+        yield (name, f"Fraction of the energy within {low} to {high} Hz {{place}}", "fraction of the energy (1)")
 
 
 def plane(sweep):
@@ -180,7 +180,8 @@ def heat_figure(sweep, folder, measure, plan):
     if not any(np.isfinite(g).any() for g in grids) or np.isfinite(known).mean() < HELD:
         return None
     reference = layout.reference_name(layout.all_references(sweep))
-    title, label = title.format(reference=reference), label.format(reference=reference)
+    place = layout.place_words(layout.column_place_m(c) for c in layout.ordinary(sweep))
+    title, label = title.format(reference=reference, place=place), label.format(reference=reference)
     norm, colours = scale(grids, sweep.is_ratio(column))
     columns = columns_of(sweep, others, len(shown))
     rows = math.ceil(len(shown) / columns)

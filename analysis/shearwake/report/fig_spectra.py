@@ -11,6 +11,7 @@ from .. import wake
 from . import fig_frequency, fig_time, layout, style, warnings_of
 from .chart import Chart, Line, Mark
 from .figure import Figure
+from .load import amplitude_spectrum
 from .words import listed, millimetres, number, split_unit
 
 SHOWN_Hz, VELOCITY_Hz = 1000.0, 2000.0  # upper limits of the frequency axis for u and du/dt
@@ -42,15 +43,16 @@ def unit_of(cases):
 
 
 def velocity_spectrum(case):
-    """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s; the skin is at rest at
-    t = 0."""
+    """One-sided spectrum of du/dt at the trace nearest to the centre in Hz and mm/s. The skin is at rest at t = 0 or, in the
+    periodic regime, moves as at the end of the period."""
     nearest = min(case.traces, key=lambda trace: math.hypot(*trace[0]))[1]
     interval_s = float(case.series["time"][1] - case.series["time"][0])
     velocity = np.diff(nearest, prepend=0.0) / interval_s
-    padded = 16 * len(velocity)  # for a smooth curve
-    amplitude = 2e3 * np.abs(np.fft.rfft(velocity, n=padded)) / len(velocity)
-    frequency = np.fft.rfftfreq(padded, interval_s)
-    return frequency[1:], amplitude[1:]
+    if layout.repeats(case):
+        velocity[0] = (nearest[0] - nearest[-1]) / interval_s
+        return np.fft.rfftfreq(len(velocity), interval_s)[1:], 2e3 * np.abs(np.fft.rfft(velocity))[1:] / len(velocity)
+    frequency, amplitude = amplitude_spectrum(velocity, interval_s)
+    return frequency[1:], 1e3 * amplitude[1:]
 
 
 def of_one_period(cases):
@@ -214,7 +216,7 @@ def relative_figure(sweep, folder, rows):
 
     _, charts = draw_rows(sweep, rows, f"amplitude over the\nlargest of {name} (1)", relative,
                           folder / "spectra_relative.png")
-    text = (f"The spectra above, relative to the largest amplitude of {name} under the same conditions. They show "
+    text = (f"The spectra above, without the mean, relative to the largest amplitude of {name} under the same conditions. They show "
             "how much of the strength each case preserves, and at which frequencies.")
     return Figure("spectra_relative", f"Spectra relative to {name}", text,
                   f"Amplitude spectra relative to the largest amplitude of {name}, one line per case", charts)
@@ -228,9 +230,11 @@ def velocity_figure(sweep, folder, rows):
         return None
     alike, charts = draw_rows(sweep, rows, "amplitude of $du_z/dt$ (mm/s)", velocity_spectrum,
                       folder / "spectra_velocity.png", VELOCITY_Hz, peaks=True)
-    text = ("Spectra of the velocity du/dt; a dot marks the dominant frequency, at which the amplitude is "
+    how = "" if all(layout.repeats(c) for _, cases, _ in rows for c in cases) else ", without its mean and with a Hann window"
+    text = (f"Spectra of the velocity du/dt{how}; a dot marks the dominant frequency, at which the amplitude is "
             f"largest.{own_scale(alike)}")
-    return Figure("spectra_velocity", "Spectra of the velocity at the centre", text,
+    where = layout.place_words(c.trace_at_m for _, cases, _ in rows for c in cases)
+    return Figure("spectra_velocity", f"Spectra of the velocity {where}", text,
                   "Amplitude spectra of the velocity at one point, one line per case", charts)
 
 
@@ -272,10 +276,10 @@ def caption(sweep, cases):
     if all(layout.repeats(c) for c in cases):
         text = f"One-sided amplitude of u at {where}: the lines at the multiples of 1 / period of the load."
     else:
-        text = f"One-sided amplitude of u at {where} over the complete run."
+        text = f"One-sided amplitude of u at {where} over the complete run, without its mean and with a Hann window."
     if len(duration) == 1 and not any(layout.repeats(c) for c in cases):
         run = duration.pop()
-        text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(1 / run, 2)} Hz apart."
+        text += f" The run of {number(1e3 * run)} ms resolves frequencies {number(2 / run, 2)} Hz apart."
     passing = {number(t, 3) if (t := wake.passing_ms(c)) is not None else None for c in cases}
     if len(passing) == 1 and None not in passing and not any(layout.repeats(c) for c in cases):
         text += f" The focus passes this point once, at {passing.pop()} ms, so the curves show a single passage."

@@ -94,7 +94,7 @@ def figures(sweep, folder):
                 "without the mean.")
     else:
         text = (f"Displacement u of {plane} over time, and its one-sided amplitude spectrum over the complete run, without "
-                "the mean.")
+                "the mean and with a Hann window.")
     if any(c.is_reference for c in drawn):
         text += f" Dashed: {layout.reference_name(layout.all_references(some))}."
     own = f"The pictures also show the last {periods.LAST} periods of the modulation, in the middle." if span else ""

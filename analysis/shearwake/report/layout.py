@@ -124,6 +124,21 @@ def wrapped(title: str, width_in: float) -> str:
     return textwrap.fill(title, int(CHARACTERS * width_in), break_on_hyphens=False)
 
 
+def column_place_m(case: Case) -> tuple:
+    """The trace point of the columns of the signal: that in the centre, else the first one."""
+    places = [place for place, _ in case.traces]
+    return (0.0, 0.0) if (0.0, 0.0) in places or not places else places[0]
+
+
+def place_words(places: Iterable[tuple]) -> str:
+    """'at the centre', 'at (25, 0) mm', or 'at a trace point' if the points in m differ."""
+    found = {tuple(words.millimetres(1e3 * v + 0.0) for v in place) for place in places}
+    if len(found) != 1:
+        return "at a trace point"
+    x, y = found.pop()
+    return "at the centre" if (x, y) == ("0", "0") else f"at ({x}, {y}) mm"
+
+
 def plane_name(cases: list[Case]) -> str:
     """'the surface', or the plane at the first of measure.depths_mm, in which surfaces, traces and measures are recorded."""
     depths = sorted({round(1e3 * c.setting("measure", "depths_m", default=[0.0])[0], 6) for c in cases})

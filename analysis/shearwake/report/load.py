@@ -102,6 +102,22 @@ class Sweep:
         return found if found and found.whole else None
 
 
+SPECTRUM_Hz = 2000.0  # upper end of spectra
+FINER = 8  # padding of a spectrum, for a smooth curve
+
+
+def amplitude_spectrum(values: np.ndarray, interval_s: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies in Hz and the one-sided amplitude spectrum of a signal, along the last axis, without its mean and with a Hann
+    window. A tone has its amplitude. Without a window, the mean of a run that holds no whole number of periods leaks into low
+    frequencies."""
+    count = values.shape[-1]
+    window = np.hanning(count + 2)[1:-1]
+    windowed = (values - (values @ window / window.sum())[..., None]) * window
+    frequency = np.fft.rfftfreq(FINER * count, interval_s)
+    shown = frequency <= SPECTRUM_Hz
+    return frequency[shown], 2.0 * np.abs(np.fft.rfft(windowed, n=FINER * count))[..., shown] / window.sum()
+
+
 def read_trace(case: Case) -> None:
     try:
         found = case.stored.arrays("traces")
@@ -110,8 +126,11 @@ def read_trace(case: Case) -> None:
     x, y = found["x"], found["y"]
     nearest = int(np.argmin(np.hypot(x, y)))
     case.trace_at_m = (float(x[nearest]), float(y[nearest]))
-    case.spectrum = (found["frequency"], found["amplitude"][nearest])
-    case.trace_amplitudes = list(found["amplitude"])
+    frequency, amplitude = found["frequency"], found["amplitude"]  # the lines of a period have no leakage
+    if case.setting("time", "regime", default="") != "periodic" and len(found["time"]) > 1:
+        frequency, amplitude = amplitude_spectrum(found["u_z"], float(found["time"][1] - found["time"][0]))
+    case.spectrum = (frequency, amplitude[nearest])
+    case.trace_amplitudes = list(amplitude)
     case.traces = [((float(a), float(b)), u) for a, b, u in zip(x, y, found["u_z"])]
 
 
