@@ -64,7 +64,7 @@ class ExplorePage(InFolder):
         with h5py.File(path) as file:
             frames = file["surface/u_z"][:, 0]
             self.assertEqual(list(frames.shape), shown["shape"])
-            for column in ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um", "ipr_at_1"):
+            for column in ("eta_at_1", "eta_period_1", "peak_um", "focal_rms_um", "participation_at_mm2"):
                 value = float(file[column][()])
                 if numpy.isfinite(value):
                     self.assertLessEqual(abs(shown["columns"][column] - value), 1e-6 * abs(value), column)

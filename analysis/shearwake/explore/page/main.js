@@ -3,7 +3,7 @@
 const PATIENCE_ms = 250;  // a request that takes longer gives way to a newer one
 const PICTURES = 12, SLOW_MS = 31;  // playback is slow if so many pictures take longer than this each
 const SHOWN = [["eta_at_1", "η at the end"], ["eta_period_1", "η over the last periods"], ["peak_um", "strength: peak"],
-  ["focal_rms_um", "RMS at the focus"], ["ipr_at_1", "participation ratio"], ["mach_angle_deg", "Mach angle, fitted"], ["mach_angle_theory_deg", "Mach angle, theory"]];
+  ["focal_rms_um", "RMS at the focus"], ["participation_at_mm2", "participation area"], ["mach_angle_deg", "Mach angle, fitted"], ["mach_angle_theory_deg", "Mach angle, theory"]];
 
 class Explorer {
   constructor() {
@@ -132,7 +132,7 @@ class Explorer {
       value.dataset.column = name;
       return [element("dt", {textContent: label}), value];
     }));
-    this.parts.warnings.replaceChildren(...this.result.header.warnings.map(w => element("li", {textContent: `${w.key}: ${w.message}`})));
+    this.parts.warnings.replaceChildren(...this.result.header.warnings.map(w => element("li", {textContent: `${w.severity === "error" ? "not valid: " : ""}${w.key}: ${w.message}`})));
   }
   // Pictures.
   tick(now) {
