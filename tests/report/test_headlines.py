@@ -150,6 +150,10 @@ class HeadlineTest(unittest.TestCase):
         text = self.result(folder)
         self.assertNotIn("the readings of the reference are not valid", text)
         self.assertIn("2 times the 0.2 of plain STM", text)
+        rows = layout.rows(load.load(folder.path))
+        self.assertEqual([(title.replace("\N{NO-BREAK SPACE}", " "), len(cases), reference and reference.id)
+                          for title, cases, reference in rows],
+                         [("modulation STM", 2, None), ("modulation AM-STM", 2, case_id(1))])
 
     def test_a_case_that_is_the_reference_of_others_is_counted_once(self):
         kind = "load.modulation.kind"

@@ -380,9 +380,10 @@ def rows(sweep: Sweep) -> list[tuple[str, list[Case], Case | None]]:
     separate: list[tuple[list[Case], list[Group]]] = []  # references, and the groups that have them
     for group in groups(sweep):
         found = motions(references(sweep, group))
-        made.append((group.label, group.cases, found[0] if len(found) == 1 else None))
-        if len(found) < 2:
-            continue
+        is_own = any(found[0] is case for case in group.cases) if found else False
+        made.append((group.label, group.cases, found[0] if len(found) == 1 and not is_own else None))
+        if len(found) < 2 or not any(r.is_reference for r in found):
+            continue  # cases of the sweep have panels of their own
         same = next((g for own, g in separate if len(own) == len(found) and all(map(have_same_motion, own, found))), None)
         if same is None:
             separate.append((found, [group]))
