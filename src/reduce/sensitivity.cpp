@@ -69,13 +69,28 @@ struct PairSums {
 
 } // namespace
 
+namespace {
+
+/// Replaces the bootstrap interval of a probability, which has no width at 0 and 1, by that of
+/// Wilson for a share of n values (J. Am. Stat. Assoc. 22, 209, 1927).
+void set_wilson_interval(Estimate& probability, double n) {
+    constexpr double z = 1.959964; // the 97.5 % quantile of the normal distribution
+    const double p = probability.value;
+    const double middle = p + z * z / (2.0 * n);
+    const double half = z * std::sqrt(p * (1.0 - p) / n + z * z / (4.0 * n * n));
+    probability.low = p > 0.0 ? (middle - half) / (1.0 + z * z / n) : 0.0; // exact at the ends
+    probability.high = p < 1.0 ? (middle + half) / (1.0 + z * z / n) : 1.0;
+}
+
+} // namespace
+
 std::vector<Estimate> distribution_of(std::vector<double> values,
                                       const std::vector<double>& thresholds) {
     std::ranges::sort(values);
     std::vector<std::string> names = {"mean", "sd", "q05", "q25", "q50", "q75", "q95"};
     for (const double threshold : thresholds)
         names.push_back(fmt::format("exceeds {:.9g}", threshold));
-    return bootstrap(values.size(), names, [&](const Weights& weights) {
+    std::vector<Estimate> found = bootstrap(values.size(), names, [&](const Weights& weights) {
         const Moments m = moments(values, weights);
         std::vector<double> out = {m.mean, std::sqrt(m.variance)};
         add_quantiles(values, weights, out);
@@ -89,6 +104,10 @@ std::vector<Estimate> distribution_of(std::vector<double> values,
         }
         return out;
     });
+    if (!values.empty())
+        for (auto e = found.end() - std::ssize(thresholds); e != found.end(); ++e)
+            set_wilson_interval(*e, static_cast<double>(values.size()));
+    return found;
 }
 
 std::vector<Estimate> sobol_indices(const Blocks& blocks, std::size_t keys) {

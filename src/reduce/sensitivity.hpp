@@ -8,7 +8,8 @@
 
 namespace shearwake::reduce {
 
-/// An estimate with its 95 % bootstrap confidence interval (percentile method).
+/// An estimate with its 95 % confidence interval: bootstrap (percentile method), Wilson for
+/// probabilities.
 struct Estimate {
     std::string name;
     double value = 0.0, low = 0.0, high = 0.0;

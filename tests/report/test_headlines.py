@@ -10,11 +10,12 @@ import math
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from synthetic import AM, FWHM, Folder, Page, case_id
 
 from shearwake.report import (curve_chart, fig_drive, fig_measures, fig_profiles, fig_spectra, fig_surface, fig_time,
-                              layout, load, references, validity, warnings_of)
+                              layout, load, references, sample, validity, warnings_of)
 from shearwake.report.summary import summary
 
 ENGINE = "solver.engine"
@@ -163,6 +164,22 @@ class HeadlineTest(unittest.TestCase):
         sweep = load.load(folder.save())
         self.assertEqual(len(validity.invalid_cases(sweep, "eta", "eta_period_1")), 2)
         self.assertEqual(len(layout.with_references(sweep)), 2)
+
+    def test_a_statistic_of_too_few_samples_says_so_where_it_is_stated(self):
+        def row(statistic, value, note=""):
+            return {"column": "eta_period_1", "statistic": statistic, "value": value, "low_95": value - 0.1, "high_95": value,
+                    "samples": 23.0, "without_value": 2.0, "note": note}
+        rows = [row("q05", 0.2, "too few samples: 1 values"), row("q50", 0.3), row("q95", 0.4),
+                row("exceeds 0.1", 1.0, "too few samples: 0 values")]
+        folder = Folder(self.root)
+        folder.add({AM: 100.0})
+        sweep = load.load(folder.save())
+        sweep.uncertain = {"keys": [AM], "exceedance": {"eta_period_1": 0.1}}
+        with mock.patch.object(sample, "read_statistics", lambda *_: rows):
+            text = sample.sentence(sweep)
+        self.assertIn("Over 23 of 25 samples", text)
+        self.assertIn("between 0.2 and 0.4 (too few samples: 1 values).", text)
+        self.assertIn("(95 % confidence interval 0.9 to 1; too few samples: 0 values)", text)
 
     def test_the_table_of_the_page_states_which_cases_are_valid(self):
         folder = Folder(self.root)

@@ -91,7 +91,7 @@ def bands(sweep, folder, rows):
     return [Figure("uncertain_bands", "Median and spread over the samples",
                    "Points: median over the samples. Light band or thin line: from the 5 % to the 95 % quantile, which "
                    "contain 90 % of the samples. Dark band or thick line: 95 % bootstrap confidence interval of the "
-                   "median." + small_sample(rows, columns),
+                   "median." + small_sample([row for row in rows if row["statistic"] in ("q05", "q50", "q95")], columns),
                    "Median and quantiles of the measures over the samples")]
 
 
@@ -110,7 +110,8 @@ def probabilities(sweep, folder, rows):
     style.save(figure, folder / "uncertain_probability.png")
     return [Figure("uncertain_probability", "Probability of exceeding a threshold",
                    "Fraction of the samples whose value exceeds the threshold of [uncertain] exceedance, with its 95 % "
-                   "bootstrap confidence interval.", "Exceedance probabilities with confidence intervals")]
+                   "confidence interval (Wilson)." + small_sample([row for row in rows if (row["column"], row["statistic"])
+                                                                   in wanted], {c for c, _ in wanted}), "Exceedance probabilities with confidence intervals")]
 
 
 def indices(sweep, folder):

@@ -46,6 +46,11 @@ def by_place(sweep, rows, column):
     return found
 
 
+def doubt(row):
+    """The note of a statistic about its sample, as the continuation of a sentence; '' if the sample suffices."""
+    return f" ({row['note']})" if row["note"] else ""
+
+
 def sentence(sweep):
     """The result in a sentence, for the top of the page."""
     rows = read_statistics(sweep.folder, sweep.name)
@@ -60,7 +65,8 @@ def sentence(sweep):
             f"{counted(len(sweep.uncertain['keys']), 'uncertain key')}, the efficiency η ({column}) has the median "
             f"{number(best['q50']['value'], 3)}; 90 % of the samples are between {number(best['q05']['value'], 3)} and "
             f"{number(best['q95']['value'], 3)}")
-    text += f" ({at}, the highest median of the sweep)." if at and len(found) > 1 else "."
+    text += f" ({at}, the highest median of the sweep)" if at and len(found) > 1 else ""
+    text += f"{doubt(best['q50']) or doubt(best['q05']) or doubt(best['q95'])}."
     for threshold, value in sweep.uncertain["exceedance"].items():
         likely = by_place(sweep, rows, threshold)
         name = f"exceeds {value:.9g}"
@@ -69,6 +75,6 @@ def sentence(sweep):
             _, w, row = max(ranked, key=lambda item: item[0])
             at = label(sweep, w)
             text += (f" {threshold} exceeds {number(value)} with a probability of {number(row['value'], 3)} (95 % "
-                     f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)})"
-                     f"{', at ' + at if at else ''}.")
+                     f"confidence interval {number(row['low_95'], 3)} to {number(row['high_95'], 3)}"
+                     f"{'; ' + row['note'] if row['note'] else ''}){', at ' + at if at else ''}.")
     return text

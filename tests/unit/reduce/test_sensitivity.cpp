@@ -120,6 +120,26 @@ TEST_CASE("a small sample of indices has a warning and wide intervals", "[reduce
     CHECK(total.high - total.low > 0.1);
 }
 
+TEST_CASE("the interval of a probability has a width at 0 and 1", "[reduce][sensitivity]") {
+    std::vector<double> values(32);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        values[i] = 1.0 + 0.01 * static_cast<double>(i);
+    const auto found = reduce::distribution_of(values, {0.5, 2.0, 1.235});
+    REQUIRE(found.size() == 10);
+    const reduce::Estimate &all = found[7], &none = found[8], &some = found[9];
+    // Wilson: z^2 = 3.8415; 32/(32 + z^2) and z^2/(32 + z^2).
+    CHECK(all.value == 1.0);
+    CHECK(all.low == Approx(0.89282).epsilon(1e-4));
+    CHECK(all.high == 1.0);
+    CHECK(none.value == 0.0);
+    CHECK(none.low == 0.0);
+    CHECK(none.high == Approx(0.10718).epsilon(1e-4));
+    // 8 of 32: (8 + z^2/2 -+ z sqrt(8 24/32 + z^2/4))/(32 + z^2).
+    CHECK(some.value == 0.25);
+    CHECK(some.low == Approx(0.13252).epsilon(1e-4));
+    CHECK(some.high == Approx(0.42107).epsilon(1e-4));
+}
+
 TEST_CASE("a sample without valid readings states why", "[reduce][sensitivity]") {
     ModelRun run("sobol-indices", 16, 3, test::ishigami);
     const std::string invalid = "not valid: domain.extent_mm: waves return";
