@@ -82,9 +82,9 @@ void check_crossings(const Sweep& sweep, const TableSection& table, DiagnosticLi
                                           axis.key));
 }
 
-/// A job with its overrides, and the table [sweep] of the file.
+/// A job with its overrides, the same without them, and the table [sweep] of the file.
 struct ParsedJob {
-    NodePtr tree, sweep;
+    NodePtr tree, file, sweep;
 };
 
 /// Whether the file sweeps the kind of modulation.
@@ -139,10 +139,10 @@ ParsedJob parse(std::string_view text, const std::string& file_name,
     };
     flatten({{"sweep"}}, flattened_sweep);
     flatten({{"uncertain"}}, flattened_uncertain);
-    const NodePtr sweep = find(tree, {{"sweep"}});
+    const NodePtr file = tree, sweep = find(tree, {{"sweep"}});
     for (const Override& override : overrides)
         tree = with_override(tree, override, diagnostics);
-    return {tree, sweep};
+    return {tree, file, sweep};
 }
 
 } // namespace
@@ -163,6 +163,7 @@ Job read_job(std::string_view text, const std::string& file_name,
                       points, job.optimise, diagnostics);
     job.diagnostics = diagnostics.sorted();
     if (diagnostics.errors() > 0) throw BadJob(std::move(job.diagnostics));
+    if (!overrides.empty()) job.text = text_with_overrides(parsed.file, parsed.tree, file_name);
     return job;
 }
 

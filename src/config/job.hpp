@@ -20,7 +20,8 @@ namespace shearwake::config {
 
 /// A job file after reading and expansion.
 struct Job {
-    std::string text; // verbatim
+    std::string
+        text; // verbatim; with overrides: the job that they result in, in which they are marked
     Plan plan;
     std::vector<Diagnostic> diagnostics;                    // warnings
     std::optional<OptimiseOptions> optimise = std::nullopt; // if the job has [optimise]

@@ -21,6 +21,11 @@ class ShowModulation(ProgramTest):
                        "-S", "load.modulation.speed_m_s=3", ranks=2)
         self.assertIn("<svg", (self.folder / "m.svg").read_text(encoding="utf-8"))
 
+    def test_an_override_that_has_no_effect_is_reported(self):
+        self.write_job()
+        said = self.shearwake("show", "--modulation", "job.toml", "-S", "load.modulation.am_frequency_Hz=730").said
+        self.says(said, "load.modulation.am_frequency_Hz is swept, so this override has no effect")
+
     def test_moving_and_drawing_pointers_can_be_drawn(self):
         for job in ("fig2.4.toml", "pointers.toml"):
             self.shearwake("show", "--modulation", ROOT / "jobs" / job, "--picture", "m.png")

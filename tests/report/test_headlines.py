@@ -165,6 +165,13 @@ class HeadlineTest(unittest.TestCase):
         self.assertEqual(len(validity.invalid_cases(sweep, "eta", "eta_period_1")), 2)
         self.assertEqual(len(layout.with_references(sweep)), 2)
 
+    def test_the_page_marks_the_values_of_the_command_line(self):
+        folder = Folder(self.root, job="schema = 1\n[load]\npeak_Pa = 87.5 # -S; in the file: 100\n")
+        folder.add({AM: 100.0}, snapshot=False)
+        page = folder.report()
+        self.assertIn("<summary>Job file, with 1 value of the command line (-S)</summary>", page)
+        self.assertIn("<mark>peak_Pa = 87.5 # -S; in the file: 100</mark>", page)
+
     def test_a_statistic_of_too_few_samples_says_so_where_it_is_stated(self):
         def row(statistic, value, note=""):
             return {"column": "eta_period_1", "statistic": statistic, "value": value, "low_95": value - 0.1, "high_95": value,

@@ -18,6 +18,7 @@ from .topics import headlines, topics
 from .words import counted, number
 
 HERE = Path(__file__).resolve().parent
+CHANGED = " # -S; "  # begins the comment at a value of the command line (src/config/sweep/override.cpp)
 COLOURS = 96  # of the pictures within the page; the files next to it have all
 FACTS = [("program", "program"), ("git id", "git_id"), ("compiler", "compiler"),
          ("build", "build_type"), ("MPI", "mpi_version"), ("FFTW", "fftw_version"),
@@ -158,7 +159,11 @@ def provenance(sweep):
 def job(sweep):
     if not sweep.job_text:
         return ""
-    return f"<details><summary>Job file</summary><pre>{escape(sweep.job_text)}</pre></details>"
+    lines = escape(sweep.job_text).splitlines()
+    changed = sum(CHANGED in line for line in lines)
+    title = f"Job file, with {counted(changed, 'value')} of the command line (-S)" if changed else "Job file"
+    text = "\n".join(f"<mark>{line}</mark>" if CHANGED in line else line for line in lines)
+    return f"<details><summary>{title}</summary><pre>{text}</pre></details>"
 
 
 def read(name):

@@ -127,6 +127,7 @@ ExitCode lens_command(const LensArguments& arguments, const Comm& world) {
                              "= \"lens\"",
                          ExitCode::bad_job);
     on_root(world, [&] {
+        print_override_warnings(job);
         const std::filesystem::path folder =
             schedule::output_folder(arguments.out, job.plan.name + ".lens").root;
         const auto design = design_of(*lens);

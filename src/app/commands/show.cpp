@@ -181,6 +181,7 @@ std::string description(const Case& c) {
 void draw_modulation(const ShowArguments& arguments, const Comm& world) {
     const config::Job job = schedule::load_job(arguments.job, arguments.overrides, world);
     on_root(world, [&] {
+        print_override_warnings(job);
         std::filesystem::path picture = arguments.picture;
         if (picture.empty()) picture = arguments.job.stem().string() + ".modulation.png";
         const std::filesystem::path data = picture.string() + fmt::format(".{}.json", ::getpid());

@@ -42,6 +42,12 @@ CLI::Option* add_overrides(CLI::App& command, std::vector<std::string>& override
     return command.add_option(names, overrides, text)->type_name("KEY=VALUE")->take_all();
 }
 
+void print_override_warnings(const config::Job& job) {
+    for (const config::Diagnostic& diagnostic : job.diagnostics)
+        if (diagnostic.file.starts_with("-S "))
+            fmt::print(stderr, "{}\n", config::text(diagnostic));
+}
+
 void add_job(CLI::App& command, schedule::JobArguments& arguments) {
     command.add_option("JOB", arguments.job, "job file (TOML)")->required();
     add_overrides(command, arguments.overrides);

@@ -46,6 +46,8 @@ CLI::Option*
 add_overrides(CLI::App& command, std::vector<std::string>& overrides,
               const std::string& text = "override a key of the job: -S load.peak_Pa=200",
               const std::string& names = "-S");
+/// Prints the warnings about -S, for commands that report no others. Call it on rank 0.
+void print_override_warnings(const config::Job& job);
 /// JOB and -S.
 void add_job(CLI::App& command, schedule::JobArguments& arguments);
 /// --elsewhere

@@ -172,13 +172,38 @@ bool same_value(const Node& a, const Node& b) {
     return render(a) == render(b);
 }
 
+namespace {
+
+/// A basic string of TOML.
+std::string toml_string(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\')
+            out += std::string{'\\', c};
+        else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+        else
+            out += c;
+    }
+    return out + '"';
+}
+
+} // namespace
+
+std::string render_key(std::string_view key) {
+    const bool is_bare = !key.empty() && std::ranges::all_of(key, [](unsigned char c) {
+        return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-');
+    });
+    return is_bare ? std::string(key) : toml_string(key);
+}
+
 std::string render(const Node& node) {
     return std::visit(overloaded{
                           [](const DateNode&) { return std::string("a date"); },
                           [](bool flag) { return std::string(flag ? "true" : "false"); },
                           [](std::int64_t integer) { return fmt::format("{}", integer); },
                           [](double number) { return exact(number); },
-                          [](const std::string& text) { return fmt::format("\"{}\"", text); },
+                          [](const std::string& text) { return toml_string(text); },
                           [](const ListNode& list) {
                               std::string out = "[";
                               for (std::size_t i = 0; i < list.size(); ++i)
@@ -188,9 +213,9 @@ std::string render(const Node& node) {
                           [](const TableNode& table) {
                               std::string out = "{";
                               for (std::size_t i = 0; i < table.entries.size(); ++i)
-                                  out +=
-                                      fmt::format("{}{} = {}", i ? ", " : " ", table.entries[i].key,
-                                                  render(*table.entries[i].value));
+                                  out += fmt::format("{}{} = {}", i ? ", " : " ",
+                                                     render_key(table.entries[i].key),
+                                                     render(*table.entries[i].value));
                               return out + " }";
                           },
                       },

@@ -78,8 +78,10 @@ NodePtr moved_to(const NodePtr& node, const Place& place);
 /// Compares values and ignores locations; 2 and 2.0 are equal.
 bool same_value(const Node& a, const Node& b);
 
-/// The node as TOML on one line; strings are quoted.
+/// The node as TOML on one line.
 std::string render(const Node& node);
+/// A key as in TOML: bare or quoted.
+std::string render_key(std::string_view key);
 
 /// "a number", "a list", ... for messages.
 std::string_view kind_name(const Node& node);

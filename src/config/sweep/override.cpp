@@ -7,6 +7,7 @@
 #include "config/sweep/sweep_axes.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 
 namespace shearwake::config {
@@ -148,6 +149,104 @@ NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticL
         with(root, joined_below_sweep(root, *path, override.key), value, at, problem);
     if (!changed) diagnostics.error(at, problem);
     return changed ? changed : root;
+}
+
+namespace {
+
+constexpr std::string_view mark = "-S ";
+constexpr std::size_t longest_inline = 100;
+
+/// Whether an override has set this value.
+bool is_set(const Node& node) {
+    return node.at.file && node.at.file->starts_with(mark);
+}
+
+/// Whether an override has set a value in this node.
+bool has_set(const Node& node) {
+    if (is_set(node)) return true;
+    if (const auto* list = std::get_if<ListNode>(&node.value))
+        return std::ranges::any_of(*list, [](const NodePtr& item) { return has_set(*item); });
+    const auto* table = std::get_if<TableNode>(&node.value);
+    return table && std::ranges::any_of(table->entries,
+                                        [](const Entry& entry) { return has_set(*entry.value); });
+}
+
+bool is_list_of_tables(const Node& node) {
+    const auto* list = std::get_if<ListNode>(&node.value);
+    return list && !list->empty() && std::ranges::all_of(*list, [](const NodePtr& item) {
+               return std::holds_alternative<TableNode>(item->value);
+           });
+}
+
+/// Writes a tree as a document with headers of tables.
+class Writer {
+public:
+    explicit Writer(const NodePtr& before) : before_(before) {}
+
+    /// The values of a table, then the tables in it. `header`: its name in TOML.
+    void write(const TableNode& table, const Path& path, const std::string& header) {
+        std::vector<const Entry*> tables;
+        for (const Entry& entry : table.entries)
+            if (is_written_as_table(entry, path.empty()))
+                tables.push_back(&entry);
+            else
+                write_value(entry, with_step(path, {entry.key}));
+        for (const Entry* entry : tables) {
+            const std::string name = header + (header.empty() ? "" : ".") + render_key(entry->key);
+            const Path inner = with_step(path, {entry->key});
+            if (const auto* one = std::get_if<TableNode>(&entry->value->value)) {
+                text += fmt::format("\n[{}]\n", name);
+                write(*one, inner, name);
+                continue;
+            }
+            const auto& list = std::get<ListNode>(entry->value->value);
+            for (std::size_t i = 0; i < list.size(); ++i) {
+                text += fmt::format("\n[[{}]]\n", name);
+                write(std::get<TableNode>(list[i]->value), with_step(inner, {"", i + 1}), name);
+            }
+        }
+    }
+
+    std::string text;
+
+private:
+    static Path with_step(Path path, Step step) {
+        path.push_back(std::move(step));
+        return path;
+    }
+
+    /// Short tables are written on one line, and so are those that an override has set as a whole.
+    static bool is_written_as_table(const Entry& entry, bool at_top) {
+        const Node& node = *entry.value;
+        if (is_set(node)) return false;
+        if (std::holds_alternative<TableNode>(node.value))
+            return at_top || has_set(node) || render(node).size() > longest_inline;
+        return is_list_of_tables(node) && (has_set(node) || render(node).size() > longest_inline);
+    }
+
+    void write_value(const Entry& entry, const Path& path) {
+        text += fmt::format("{} = {}", render_key(entry.key), render(*entry.value));
+        if (has_set(*entry.value)) {
+            const NodePtr old = find(before_, path);
+            text += old ? fmt::format(" # -S; in the file: {}", excerpt(render(*old)))
+                        : " # -S; not in the file";
+        }
+        text += '\n';
+    }
+
+    const NodePtr& before_;
+};
+
+} // namespace
+
+std::string text_with_overrides(const NodePtr& before, const NodePtr& after,
+                                const std::string& file_name) {
+    Writer writer(before);
+    writer.text = fmt::format("# {} with the values of the command line (-S), which are marked. "
+                              "Comments of the file are left out.\n",
+                              excerpt(std::filesystem::path(file_name).filename().string()));
+    writer.write(std::get<TableNode>(after->value), {}, "");
+    return writer.text;
 }
 
 namespace {

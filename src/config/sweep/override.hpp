@@ -23,6 +23,11 @@ Place place_of(const Override& override);
 /// unchanged and reports a diagnostic.
 NodePtr with_override(const NodePtr& root, const Override& override, DiagnosticList& diagnostics);
 
+/// The job after overrides as TOML. A comment at each value that an override has set contains the
+/// value of `before`, the job without overrides. Other comments are not contained.
+std::string text_with_overrides(const NodePtr& before, const NodePtr& after,
+                                const std::string& file_name);
+
 /// Reports swept keys and overrides that have no effect on the grid studies of a plan: those of
 /// [medium] and [load], which a study replaces.
 void check_study_keys(const Plan& plan, const Sweep& sweep, std::span<const Override> overrides,

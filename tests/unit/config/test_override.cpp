@@ -42,6 +42,28 @@ TEST_CASE("an override can add and replace an axis", "[config][override]") {
     CHECK(plan.cases[2].physics.scene().load.peak_Pa == 3.0);
 }
 
+TEST_CASE("the text of a job with overrides is the job that is computed", "[config][override]") {
+    const std::string file = plain_and("[sweep]\n\"load.modulation.am_frequency_Hz\" = [310, 620]\n"
+                                       "[table]\nx = \"load.modulation.am_frequency_Hz\"\n");
+    const std::vector<config::Override> overrides = {
+        {"load.peak_Pa", "87.5"},
+        {"medium.layer[1].c_s_m_s", "3.25"},
+        {"load.modulation.ramp_ms", "0.5"},
+        {"job.title", R"("a \"quoted\" title")"},
+        {R"(sweep."load.footprint.fwhm_mm")", "[4.5, 6]"}};
+    const config::Job run = config::read_job(file, "job.toml", overrides);
+    const config::Job again = config::read_job(run.text, "again.toml");
+    REQUIRE(again.plan.cases.size() == 4);
+    for (std::size_t i = 0; i < again.plan.cases.size(); ++i)
+        CHECK(again.plan.cases[i].id == run.plan.cases[i].id);
+    CHECK(again.plan.title == "a \"quoted\" title");
+    CHECK_THAT(run.text, Catch::Contains("peak_Pa = 87.5 # -S; in the file: 100"));
+    CHECK_THAT(run.text, Catch::Contains("c_s_m_s = 3.25 # -S; in the file: "));
+    CHECK_THAT(run.text, Catch::Contains("ramp_ms = 0.5 # -S; not in the file"));
+    CHECK_THAT(run.text, Catch::Contains("\"load.footprint.fwhm_mm\" = [4.5, 6] # -S; not in"));
+    CHECK(config::read_job(file, "job.toml").text == file); // verbatim without overrides
+}
+
 TEST_CASE("an override of a swept key has no effect and is reported", "[config][override]") {
     const std::string sweep = GENERATE("load.peak_Pa = [1, 2]", "\"load.peak_Pa\" = [1, 2]",
                                        "zip = [ { load.peak_Pa = [1, 2] } ]");
