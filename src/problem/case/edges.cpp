@@ -64,9 +64,6 @@ double longest_wave_m(const Load& load, double speed_m_s) {
 
 namespace {
 
-/// Mirror images decrease as n^-3 and alternate: the first term that is omitted bounds the rest.
-constexpr int mirror_images = 50;
-
 /// The thickness above a rigid base, infinite on a half-space.
 double depth_m(const Medium& medium) {
     if (medium.base == Base::half_space) return std::numeric_limits<double>::infinity();
@@ -76,18 +73,46 @@ double depth_m(const Medium& medium) {
     return sum_m;
 }
 
-/// integral of 1/r^3 from r = radius to infinity, times r, for the flow in a layer: 1/radius, and
-/// the images of the load in the base and in the surface.
-double integral_beyond(double radius_m, double thickness_m) {
-    double sum = 1.0 / radius_m;
-    if (std::isinf(thickness_m)) return sum;
-    for (int n = 1; n <= mirror_images; ++n) {
-        const double z_m = 2.0 * n * thickness_m;
-        const double term =
-            2.0 * radius_m * radius_m * std::pow(radius_m * radius_m + z_m * z_m, -1.5);
-        sum += n % 2 ? -term : term;
+/// A mode e^{ikx} of the surface of a nearly incompressible layer as an oscillator: the mass is
+/// that of the flow from rest, the stiffness the static one. Driven by the force of a point load.
+struct Mode {
+    double k_rad_m, mass_kg, stiffness_N_m, damping_N_s_m;
+    double u_m = 0.0, v_m_s = 0.0, a_m_s2 = 0.0;
+
+    double rate_rad_s() const { return std::sqrt(stiffness_N_m / mass_kg); }
+
+    /// A step with constant mean acceleration (Newmark 1959), which is stable for any step.
+    void advance(double dt_s, double force_N) {
+        const double c = 2.0 / dt_s, m = mass_kg * c * c;
+        const double push_N = force_N + m * u_m + mass_kg * (2.0 * c * v_m_s + a_m_s2) +
+                              damping_N_s_m * (c * u_m + v_m_s);
+        const double next_m = push_N / (stiffness_N_m + c * damping_N_s_m + m);
+        const double next_m_s = c * (next_m - u_m) - v_m_s;
+        a_m_s2 = c * c * (next_m - u_m) - 2.0 * c * v_m_s - a_m_s2;
+        u_m = next_m;
+        v_m_s = next_m_s;
     }
-    return std::max(sum, 0.0);
+};
+
+/// The mode of the wave number k per unit of area.
+Mode mode_of(const Medium& medium, double k_rad_m, double penetration_m) {
+    const double x = k_rad_m * depth_m(medium);
+    const bool is_deep = !(x < 20.0); // the base changes the mode by e^-40
+    const double flow = is_deep ? 1.0 : std::tanh(x), square = std::cosh(is_deep ? 0.0 : x);
+    const double compliance =
+        is_deep ? 1.0 : (std::sinh(x) * std::cosh(x) - x) / (square * square + x * x);
+    const Layer& top = medium.layers.front();
+    const double speed_m_s = edge_speed_m_s(medium, penetration_m);
+    Mode mode{.k_rad_m = k_rad_m,
+              .mass_kg = top.density_kg_m3 / (k_rad_m * flow),
+              .stiffness_N_m =
+                  2.0 * top.density_kg_m3 * speed_m_s * speed_m_s * k_rad_m / compliance,
+              .damping_N_s_m = 0.0};
+    const double rate_rad_s = mode.rate_rad_s();
+    if (rate_rad_s > 0.0 && static_shear_modulus(top) > 0.0)
+        mode.damping_N_s_m = mode.stiffness_N_m * shear_modulus(top, rate_rad_s).imag() /
+                             (static_shear_modulus(top) * rate_rad_s);
+    return mode;
 }
 
 } // namespace
@@ -97,28 +122,38 @@ std::vector<double> image_uplift_m(const Case& c) {
     // The disc with the same integral of 1/r^3 outside of it as outside of the rectangle.
     const double radius_m =
         std::numbers::pi / 4.0 * width_m * height_m / std::hypot(width_m, height_m);
-    const Layer& top = c.scene().medium.layers.front();
-    const double per_moment = integral_beyond(radius_m, depth_m(c.scene().medium)) /
-                              (top.density_kg_m3 * width_m * height_m);
+    const Medium& medium = c.scene().medium;
     const double dt_s = c.time.interval_s;
     const auto frames = static_cast<std::size_t>(c.time.frames);
-    const double steps = std::ceil(std::min(width_m, height_m) / (top.c_p_m_s * dt_s));
-    if (steps > static_cast<double>(frames)) return std::vector<double>(frames, 0.0);
+    const double delay_s = std::min(width_m, height_m) / medium.layers.front().c_p_m_s;
+    const double steps = std::ceil(delay_s / dt_s);
+    std::vector<double> uplift_m(frames, 0.0);
+    if (steps > static_cast<double>(frames)) return uplift_m;
     const auto delay = static_cast<std::size_t>(steps);
     Load averaged = c.scene().load;
     averaged.carrier = AveragedCarrier{};
-    // The first and the second integral of the force over time, by the trapezoidal rule.
-    std::vector<double> once(frames + 1, 0.0), twice(frames + 1, 0.0), uplift_m(frames, 0.0);
     std::vector<double> times_s;
     for (std::size_t n = 0; n <= frames; ++n)
         times_s.push_back(static_cast<double>(n) * dt_s);
     const std::vector<double> force_N = forces_N(averaged, times_s);
-    for (std::size_t n = 1; n <= frames; ++n) {
-        once[n] = once[n - 1] + 0.5 * dt_s * (force_N[n - 1] + force_N[n]);
-        twice[n] = twice[n - 1] + 0.5 * dt_s * (once[n - 1] + once[n]);
-        if (n < delay) continue;
-        const std::size_t m = n - delay;
-        uplift_m[n - 1] = per_moment * (twice[m] + static_cast<double>(delay) * dt_s * once[m]);
+    // Up to where the spectrum of a Gaussian of this width has fallen to e^-8.
+    const double sigma_m = fwhm_m(c.scene().load.footprint) / std::sqrt(8.0 * std::numbers::ln2);
+    const double step_rad_m = 0.1 / radius_m; // of the oscillating J1(k R)
+    for (double k = 0.5 * step_rad_m; k * sigma_m < 4.0; k += step_rad_m) {
+        Mode mode = mode_of(medium, k, radius_m);
+        // k dk/(2 pi), the mean over the disc 2 J1(k R)/(k R), and the area of the disc per domain.
+        const double share = step_rad_m * ::j1(k * radius_m) * radius_m *
+                             std::exp(-0.5 * k * k * sigma_m * sigma_m) / (width_m * height_m);
+        // The response to an impulse, from the moment at which P waves have crossed the domain.
+        const double wait_s = static_cast<double>(delay) * dt_s;
+        const double turned = mode.rate_rad_s() * wait_s;
+        const double kick =
+            (turned > 0.0 ? std::sin(turned) / turned : 1.0) * wait_s / mode.mass_kg;
+        for (std::size_t m = 1; m + delay <= frames; ++m) {
+            mode.advance(dt_s, std::cos(turned) * force_N[m]);
+            mode.u_m += 0.5 * dt_s * (force_N[m - 1] + force_N[m]) * kick;
+            uplift_m[m + delay - 1] += share * mode.u_m;
+        }
     }
     return uplift_m;
 }
