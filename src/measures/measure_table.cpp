@@ -140,8 +140,9 @@ constexpr std::array measures = {
             "vector strength of {class} spikes at the modulation frequency, averaged over the "
             "afferents that fire at least twice, weighted by their spikes"},
     Measure{"{class}_locking_1", "1",
-            "vector strength of {class} spikes at the modulation frequency per afferent, minus "
-            "that expected by chance"},
+            "vector strength of {class} spikes at the modulation frequency without the "
+            "contribution of chance: root of the mean over afferents with five spikes or more, "
+            "weighted by their pairs of spikes"},
     Measure{"{class}_first_spike_ms", "ms", "time of the first {class} spike"},
 };
 

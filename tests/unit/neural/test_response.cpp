@@ -182,6 +182,17 @@ TEST_CASE("locking is unbiased for small numbers of spikes", "[neural]") {
     CHECK(of[0].locking * of[0].locking == Approx(R * R).margin(0.035));
 }
 
+TEST_CASE("locking weights the fibres by their pairs of spikes", "[neural]") {
+    const std::vector<Afferent> afferents(2, {{}, AfferentClass::PC, 0});
+    SpikeTimes times_s(2);
+    for (int k = 0; k < 10; ++k)
+        times_s[0].push_back(1e-2 * k); // one phase of 100 Hz: n R^2 - 1 = 9
+    for (int k = 0; k < 5; ++k)
+        times_s[1].push_back(1e-2 * (k + 0.2 * k)); // five phases: n R^2 - 1 = -1
+    const auto of = class_responses(afferents, times_s, 0.5, 100.0, [](Vec2) { return 0.0; });
+    CHECK(of[0].locking == Approx(std::sqrt((90.0 * 1.0 + 20.0 * -0.25) / 110.0)).epsilon(1e-9));
+}
+
 TEST_CASE("rejects a sampling rate that is too low for the carrier", "[neural]") {
     CarrierInput carrier{.amplitude_m = 50e-6, .sampling_Hz = 80e3};
     CHECK_THROWS_AS(carrier_stimulus(carrier, {{}}, 1.0, 0.1), UsageError);
